@@ -1,0 +1,55 @@
+"""Annual daylight behind complex fenestration: BSDFs, matrix methods, error bars.
+
+The names below are the public interface; each is loaded when it is first used,
+so that `import clerestory` is fast and needs no compute device.
+"""
+
+import importlib
+from typing import Any
+
+_HOME = {
+    "ClerestoryError": "errors",
+    "ClerestoryWarning": "errors",
+    "InputError": "errors",
+    "Axis": "matrix.axis",
+    "TransferMatrix": "matrix.transfer_matrix",
+    "read_matrix": "matrix.radiance_format",
+    "write_matrix": "matrix.radiance_format",
+    "klems": "hemisphere.klems",
+    "reinhart": "hemisphere.reinhart",
+    "Bsdf": "bsdf.matrix",
+    "read_bsdf": "bsdf.xml",
+    "Weather": "sky.weather",
+    "SkyMatrix": "sky.sky_matrix",
+    "read_weather": "sky.read",
+    "sky_matrix": "sky.sky_matrix",
+    "Scene": "scene.model",
+    "Sensors": "scene.sensors",
+    "Window": "scene.window",
+    "read_rad": "scene.rad",
+    "read_sensors": "scene.sensors",
+    "read_window": "scene.window",
+    "read_windows": "scene.window",
+    "view_matrix": "phases.trace",
+    "view_matrices": "phases.trace",
+    "daylight_matrix": "phases.trace",
+    "daylight_matrices": "phases.trace",
+    "daylight_coefficients": "phases.trace",
+    "read_study": "study.config",
+    "run_study": "study.run",
+}
+
+__version__ = "0.1.0"
+__all__ = sorted([*_HOME, "__version__"])
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'clerestory' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"clerestory.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

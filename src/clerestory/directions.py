@@ -1,0 +1,72 @@
+"""Directions and frames: unit vectors, azimuth and altitude, the frame of a window.
+
+East is +x, north +y, up +z. Azimuth is measured clockwise from north, altitude
+from the horizon, both in radians.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+
+
+def unit(vector: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
+    """Vectors scaled to length one.
+
+    Raises
+    ------
+    InputError : a vector has no length or is not finite
+    """
+    vector = np.asarray(vector, dtype=float)
+    length = np.linalg.norm(vector, axis=-1, keepdims=True)
+    if not np.all(np.isfinite(length) & (length > 0)):
+        raise InputError("a direction is zero or not finite; a vector with length is expected")
+    return vector / length
+
+
+def from_azimuth(
+    azimuth: Float[np.ndarray, "*batch"], altitude: Float[np.ndarray, "*batch"]
+) -> Float[np.ndarray, "*batch 3"]:
+    """Unit vectors towards the given azimuth and altitude [rad].
+
+    >>> from_azimuth(np.array(np.pi / 2), np.array(0.0)).round(6).tolist()  # east
+    [1.0, 0.0, 0.0]
+    """
+    flat = np.cos(altitude)
+    return np.stack([flat * np.sin(azimuth), flat * np.cos(azimuth), np.sin(altitude)], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Right-handed frame of a surface: right × up = normal.
+
+    Attributes
+    ----------
+    right, up, normal : unit vectors in the scene
+    """
+
+    right: Float[np.ndarray, "3"]
+    up: Float[np.ndarray, "3"]
+    normal: Float[np.ndarray, "3"]
+
+    @classmethod
+    def from_normal_up(
+        cls, normal: Float[np.ndarray, "3"], up: Float[np.ndarray, "3"]
+    ) -> "Frame":
+        """Frame with the given normal whose up lies as near to `up` as it can.
+
+        Raises
+        ------
+        InputError : up is parallel to the normal
+        """
+        normal, up = unit(normal), unit(up)
+        flat = up - np.dot(up, normal) * normal
+        if np.linalg.norm(flat) < 1e-4:
+            raise InputError(
+                f"the up vector {np.round(up, 3).tolist()} is parallel to the normal;"
+                " a direction within the surface is expected"
+            )
+        flat = unit(flat)
+        return cls(np.cross(flat, normal), flat, normal)

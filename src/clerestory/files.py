@@ -1,0 +1,91 @@
+"""Files appear whole or not at all."""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO, cast
+
+from clerestory.errors import InputError, OutputError
+
+
+@contextmanager
+def replace_file(path: str | Path) -> Iterator[BinaryIO]:
+    """Open a binary stream that becomes `path` only when its block ends well.
+
+    The bytes go to a temporary file beside `path`, which is renamed at the end;
+    an error or an interruption leaves whatever stood there before untouched.
+
+    Raises
+    ------
+    OutputError : the folder is missing or cannot be written
+    """
+    path = Path(path)
+    temporary = None
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        temporary = Path(name)
+        with os.fdopen(handle, "wb") as stream:
+            yield cast(BinaryIO, stream)
+        # mkstemp makes private files; a result has the permissions of any other file
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        temporary.replace(path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(f"{path}: cannot be written: {reason}") from error
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write `text` as UTF-8 to `path`, whole or not at all."""
+    with replace_file(path) as stream:
+        stream.write(text.encode())
+
+
+def read_text(path: str | Path) -> str:
+    """Return the text of a file; bytes that are not UTF-8 are read as Latin-1.
+
+    Raises
+    ------
+    InputError : the file is missing, a folder, or not readable
+    """
+    data = read_bytes(path)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def read_bytes(path: str | Path) -> bytes:
+    """Return the bytes of a file.
+
+    Raises
+    ------
+    InputError : the file is missing, a folder, or not readable
+    """
+    try:
+        return Path(path).read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot be read: {reason}", file=path) from error
+
+
+def make_folder(path: str | Path) -> Path:
+    """Create a folder for results, with its parents, and return it.
+
+    Raises
+    ------
+    OutputError : the folder cannot be made
+    """
+    path = Path(path)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(f"{path}: cannot be made: {reason}") from error
+    return path

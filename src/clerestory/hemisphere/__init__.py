@@ -1,0 +1,1 @@
+"""Ways to cut a hemisphere into patches."""

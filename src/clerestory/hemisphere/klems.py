@@ -1,0 +1,50 @@
+"""Klems bases of LBNL's Window: rings from the normal outwards.
+
+Files name their basis, but "LBNL/Klems Half" stands for 73 patches in old
+Radiance and 77 in Window, and the limits of the quarter basis have moved too.
+A reader therefore builds the partition from the rings in the file; the bases
+here are today's definitions, for matrices that are traced.
+
+References: J. H. Klems, ASHRAE Transactions 100 (1), 1994; LBNL WINDOW 7
+technical documentation, angle bases.
+"""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
+
+_RINGS: dict[str, tuple[tuple[float, ...], tuple[int, ...]]] = {
+    "full": ((0, 5, 15, 25, 35, 45, 55, 65, 75, 90), (1, 8, 16, 20, 24, 24, 24, 16, 12)),
+    "half": ((0, 6.5, 19.5, 32.5, 45.5, 58.5, 71.5, 90), (1, 8, 12, 16, 20, 12, 8)),
+    "quarter": ((0, 9, 27, 45, 63, 90), (1, 8, 12, 12, 8)),
+}
+
+
+def klems(basis: str = "full") -> RingPartition:
+    """Return the Klems basis "full" (145 patches), "half" (77) or "quarter" (41).
+
+    Raises
+    ------
+    InputError : another name
+
+    Examples
+    --------
+    >>> lam = klems("full").projected_solid_angles()
+    >>> lam.size, round(float(lam.sum()), 12)
+    (145, 3.14159265359)
+    """
+    if basis not in _RINGS:
+        raise InputError(f"unknown Klems basis {basis!r}; one of {', '.join(_RINGS)} expected")
+    limits_deg, count = _RINGS[basis]
+    return from_rings(
+        f"LBNL/Klems {basis.capitalize()}", limits_deg=np.array(limits_deg), count=np.array(count)
+    )
+
+
+def from_rings(
+    name: str, *, limits_deg: Float[np.ndarray, " limits"], count: Int[np.ndarray, " rings"]
+) -> RingPartition:
+    """Return the partition with the ring limits [°] and patch counts of a file."""
+    return RingPartition(name, np.asarray(count, dtype=int), np.radians(np.asarray(limits_deg)))

@@ -1,0 +1,137 @@
+"""Partition of a hemisphere into rings around its pole, each ring cut in azimuth.
+
+The patch is the unit of exchange of every matrix in the package: a BSDF is a
+matrix from patches to patches, a view matrix one from patches to sensors.
+
+Directions are given in the frame of the hemisphere: z along its pole, y up (or
+north), x right (or east). Azimuth runs from +y towards +x, and the first patch
+of a ring is centred on +y. This one definition serves the Klems bases of
+windows and the Reinhart sky.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class RingPartition:
+    """A hemisphere cut into rings, each ring cut into equal patches.
+
+    Attributes
+    ----------
+    name : what files and messages call it
+    count : patches in each ring, in the order in which patches are numbered
+    theta : polar limits of the rings [rad], from 0 to π/2 or from π/2 to 0
+
+    Raises
+    ------
+    InputError : the limits are not monotonic or do not span pole and rim
+
+    Examples
+    --------
+    >>> halves = RingPartition("two halves", np.array([2]), np.array([0, np.pi / 2]))
+    >>> halves.projected_solid_angles().round(4).tolist()
+    [1.5708, 1.5708]
+    """
+
+    name: str
+    count: Int[np.ndarray, " rings"]
+    theta: Float[np.ndarray, " limits"]
+
+    def __post_init__(self) -> None:
+        step = np.diff(self.theta)
+        if len(self.theta) != len(self.count) + 1 or np.any(self.count < 1):
+            raise InputError(
+                f"{self.name}: {len(self.count)} rings with {len(self.theta)} limits;"
+                " one limit more than rings, and patches in each ring, expected"
+            )
+        if not (np.all(step > 0) or np.all(step < 0)):
+            raise InputError(f"{self.name}: ring limits {np.degrees(self.theta)}° do not grow")
+        ends = sorted((float(self.theta[0]), float(self.theta[-1])))
+        if abs(ends[0]) > 1e-6 or abs(ends[1] - np.pi / 2) > 1e-6:
+            raise InputError(f"{self.name}: rings span {np.degrees(ends)}°; 0 to 90° expected")
+
+    def __len__(self) -> int:
+        return int(self.count.sum())
+
+    @property
+    def first(self) -> Int[np.ndarray, " rings"]:
+        """Number of the first patch of each ring."""
+        return np.cumsum(self.count) - self.count
+
+    def matches(self, other: "RingPartition") -> bool:
+        """Whether both cut the hemisphere alike, whatever their names."""
+        return np.array_equal(self.count, other.count) and bool(
+            np.allclose(self.theta, other.theta, atol=2e-3)
+        )
+
+    def solid_angles(self) -> Float[np.ndarray, " patches"]:
+        """Solid angle of each patch [sr]; the values sum to 2π."""
+        ring = 2 * np.pi * np.abs(np.diff(np.cos(self.theta)))
+        return np.repeat(ring / self.count, self.count)
+
+    def projected_solid_angles(self) -> Float[np.ndarray, " patches"]:
+        """Solid angle of each patch weighted by the cosine to the pole [sr].
+
+        A patch of uniform radiance L sends the irradiance ΛL to the plane, with
+        Λ the value returned here. The values sum to π.
+        """
+        ring = np.pi * np.abs(np.diff(np.sin(self.theta) ** 2))
+        return np.repeat(ring / self.count, self.count)
+
+    def find(self, direction: Float[np.ndarray, "*batch 3"]) -> Int[np.ndarray, "*batch"]:
+        """Patch that holds each direction; -1 below the rim."""
+        x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
+        theta = np.arctan2(np.hypot(x, y), z)
+
+        # Find the ring, whichever way the limits run
+        inner = self.theta[1:-1]
+        if self.theta[0] > self.theta[-1]:
+            ring = len(inner) - np.searchsorted(inner[::-1], theta, side="left")
+        else:
+            ring = np.searchsorted(inner, theta, side="right")
+
+        # Find the patch within it; the first is centred on +y
+        count = self.count[ring]
+        turn = np.arctan2(x, y) / (2 * np.pi)
+        within = np.floor(turn * count + 0.5).astype(int) % count
+        return np.where(z > 0, self.first[ring] + within, -1)
+
+    def centres(self) -> Float[np.ndarray, "patches 3"]:
+        """Unit vectors through the middle of each patch, in polar angle and azimuth."""
+        middle = (self.theta[1:] + self.theta[:-1]) / 2
+        middle = np.where((self.count == 1) & (self.theta[:-1] * self.theta[1:] == 0), 0, middle)
+        return self._directions(np.repeat(middle, self.count), np.zeros(len(self)))
+
+    def sample(
+        self, patch: Int[np.ndarray, "*batch"], u: Float[np.ndarray, "*batch 2"]
+    ) -> Float[np.ndarray, "*batch 3"]:
+        """Directions within the given patches, distributed like the cosine.
+
+        Parameters
+        ----------
+        patch : patch numbers
+        u : points of the unit square, one per direction
+        """
+        ring = np.repeat(np.arange(len(self.count)), self.count)[patch]
+        low, high = np.sin(self.theta[ring]) ** 2, np.sin(self.theta[ring + 1]) ** 2
+        theta = np.arcsin(np.sqrt(low + (high - low) * u[..., 0]))
+        return self._directions(theta, u[..., 1] - 0.5, patch)
+
+    def _directions(
+        self,
+        theta: Float[np.ndarray, "*batch"],
+        offset: Float[np.ndarray, "*batch"],
+        patch: Int[np.ndarray, "*batch"] | None = None,
+    ) -> Float[np.ndarray, "*batch 3"]:
+        # Azimuth of a point `offset` patch widths beside the middle of its patch
+        if patch is None:
+            patch = np.arange(len(self))
+        ring = np.repeat(np.arange(len(self.count)), self.count)[patch]
+        phi = 2 * np.pi * (patch - self.first[ring] + offset) / self.count[ring]
+        flat = np.sin(theta)
+        return np.stack([flat * np.sin(phi), flat * np.cos(phi), np.cos(theta)], axis=-1)

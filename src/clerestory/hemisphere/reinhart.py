@@ -1,0 +1,77 @@
+"""Tregenza's sky and Reinhart's subdivisions of it, with the ground as patch 0.
+
+Rows run from the horizon to the zenith; within a row, azimuth runs clockwise
+from north. The frame is the scene's own: x east, y north, z up.
+
+References: P. R. Tregenza, Lighting Research and Technology 19 (1), 1987;
+C. F. Reinhart, O. Walkenhorst, Energy and Buildings 33 (7), 2001.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
+
+_TREGENZA_COUNT = (30, 30, 24, 24, 18, 12, 6)
+
+
+@dataclass(frozen=True, eq=False)
+class SkyPartition:
+    """A sky cut into patches 1…n, over a ground that is patch 0.
+
+    Attributes
+    ----------
+    subdivision : Reinhart's MF, 1 for Tregenza's sky
+    dome : the sky without the ground
+
+    Examples
+    --------
+    >>> [len(reinhart(mf)) for mf in (1, 2, 4)]
+    [146, 578, 2306]
+    """
+
+    subdivision: int
+    dome: RingPartition
+
+    def __len__(self) -> int:
+        return 1 + len(self.dome)
+
+    @property
+    def name(self) -> str:
+        """What files and messages call it."""
+        return f"Reinhart MF:{self.subdivision} with ground"
+
+    def matches(self, other: "SkyPartition") -> bool:
+        """Whether both cut the sky alike."""
+        return self.subdivision == other.subdivision
+
+    def find(self, direction: Float[np.ndarray, "*batch 3"]) -> Int[np.ndarray, "*batch"]:
+        """Patch that each direction points to; 0 at and below the horizon."""
+        return self.dome.find(direction) + 1
+
+    def solid_angles(self) -> Float[np.ndarray, " patches"]:
+        """Solid angle of each patch [sr]; 2π for the ground."""
+        return np.concatenate([[2 * np.pi], self.dome.solid_angles()])
+
+    def centres(self) -> Float[np.ndarray, "patches 3"]:
+        """Unit vectors to the middle of each patch; straight down for the ground."""
+        return np.concatenate([[[0.0, 0.0, -1.0]], self.dome.centres()])
+
+
+def reinhart(subdivision: int) -> SkyPartition:
+    """Return the sky with each Tregenza patch cut into `subdivision`² patches.
+
+    Raises
+    ------
+    InputError : the subdivision is not 1…6
+    """
+    if subdivision not in range(1, 7):
+        raise InputError(f"sky subdivision {subdivision!r}; a whole number from 1 to 6 expected")
+    rows = 7 * subdivision
+    altitude = np.append(np.arange(rows + 1) * np.pi / (2 * rows + 1), np.pi / 2)
+    count = subdivision * np.repeat(np.array(_TREGENZA_COUNT), subdivision)
+    dome = RingPartition(f"Reinhart MF:{subdivision}", np.append(count, 1), np.pi / 2 - altitude)
+    return SkyPartition(subdivision, dome)

@@ -1,0 +1,1 @@
+"""Matrices that know what their rows and columns stand for."""

@@ -1,0 +1,103 @@
+"""What the rows or the columns of a matrix stand for.
+
+Rows receive, columns send. Two matrices can be multiplied when the columns of
+the left one stand for the same thing as the rows of the right one.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.hemisphere.reinhart import SkyPartition
+
+Kind = Literal["sensor", "interior", "exterior", "sky", "time", "unknown"]
+
+_MEANING = {
+    "sensor": "sensors",
+    "interior": "window patches on the room side",
+    "exterior": "window patches on the outer side",
+    "sky": "sky patches",
+    "time": "time steps",
+    "unknown": "unlabelled entries",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """The rows or the columns of a matrix.
+
+    Attributes
+    ----------
+    kind : what they stand for; "unknown" for files that do not say
+    size : how many there are
+    partition : the patches, for window and sky axes
+    window : name of the window group; None fits every window
+    times : moments of the time steps (local standard time), for time axes
+    names : names of the sensors, if they have any
+    """
+
+    kind: Kind
+    size: int
+    partition: RingPartition | SkyPartition | None = None
+    window: str | None = None
+    times: np.ndarray | None = None
+    names: tuple[str, ...] | None = None
+
+    def describe(self) -> str:
+        """Return a phrase for messages, such as "145 window patches on the room side"."""
+        text = f"{self.size} {_MEANING[self.kind]}"
+        if self.partition is not None:
+            text += f" ({self.partition.name})"
+        return text + (f" of window {self.window!r}" if self.window else "")
+
+    def fits(self, other: "Axis") -> bool:
+        """Whether the columns `self` and the rows `other` stand for the same thing."""
+        if self.size != other.size:
+            return False
+        if "unknown" in (self.kind, other.kind):
+            return True
+        if self.kind != other.kind:
+            return False
+        if self.window and other.window and self.window != other.window:
+            return False
+        mine, yours = self.partition, other.partition
+        if isinstance(mine, RingPartition) and isinstance(yours, RingPartition):
+            return mine.matches(yours)
+        if isinstance(mine, SkyPartition) and isinstance(yours, SkyPartition):
+            return mine.matches(yours)
+        return True
+
+    def at_window(self, window: str | None) -> "Axis":
+        """Return this axis as one of the named window, where it had no name yet."""
+        if self.window is None and window and self.kind in ("interior", "exterior"):
+            return replace(self, window=window)
+        return self
+
+
+def sensor_axis(count: int, names: tuple[str, ...] | None = None) -> Axis:
+    """Return the axis of `count` sensors."""
+    return Axis("sensor", count, names=names)
+
+
+def window_axis(
+    side: Literal["interior", "exterior"], partition: RingPartition, window: str | None = None
+) -> Axis:
+    """Return the axis of the patches on one side of a window."""
+    return Axis(side, len(partition), partition=partition, window=window)
+
+
+def sky_axis(partition: SkyPartition) -> Axis:
+    """Return the axis of the patches of a sky."""
+    return Axis("sky", len(partition), partition=partition)
+
+
+def time_axis(times: np.ndarray) -> Axis:
+    """Return the axis of time steps."""
+    return Axis("time", len(times), times=times)
+
+
+def unknown_axis(size: int) -> Axis:
+    """Return the axis of a file that does not say what it holds."""
+    return Axis("unknown", size)

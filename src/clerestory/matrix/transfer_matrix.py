@@ -1,0 +1,197 @@
+"""The matrix of the daylight methods: labelled, in colour, with its error.
+
+The statistical error of a traced matrix is kept as a few *error components*:
+the deviations of its independent batches from their mean, scaled so that the
+variance of any entry is the sum of their squares. Components pass through
+products like the values themselves, so the standard error of V·T·D·S contains
+every correlation between the coefficients without a covariance matrix:
+
+    E = A·B   →   components of E = (components of A)·B  and  A·(components of B)
+"""
+
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.errors import MatrixError
+from clerestory.matrix.axis import Axis
+
+
+@dataclass(frozen=True, eq=False)
+class TransferMatrix:
+    """How much of what each column sends every row receives.
+
+    Attributes
+    ----------
+    values : one or three channels (RGB) of coefficients
+    rows, columns : what receives and what sends
+    components : error components, None for a matrix that has no statistical error
+
+    Raises
+    ------
+    MatrixError : shape and axes disagree, or a value is not finite
+    """
+
+    values: Float[np.ndarray, "channel row column"]
+    rows: Axis
+    columns: Axis
+    components: Float[np.ndarray, "component channel row column"] | None = None
+
+    def __post_init__(self) -> None:
+        if self.values.ndim != 3 or self.values.shape[0] not in (1, 3):
+            raise MatrixError(
+                f"matrix of shape {self.values.shape}; (1 or 3 channels, rows, columns) expected"
+            )
+        if self.values.shape[1:] != (self.rows.size, self.columns.size):
+            raise MatrixError(
+                f"matrix of {self.values.shape[1]} x {self.values.shape[2]} coefficients;"
+                f" {self.rows.describe()} by {self.columns.describe()} expected"
+            )
+        if self.components is not None and self.components.shape[1:] != self.values.shape:
+            raise MatrixError(
+                f"error components of shape {self.components.shape};"
+                f" (n, {', '.join(map(str, self.values.shape))}) expected"
+            )
+        if not np.all(np.isfinite(self.values)):
+            raise MatrixError("the matrix holds values that are not finite; numbers expected")
+
+    @property
+    def standard_error(self) -> Float[np.ndarray, "channel row column"]:
+        """Standard error of each coefficient; zero where there is no statistical error."""
+        if self.components is None:
+            return np.zeros_like(self.values)
+        return np.sqrt(np.sum(np.square(self.components), axis=0))
+
+    def __matmul__(self, other: object) -> "TransferMatrix":
+        """Return the product, refused when columns and rows do not fit.
+
+        Raises
+        ------
+        MatrixError : names what was found and what was expected
+        """
+        if not isinstance(other, TransferMatrix):
+            return NotImplemented
+        require_fit(self.columns, other.rows)
+        left, right = self.values, other.values
+        values = left @ right
+
+        # Carry the error of either factor through the other one
+        parts = []
+        if self.components is not None:
+            parts.append(self.components @ right)
+        if other.components is not None:
+            parts.append(left @ other.components)
+        parts = [np.broadcast_to(part, (len(part), *values.shape)) for part in parts]
+        components = np.concatenate(parts) if parts else None
+
+        rows = self.rows.at_window(other.rows.window)
+        columns = other.columns.at_window(self.columns.window)
+        return TransferMatrix(values, rows, columns, components)
+
+    def __add__(self, other: "TransferMatrix") -> "TransferMatrix":
+        """Return the sum of two independent matrices over the same rows and columns."""
+        if not isinstance(other, TransferMatrix):
+            return NotImplemented
+        if not (self.rows.fits(other.rows) and self.columns.fits(other.columns)):
+            raise MatrixError(
+                f"cannot add {other.rows.describe()} by {other.columns.describe()} to"
+                f" {self.rows.describe()} by {self.columns.describe()}"
+            )
+        values = self.values + other.values
+        parts = [m.components for m in (self, other) if m.components is not None]
+        parts = [np.broadcast_to(part, (len(part), *values.shape)) for part in parts]
+        columns = replace(self.columns, window=None)
+        components = np.concatenate(parts) if parts else None
+        return TransferMatrix(values, self.rows, columns, components)
+
+    def select_rows(self, rows: slice) -> "TransferMatrix":
+        """Return some of the rows, such as one block of sensors."""
+        names = self.rows.names[rows] if self.rows.names else None
+        axis = replace(self.rows, size=len(range(self.rows.size)[rows]), names=names)
+        components = None if self.components is None else self.components[:, :, rows]
+        return replace(self, values=self.values[:, rows], rows=axis, components=components)
+
+    def weighted(self, weights: tuple[float, ...]) -> "TransferMatrix":
+        """Return one channel, the sum of the three under `weights`.
+
+        A matrix of one channel is grey: the sum of the weights multiplies it.
+        """
+        if self.values.shape[0] == 1:
+            factor = np.array([sum(weights)])
+        else:
+            factor = np.array(weights)
+        factor = factor.astype(self.values.dtype)[:, None, None]
+        components = self.components
+        if components is not None:
+            scale = factor.astype(components.dtype)
+            components = np.sum(components * scale, axis=1, keepdims=True)
+        values = np.sum(self.values * factor, axis=0, keepdims=True)
+        return replace(self, values=values, components=components)
+
+    def illuminance(self) -> xr.Dataset:
+        """Illuminance [lux] of sensors per time step, with its standard error.
+
+        The matrix must hold irradiance [W/m²] in Radiance's RGB: 179 lm/W times
+        0.265 R + 0.670 G + 0.065 B.
+
+        Raises
+        ------
+        MatrixError : columns are not time steps
+        """
+        if self.columns.kind not in ("time", "unknown"):
+            raise MatrixError(
+                f"columns are {self.columns.describe()}; multiply by a sky matrix first"
+            )
+        weights = cast(
+            tuple[float, ...], tuple(LUMINOUS_EFFICACY * weight for weight in LUMINANCE_WEIGHTS)
+        )
+        lux = self.weighted(weights)
+        return illuminance_dataset(
+            lux.values[0], lux.standard_error[0], sensors=self.rows, times=self.columns
+        )
+
+
+def require_fit(columns: Axis, rows: Axis) -> None:
+    """Refuse a product whose inner axes stand for different things.
+
+    Raises
+    ------
+    MatrixError : names what was found and what was expected
+    """
+    if columns.fits(rows):
+        return
+    hint = ""
+    if (columns.kind, rows.kind) == ("interior", "exterior"):
+        hint = "; put the transmission matrix of a BSDF between them"
+    raise MatrixError(
+        f"the left matrix sends from {columns.describe()}, the right one receives on"
+        f" {rows.describe()}; the same expected on both sides{hint}"
+    )
+
+
+def illuminance_dataset(
+    illuminance: Float[np.ndarray, "sensor time"],
+    standard_error: Float[np.ndarray, "sensor time"],
+    *,
+    sensors: Axis,
+    times: Axis,
+) -> xr.Dataset:
+    """Label illuminance and its standard error [lux] with sensors and times."""
+    names = list(sensors.names) if sensors.names else np.arange(sensors.size)
+    moments = times.times if times.times is not None else np.arange(times.size)
+    return xr.Dataset(
+        {
+            "illuminance": (("sensor", "time"), illuminance, {"units": "lux"}),
+            "standard_error": (
+                ("sensor", "time"),
+                standard_error,
+                {"units": "lux", "long_name": "standard error of the illuminance"},
+            ),
+        },
+        coords={"sensor": names, "time": moments},
+        attrs={"quantity": "illuminance", "units": "lux"},
+    )
