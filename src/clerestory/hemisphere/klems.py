@@ -5,6 +5,12 @@ Radiance and 77 in Window, and the limits of the quarter basis have moved too.
 A reader therefore builds the partition from the rings in the file; the bases
 here are today's definitions, for matrices that are traced.
 
+In the frame of a window (right, up, normal into the room) the first patch of a
+ring lies to the right and the next ones follow upwards. Light that leaves into
+the room through patch i travels along the centre of patch i; light that arrives
+from outside through patch i comes from the opposite direction, so equal numbers
+mean straight through.
+
 References: J. H. Klems, ASHRAE Transactions 100 (1), 1994; LBNL WINDOW 7
 technical documentation, angle bases.
 """
@@ -47,4 +53,5 @@ def from_rings(
     name: str, *, limits_deg: Float[np.ndarray, " limits"], count: Int[np.ndarray, " rings"]
 ) -> RingPartition:
     """Return the partition with the ring limits [°] and patch counts of a file."""
-    return RingPartition(name, np.asarray(count, dtype=int), np.radians(np.asarray(limits_deg)))
+    theta = np.radians(np.asarray(limits_deg, dtype=float))
+    return RingPartition(name, np.asarray(count, dtype=int), theta, azimuth="polar")

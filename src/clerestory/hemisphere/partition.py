@@ -4,12 +4,14 @@ The patch is the unit of exchange of every matrix in the package: a BSDF is a
 matrix from patches to patches, a view matrix one from patches to sensors.
 
 Directions are given in the frame of the hemisphere: z along its pole, y up (or
-north), x right (or east). Azimuth runs from +y towards +x, and the first patch
-of a ring is centred on +y. This one definition serves the Klems bases of
-windows and the Reinhart sky.
+north), x right (or east). The sky counts the patches of a ring like a compass:
+the first is centred on +y (north) and the next ones follow clockwise, towards +x.
+The Klems bases of windows count like polar coordinates: the first patch is
+centred on +x (right), the next ones follow towards +y (up).
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -26,6 +28,8 @@ class RingPartition:
     name : what files and messages call it
     count : patches in each ring, in the order in which patches are numbered
     theta : polar limits of the rings [rad], from 0 to π/2 or from π/2 to 0
+    azimuth : how a ring is counted, "compass" from +y towards +x (skies) or "polar"
+        from +x towards +y (windows)
 
     Raises
     ------
@@ -41,6 +45,7 @@ class RingPartition:
     name: str
     count: Int[np.ndarray, " rings"]
     theta: Float[np.ndarray, " limits"]
+    azimuth: Literal["compass", "polar"] = "compass"
 
     def __post_init__(self) -> None:
         step = np.diff(self.theta)
@@ -65,8 +70,10 @@ class RingPartition:
 
     def matches(self, other: "RingPartition") -> bool:
         """Whether both cut the hemisphere alike, whatever their names."""
-        return np.array_equal(self.count, other.count) and bool(
-            np.allclose(self.theta, other.theta, atol=2e-3)
+        return (
+            self.azimuth == other.azimuth
+            and np.array_equal(self.count, other.count)
+            and bool(np.allclose(self.theta, other.theta, atol=2e-3))
         )
 
     def solid_angles(self) -> Float[np.ndarray, " patches"]:
@@ -95,9 +102,10 @@ class RingPartition:
         else:
             ring = np.searchsorted(inner, theta, side="right")
 
-        # Find the patch within it; the first is centred on +y
+        # Find the patch within it; the first is centred on azimuth 0
         count = self.count[ring]
-        turn = np.arctan2(x, y) / (2 * np.pi)
+        along, across = (y, x) if self.azimuth == "compass" else (x, y)
+        turn = np.arctan2(across, along) / (2 * np.pi)
         within = np.floor(turn * count + 0.5).astype(int) % count
         return np.where(z > 0, self.first[ring] + within, -1)
 
@@ -133,5 +141,6 @@ class RingPartition:
             patch = np.arange(len(self))
         ring = np.repeat(np.arange(len(self.count)), self.count)[patch]
         phi = 2 * np.pi * (patch - self.first[ring] + offset) / self.count[ring]
-        flat = np.sin(theta)
-        return np.stack([flat * np.sin(phi), flat * np.cos(phi), np.cos(theta)], axis=-1)
+        along, across = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
+        x, y = (across, along) if self.azimuth == "compass" else (along, across)
+        return np.stack([x, y, np.cos(theta)], axis=-1)
