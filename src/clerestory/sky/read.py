@@ -1,0 +1,35 @@
+"""Weather files of every kind, told apart by their content."""
+
+from pathlib import Path
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.sky.epw import read_epw
+from clerestory.sky.tmy3 import read_tmy3
+from clerestory.sky.wea import read_wea
+from clerestory.sky.weather import Weather
+
+
+def read_weather(path: str | Path) -> Weather:
+    """Return the weather in an EPW, WEA or TMY3 file.
+
+    The first lines tell which it is; the suffix does not matter. Dates are
+    written in the year 2023 (2024 where the file has a 29 February).
+
+    Raises
+    ------
+    InputError : the file is none of these, or one of them with a fault in it
+    """
+    head = read_text(path)[:4000].splitlines()
+    first = head[0].lstrip().lower() if head else ""
+    if first.startswith("location,"):
+        return read_epw(path)
+    if first.startswith("place"):
+        return read_wea(path)
+    if len(head) > 1 and head[1].startswith("Date (MM/DD/YYYY)"):
+        return read_tmy3(path)
+    raise InputError(
+        "unknown kind of weather file; EPW (LOCATION,…), WEA (place …) or TMY3 expected",
+        file=path,
+        line=1,
+    )

@@ -1,0 +1,73 @@
+"""The stated rules by which doubtful irradiance in a weather file is repaired.
+
+1. Values down to -10 W/m² are the zero offset of a pyranometer: set to 0.
+2. Lower values, values above 1500 W/m² (no place on Earth receives that) and
+   codes for missing data are gaps: filled by interpolation in time, as long as
+   they are at most a tenth of the steps. More is an error.
+
+Every repair is counted; the counts go into the notes of the weather and into
+one warning.
+"""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import ClerestoryWarning, InputError
+
+_ZERO_OFFSET = -10.0
+_LARGEST = 1500.0
+_LARGEST_SHARE_OF_GAPS = 0.1
+
+
+def repair_irradiance(
+    values: Float[np.ndarray, " time"],
+    *,
+    name: str,
+    times: np.ndarray,
+    file: str | Path,
+    lines: Int[np.ndarray, " time"],
+) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
+    """Return irradiance [W/m²] without gaps or negative values, and notes on what was done.
+
+    Parameters
+    ----------
+    values : irradiance [W/m²]; NaN where the file says it is missing
+    name : what the values are, for messages
+    times : centres of the steps
+    file, lines : where each value stands
+
+    Raises
+    ------
+    InputError : more than a tenth of the values is missing or impossible
+    """
+    notes = []
+    offset = (values < 0) & (values >= _ZERO_OFFSET)
+    gap = ~((values >= _ZERO_OFFSET) & (values <= _LARGEST))
+    if np.any(offset):
+        notes.append(f"{name}: {np.count_nonzero(offset)} values just below zero set to zero")
+    if np.any(gap):
+        first = int(lines[np.argmax(gap)])
+        count = f"{np.count_nonzero(gap)} of {len(values)} values"
+        if np.mean(gap) > _LARGEST_SHARE_OF_GAPS:
+            raise InputError(
+                f"{count} of {name} are missing or impossible;"
+                f" {_ZERO_OFFSET:g} to {_LARGEST:g} W/m² in nine of ten expected",
+                file=file,
+                line=first,
+            )
+        notes.append(f"{name}: {count} missing or impossible, interpolated (first: line {first})")
+
+    # Fill the gaps from their neighbours in time
+    moment = (times - times[0]).astype(float)
+    filled = np.where(offset, 0.0, values)
+    filled[gap] = np.interp(moment[gap], moment[~gap], filled[~gap])
+    return filled, tuple(notes)
+
+
+def report(notes: tuple[str, ...], *, file: str | Path) -> None:
+    """Warn once about all the repairs made to a file."""
+    if notes:
+        warnings.warn(f"{file}: {'; '.join(notes)}", ClerestoryWarning, stacklevel=4)

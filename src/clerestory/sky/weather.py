@@ -1,0 +1,102 @@
+"""Weather of one place: sun and sky irradiance per time step.
+
+Times are local standard time and stand for the centre of their step, the moment
+at which the sun is evaluated. Typical years are stitched from different years,
+so their dates are written in one fixed year: 2023, or 2024 where the file has
+a 29 February.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+
+TYPICAL_YEAR = 2023
+TYPICAL_LEAP_YEAR = 2024
+
+
+@dataclass(frozen=True, eq=False)
+class Weather:
+    """Irradiance from sun and sky over time at one place.
+
+    Attributes
+    ----------
+    place : name of the place
+    latitude_deg, longitude_deg : north- and east-positive [°]
+    elevation : above the sea [m]
+    utc_offset_hours : how far local standard time is ahead of UTC [h]
+    times : centres of the steps, local standard time
+    step_minutes : length of a step [min]
+    direct_normal : irradiance from the sun on a plane facing it [W/m²]
+    diffuse_horizontal : irradiance from the sky on a level plane [W/m²]
+    dew_point_c : dew point [°C], NaN where unknown; None without any
+    source : the file it was read from
+    notes : repairs made by the reader, each with its count
+
+    Raises
+    ------
+    InputError : a place outside the globe, series of different lengths, times
+        that do not grow, irradiance that is negative or not finite
+    """
+
+    place: str
+    latitude_deg: float
+    longitude_deg: float
+    elevation: float
+    utc_offset_hours: float
+    times: np.ndarray
+    step_minutes: float
+    direct_normal: Float[np.ndarray, " time"]
+    diffuse_horizontal: Float[np.ndarray, " time"]
+    dew_point_c: Float[np.ndarray, " time"] | None = None
+    source: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        self._check_place()
+        series = {
+            "direct normal irradiance": self.direct_normal,
+            "diffuse horizontal irradiance": self.diffuse_horizontal,
+        }
+        for name, values in series.items():
+            if values.shape != self.times.shape:
+                raise InputError(f"{len(values)} values of {name}; {len(self)} expected")
+            if not np.all(np.isfinite(values) & (values >= 0)):
+                raise InputError(f"{name} is negative or not finite; W/m² from 0 expected")
+        if self.dew_point_c is not None and self.dew_point_c.shape != self.times.shape:
+            raise InputError(f"{len(self.dew_point_c)} dew points; {len(self)} expected")
+        if len(self) == 0:
+            raise InputError("weather without time steps; at least one expected")
+        if np.any(np.diff(self.times) <= np.timedelta64(0)):
+            late = int(np.argmax(np.diff(self.times) <= np.timedelta64(0))) + 1
+            raise InputError(f"time goes back at {self.times[late]}; growing times expected")
+        if not self.step_minutes > 0:
+            raise InputError(f"steps of {self.step_minutes} minutes; a positive length expected")
+
+    def _check_place(self) -> None:
+        limits = {
+            "latitude": (self.latitude_deg, 90.0),
+            "longitude": (self.longitude_deg, 180.0),
+            "UTC offset": (self.utc_offset_hours, 14.0),
+        }
+        for name, (value, limit) in limits.items():
+            if not abs(value) <= limit:
+                raise InputError(f"{name} {value}; a number from {-limit} to {limit} expected")
+        if not -500.0 <= self.elevation <= 9000.0:
+            raise InputError(f"elevation {self.elevation} m; -500 to 9000 expected")
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def select(self, steps: slice | np.ndarray) -> "Weather":
+        """Return some of the time steps, by slice or boolean mask."""
+        dew_point = None if self.dew_point_c is None else self.dew_point_c[steps]
+        return replace(
+            self,
+            times=self.times[steps],
+            direct_normal=self.direct_normal[steps],
+            diffuse_horizontal=self.diffuse_horizontal[steps],
+            dew_point_c=dew_point,
+        )
