@@ -1,0 +1,256 @@
+"""Radiance's matrix files, as rfluxmtx, gendaymtx, rmtxop and dctimestep write them.
+
+A text header names the size (NROWS, NCOLS, NCOMP), the encoding (FORMAT) and the
+byte order (BigEndian, absent in ASCII); after an empty line follow the values,
+row by row, the components of an entry side by side. The file does not say what
+its rows and columns stand for; the caller does.
+"""
+
+import re
+import sys
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.files import read_bytes, replace_file
+from clerestory.matrix.axis import Axis, unknown_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+
+Encoding = Literal["ascii", "float", "double"]
+
+_ITEM = {"float": "f4", "double": "f8"}
+_LONGEST_HEADER = 1 << 20
+
+
+@dataclass(frozen=True)
+class _Header:
+    # What the text before the empty line says; `rows` may have to be counted
+    rows: int | None
+    columns: int
+    channels: int
+    encoding: Encoding
+    big_endian: bool
+    length: int  # of the header with its empty line, in bytes
+
+
+def read_matrix(
+    path: str | Path, *, rows: Axis | None = None, columns: Axis | None = None
+) -> TransferMatrix:
+    r"""Return the matrix of a Radiance file with one or three components.
+
+    Sky matrices of gendaymtx have a row per patch and a column per time step.
+
+    Parameters
+    ----------
+    rows, columns : what they stand for; unlabelled when not given
+
+    Raises
+    ------
+    InputError : not such a file, damaged, not finite, or of another size than
+        `rows` and `columns`
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp()) / "a.mtx"
+    >>> size = path.write_text("#?RADIANCE\\nNROWS=1\nNCOLS=2\nNCOMP=1\n\n0.5 2\n")
+    >>> read_matrix(path).values.tolist()
+    [[[0.5, 2.0]]]
+    """
+    data = read_bytes(path)
+    header = _read_header(data, path)
+    body = memoryview(data)[header.length :]
+    read = _read_ascii if header.encoding == "ascii" else _read_binary
+    flat = read(body, header, path)
+    table = flat.reshape(-1, header.columns, header.channels)
+    _require_finite(table, path)
+
+    rows = rows or unknown_axis(table.shape[0])
+    columns = columns or unknown_axis(table.shape[1])
+    if (rows.size, columns.size) != table.shape[:2]:
+        raise InputError(
+            f"{table.shape[0]} rows and {table.shape[1]} columns;"
+            f" {rows.describe()} by {columns.describe()} expected",
+            file=path,
+        )
+    values = np.ascontiguousarray(np.moveaxis(table, -1, 0))
+    return TransferMatrix(values, rows, columns)
+
+
+def write_matrix(
+    path: str | Path,
+    matrix: TransferMatrix,
+    *,
+    encoding: Encoding = "float",
+    command: str = "",
+) -> None:
+    """Write the values of a matrix in Radiance's format.
+
+    ASCII carries as many digits as the values have. Statistical errors and the
+    meaning of the axes are lost; `matrix.netcdf` keeps them.
+
+    Parameters
+    ----------
+    command : line of the header that says how the matrix was made
+
+    Raises
+    ------
+    InputError : unknown encoding
+    OutputError : the file cannot be written
+    """
+    if encoding not in ("ascii", *_ITEM):
+        raise InputError(
+            f"unknown matrix encoding {encoding!r}; ascii, float or double expected"
+        )
+    channels, rows, columns = matrix.values.shape
+    lines = ["#?RADIANCE"]
+    lines += [f"\t{' '.join(command.split())}"] if command else []
+    lines += [f"NROWS={rows}", f"NCOLS={columns}", f"NCOMP={channels}"]
+    lines += [] if encoding == "ascii" else [f"BigEndian={int(sys.byteorder == 'big')}"]
+    lines += [f"FORMAT={encoding}", "", ""]
+    with replace_file(path) as stream:
+        stream.write("\n".join(lines).encode())
+        for row in np.moveaxis(matrix.values, 0, -1):
+            if encoding == "ascii":
+                stream.write(_format_row(row).encode())
+            else:
+                stream.write(row.astype(_ITEM[encoding]).tobytes())
+
+
+def _format_row(row: Float[np.ndarray, "column channel"]) -> str:
+    # A row in text that reads back to the same floating-point numbers
+    digits = 8 if row.dtype == np.float32 else 16
+    entry = " ".join([f"%.{digits}e"] * row.shape[1])
+    return "\t".join([entry] * row.shape[0]) % tuple(row.ravel().tolist()) + "\n"
+
+
+def _read_header(data: bytes, path: str | Path) -> _Header:
+    # Find the empty line and read the variables before it
+    if not data.startswith(b"#?"):
+        raise InputError(
+            "does not start with #?RADIANCE; a Radiance matrix with its header expected",
+            file=path,
+            line=1,
+        )
+    end = re.compile(rb"\r?\n\r?\n").search(data, 0, _LONGEST_HEADER)
+    if end is None:
+        raise InputError(
+            "no empty line after the header; a whole Radiance matrix expected",
+            file=path,
+        )
+    variables: dict[str, tuple[str, int]] = {}
+    for number, line in enumerate(data[: end.start()].decode("latin-1").split("\n"), 1):
+        name, found, value = line.partition("=")
+        if found:
+            variables[name] = (value.strip(), number)
+
+    encoding, at = variables.get("FORMAT", ("ascii", 1))
+    if encoding not in ("ascii", "float", "double"):
+        raise InputError(
+            f"format {encoding!r}; a matrix in ascii, float or double expected",
+            file=path,
+            line=at,
+        )
+    columns = _read_count(variables, "NCOLS", path)
+    if columns is None:
+        raise InputError(
+            "no NCOLS in the header; the number of columns expected", file=path
+        )
+    channels = _read_count(variables, "NCOMP", path) or 3
+    if channels not in (1, 3):
+        raise InputError(
+            f"{channels} components; 1 (grey) or 3 (RGB) expected",
+            file=path,
+            line=variables["NCOMP"][1],
+        )
+    rows = _read_count(variables, "NROWS", path)
+    big_endian = variables.get("BigEndian", ("0", 0))[0] == "1"
+    return _Header(rows, columns, channels, encoding, big_endian, end.end())  # type: ignore[arg-type]
+
+
+def _read_count(
+    variables: dict[str, tuple[str, int]], name: str, path: str | Path
+) -> int | None:
+    if name not in variables:
+        return None
+    text, line = variables[name]
+    if not re.fullmatch(r"0*[1-9]\d{0,11}", text):
+        raise InputError(
+            f"{name}={text[:40]}; a positive whole number expected",
+            file=path,
+            line=line,
+        )
+    return int(text)
+
+
+def _read_binary(body: memoryview, header: _Header, path: str | Path) -> np.ndarray:
+    # Compare the sizes before anything is allocated
+    item = np.dtype((">" if header.big_endian else "<") + _ITEM[header.encoding])
+    row = header.columns * header.channels * item.itemsize
+    expected = (header.rows or len(body) // row or 1) * row
+    if len(body) != expected:
+        raise InputError(
+            f"{len(body)} bytes of data; {expected} expected for"
+            f" {header.rows or 'whole'} rows of {header.columns} columns and"
+            f" {header.channels} components in {header.encoding}",
+            file=path,
+        )
+    return np.frombuffer(body, item).astype(item.newbyteorder("="), copy=False)
+
+
+def _read_ascii(body: memoryview, header: _Header, path: str | Path) -> np.ndarray:
+    # A value takes two bytes of text at least: refuse absurd counts early
+    row = header.columns * header.channels
+    expected = (header.rows or 1) * row
+    if 2 * expected - 1 > len(body):
+        raise InputError(
+            f"{len(body)} bytes of text cannot hold the {expected} values of"
+            f" {header.rows or 'one or more'} rows of {header.columns} columns and"
+            f" {header.channels} components",
+            file=path,
+        )
+    text = str(body, "latin-1")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)
+            flat = np.fromstring(text, dtype=float, sep=" ")
+    except (DeprecationWarning, ValueError) as error:
+        raise _bad_number(text, path) from error
+    if header.rows is None:
+        expected = max(len(flat) // row, 1) * row
+    if len(flat) != expected:
+        raise InputError(f"{len(flat)} values; {expected} expected", file=path)
+    return flat
+
+
+def _bad_number(text: str, path: str | Path) -> InputError:
+    for word in text.split():
+        try:
+            float(word)
+        except ValueError:
+            return InputError(
+                f"{word[:40]!r} among the values; a number expected", file=path
+            )
+    return InputError("the values are not numbers separated by spaces", file=path)
+
+
+def _require_finite(
+    table: Float[np.ndarray, "row column channel"], path: str | Path
+) -> None:
+    # Sum first: it needs no memory, and is finite for every sound matrix
+    with np.errstate(all="ignore"):
+        if np.isfinite(np.sum(table, dtype=float)):
+            return
+    bad = np.argwhere(~np.isfinite(table))
+    if len(bad):
+        row, column, channel = bad[0]
+        raise InputError(
+            f"row {row + 1}, column {column + 1} holds {table[row, column, channel]};"
+            f" a number expected ({len(bad)} such values)",
+            file=path,
+        )
