@@ -1,0 +1,52 @@
+"""Which hours of the year count: the schedule of a building.
+
+A time stamp is the middle of its step, in local standard time.
+"""
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool
+
+from clerestory.errors import InputError
+
+
+def occupied_hours(
+    times: np.ndarray, *, from_hour: float = 8.0, to_hour: float = 18.0
+) -> Bool[np.ndarray, " time"]:
+    """Whether each moment lies between two hours of its day, every day of the week.
+
+    Raises
+    ------
+    InputError : the hours do not follow each other within one day
+
+    Examples
+    --------
+    >>> day = np.datetime64("2001-06-21T00:30") + np.arange(24) * np.timedelta64(1, "h")
+    >>> int(occupied_hours(day).sum())
+    10
+    """
+    if not 0 <= from_hour < to_hour <= 24:
+        raise InputError(
+            f"schedule from {from_hour:g} to {to_hour:g} h;"
+            " two hours between 0 and 24, the later one last, expected"
+        )
+    moments = np.asarray(times).astype("datetime64[s]")
+    hour = (moments - moments.astype("datetime64[D]")) / np.timedelta64(3600, "s")
+    return np.asarray((hour >= from_hour) & (hour < to_hour))
+
+
+def within_hours(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
+    """Return the time steps that count.
+
+    Raises
+    ------
+    InputError : there are none, or the mask has another length
+    """
+    if len(hours) != data.sizes["time"]:
+        raise InputError(
+            f"a mask of {len(hours)} hours for {data.sizes['time']} time steps;"
+            " one value per time step expected"
+        )
+    if not np.any(hours):
+        raise InputError("no time step lies within the schedule; at least one expected")
+    return data.isel(time=np.flatnonzero(hours))

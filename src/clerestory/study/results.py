@@ -1,0 +1,129 @@
+"""What a run found: the hourly illuminance, its errors, the metrics, the facts.
+
+`results.nc` holds all that follows from the study alone: two runs of the same
+study write the same bytes. Clock times, versions and the machine go to
+`run.json` beside it.
+"""
+
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from clerestory.errors import InputError
+from clerestory.files import read_bytes, read_text, replace_file, write_text
+
+RESULTS_FILE = "results.nc"
+RUN_FILE = "run.json"
+_FORMAT = "clerestory results 1"
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Results of a study.
+
+    Attributes
+    ----------
+    data : one dataset; lengths in metres, in the frame of the scene:
+
+        - `illuminance`, `standard_error` (sensor, time) [lux, float32]
+        - `occupied` (time): whether the hour lies within the schedule
+        - the metrics of `metrics.summary.sensor_metrics` (sensor)
+        - coordinates `time`, `sensor` (name, such as "desks.1"), `grid` (sensor),
+          `position` and `direction` (sensor, xyz)
+        - the room for drawings: `triangle` (triangle, corner, xyz),
+          `triangle_colour` (triangle, channel) 0…1, `triangle_material` (triangle)
+        - the windows: `window` (window) name, `window_centre`, `window_up` and
+          `window_normal` into the room (window, xyz), `window_triangle`
+          (window_triangle, corner, xyz), `window_index` (window_triangle)
+        - attributes `title`, `method`, `target_lux`, `study` (the study as JSON)
+    run : facts about the run, as in run.json: `versions`, `seed`, `device`,
+        `seconds` by phase, `error` by grid, `warnings`, `matrices` by name
+    """
+
+    data: xr.Dataset
+    run: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """Title of the study."""
+        return str(self.data.attrs["title"])
+
+    def grids(self) -> list[str]:
+        """Names of the sensor grids, in the order of the study.
+
+        >>> data = xr.Dataset(coords={"grid": ("sensor", ["desks", "desks", "eyes"])})
+        >>> Results(data).grids()
+        ['desks', 'eyes']
+        """
+        return list(dict.fromkeys(str(name) for name in self.data["grid"].values))
+
+
+def save_results(results: Results, folder: str | Path) -> Path:
+    """Write `results.nc` and `run.json`, whole or not at all; return the former's path.
+
+    Raises
+    ------
+    OutputError : the folder is missing or cannot be written
+    """
+    folder = Path(folder)
+    content = results.data.assign_attrs(format=_FORMAT).to_netcdf(engine="h5netcdf")
+    write_text(
+        folder / RUN_FILE, json.dumps(results.run, indent=2, sort_keys=True) + "\n"
+    )
+    with replace_file(folder / RESULTS_FILE) as stream:
+        stream.write(content)
+    return folder / RESULTS_FILE
+
+
+def read_results(path: str | Path) -> Results:
+    """Return the results of a run, from its folder or its `results.nc`.
+
+    Raises
+    ------
+    InputError : the file is missing, damaged, or not one of ours
+    """
+    path = Path(path)
+    path = path / RESULTS_FILE if path.is_dir() else path
+    content = read_bytes(path)
+    try:
+        with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as opened:
+            data = opened.load()
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
+        raise InputError(
+            "is damaged; the results.nc of a run expected", file=path
+        ) from error
+    if data.attrs.get("format") != _FORMAT:
+        raise InputError(
+            f"is not the results.nc of a run ({_FORMAT} expected)", file=path
+        )
+    return Results(data, _read_run(path.with_name(RUN_FILE)))
+
+
+def _read_run(path: Path) -> dict[str, Any]:
+    # The facts are a bonus: results without them can be shown
+    if not path.is_file():
+        return {}
+    try:
+        return dict(json.loads(read_text(path)))
+    except ValueError as error:
+        raise InputError(f"is not JSON: {error}", file=path) from error
+
+
+def sensor_names(grid: str, count: int) -> list[str]:
+    """Names of the sensors of one grid, numbered from 1.
+
+    >>> sensor_names("desks", 2)
+    ['desks.1', 'desks.2']
+    """
+    return [f"{grid}.{number}" for number in range(1, count + 1)]
+
+
+def float32(data: xr.DataArray) -> xr.DataArray:
+    """Return hourly data as results keep them."""
+    return data.astype(np.float32, keep_attrs=True)
