@@ -9,7 +9,9 @@ from jaxtyping import Float
 from clerestory.errors import InputError
 
 
-def number(cells: Sequence[str], index: int, *, name: str, file: str | Path, line: int) -> float:
+def number(
+    cells: Sequence[str], index: int, *, name: str, file: str | Path, line: int
+) -> float:
     """Return the finite number in one cell.
 
     Raises
@@ -18,7 +20,9 @@ def number(cells: Sequence[str], index: int, *, name: str, file: str | Path, lin
     """
     if index >= len(cells):
         raise InputError(
-            f"{len(cells)} fields; {name} expected as field {index + 1}", file=file, line=line
+            f"{len(cells)} fields; {name} expected as field {index + 1}",
+            file=file,
+            line=line,
         )
     try:
         value = float(cells[index])
@@ -26,7 +30,9 @@ def number(cells: Sequence[str], index: int, *, name: str, file: str | Path, lin
         value = np.nan
     if not np.isfinite(value):
         raise InputError(
-            f"{name} is {cells[index].strip()!r}; a number expected", file=file, line=line
+            f"{name} is {cells[index].strip()!r}; a number expected",
+            file=file,
+            line=line,
         )
     return value
 
@@ -40,7 +46,7 @@ def column(
     lines: Sequence[int] | np.ndarray,
     may_miss: bool = False,
 ) -> Float[np.ndarray, " rows"]:
-    """Return one column of rows of cells; NaN for empty or "nan" cells if they may miss.
+    """Return one column of rows of cells; NaN where a cell is empty and may be.
 
     Raises
     ------

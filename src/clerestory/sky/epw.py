@@ -40,7 +40,9 @@ def read_epw(path: str | Path) -> Weather:
     lines = read_text(path).splitlines()
     cells = lines[0].split(",") if lines else []
     if not cells or cells[0].strip().upper() != "LOCATION":
-        raise InputError("no LOCATION in the first line; an EPW file expected", file=path, line=1)
+        raise InputError(
+            "no LOCATION in the first line; an EPW file expected", file=path, line=1
+        )
     place, latitude, longitude, offset, elevation = _location(cells, path)
     per_hour = _records_per_hour(lines, path)
 
@@ -52,7 +54,12 @@ def read_epw(path: str | Path) -> Weather:
     at = np.array(numbers) + 1
     cell = {
         name: column(rows, index, name=name, file=path, lines=at)
-        for name, index in (("month", _MONTH), ("day", _DAY), ("hour", _HOUR), ("minute", _MINUTE))
+        for name, index in (
+            ("month", _MONTH),
+            ("day", _DAY),
+            ("hour", _HOUR),
+            ("minute", _MINUTE),
+        )
     }
 
     # Go from the end of each step to its centre
@@ -67,7 +74,9 @@ def read_epw(path: str | Path) -> Weather:
     diffuse, diffuse_notes = _irradiance(
         rows, _DIFFUSE_HORIZONTAL, "diffuse horizontal irradiance", path, at, times
     )
-    dew_point = column(rows, _DEW_POINT, name="dew point", file=path, lines=at, may_miss=True)
+    dew_point = column(
+        rows, _DEW_POINT, name="dew point", file=path, lines=at, may_miss=True
+    )
     notes = direct_notes + diffuse_notes
     report(notes, file=path)
     _warn_if_cut_off(times, per_hour, lines, path)
@@ -87,11 +96,18 @@ def read_epw(path: str | Path) -> Weather:
     )
 
 
-def _location(cells: list[str], path: str | Path) -> tuple[str, float, float, float, float]:
+def _location(
+    cells: list[str], path: str | Path
+) -> tuple[str, float, float, float, float]:
     place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
     latitude, longitude, offset, elevation = (
         number(cells, index, name=name, file=path, line=1)
-        for index, name in ((6, "latitude"), (7, "longitude"), (8, "time zone"), (9, "elevation"))
+        for index, name in (
+            (6, "latitude"),
+            (7, "longitude"),
+            (8, "time zone"),
+            (9, "elevation"),
+        )
     )
     return place, latitude, longitude, offset, elevation
 
@@ -103,11 +119,14 @@ def _records_per_hour(lines: list[str], path: str | Path) -> int:
             count = number(cells, 2, name="records per hour", file=path, line=i + 1)
             if count not in (1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60):
                 raise InputError(
-                    f"{count:g} records per hour; a divisor of 60 expected", file=path, line=i + 1
+                    f"{count:g} records per hour; a divisor of 60 expected",
+                    file=path,
+                    line=i + 1,
                 )
             return int(count)
     raise InputError(
-        f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected", file=path
+        f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected",
+        file=path,
     )
 
 
@@ -135,8 +154,8 @@ def _warn_if_cut_off(
     header = " ".join(lines[:_HEADER_LINES]).replace(" ", "")
     if unbroken and last < year_end and "12/31" in header.split("DATAPERIODS")[-1]:
         warnings.warn(
-            f"{path}:{len(lines)}: the data stop at {times[-1]}, the header promises 12/31;"
-            f" {len(times)} steps are used",
+            f"{path}:{len(lines)}: the data stop at {times[-1]}, the header"
+            f" promises 12/31; {len(times)} steps are used",
             ClerestoryWarning,
             stacklevel=3,
         )

@@ -59,7 +59,7 @@ def moments(
     seconds = np.where(np.abs(seconds - minute) <= 2, minute, seconds).astype(int)
     times = date.astype("datetime64[s]") + seconds
     _require_growth(times, file=file, lines=lines)
-    return times
+    return np.asarray(times)
 
 
 def _require_growth(times: np.ndarray, *, file: str | Path, lines: np.ndarray) -> None:

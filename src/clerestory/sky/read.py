@@ -29,7 +29,7 @@ def read_weather(path: str | Path) -> Weather:
     if len(head) > 1 and head[1].startswith("Date (MM/DD/YYYY)"):
         return read_tmy3(path)
     raise InputError(
-        "unknown kind of weather file; EPW (LOCATION,…), WEA (place …) or TMY3 expected",
+        "unknown kind of weather file; EPW, WEA or TMY3 expected",
         file=path,
         line=1,
     )

@@ -30,7 +30,7 @@ def repair_irradiance(
     file: str | Path,
     lines: Int[np.ndarray, " time"],
 ) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
-    """Return irradiance [W/m²] without gaps or negative values, and notes on what was done.
+    """Return irradiance [W/m²] without gaps, and notes on what was done.
 
     Parameters
     ----------
@@ -47,7 +47,9 @@ def repair_irradiance(
     offset = (values < 0) & (values >= _ZERO_OFFSET)
     gap = ~((values >= _ZERO_OFFSET) & (values <= _LARGEST))
     if np.any(offset):
-        notes.append(f"{name}: {np.count_nonzero(offset)} values just below zero set to zero")
+        notes.append(
+            f"{name}: {np.count_nonzero(offset)} values just below zero set to zero"
+        )
     if np.any(gap):
         first = int(lines[np.argmax(gap)])
         count = f"{np.count_nonzero(gap)} of {len(values)} values"
@@ -58,7 +60,9 @@ def repair_irradiance(
                 file=file,
                 line=first,
             )
-        notes.append(f"{name}: {count} missing or impossible, interpolated (first: line {first})")
+        notes.append(
+            f"{name}: {count} missing or impossible, interpolated (first: line {first})"
+        )
 
     # Fill the gaps from their neighbours in time
     moment = (times - times[0]).astype(float)

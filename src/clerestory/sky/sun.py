@@ -46,8 +46,10 @@ class SunPosition:
 
 def day_of_year(times: np.ndarray) -> Int[np.ndarray, " time"]:
     """Day of the year, 1 for 1 January."""
-    day = times.astype("datetime64[D]") - times.astype("datetime64[Y]").astype("datetime64[D]")
-    return day.astype(int) + 1
+    day = times.astype("datetime64[D]") - times.astype("datetime64[Y]").astype(
+        "datetime64[D]"
+    )
+    return np.asarray(day.astype(int) + 1)
 
 
 def sun_position(
@@ -87,7 +89,9 @@ def sun_position(
     if formula == "radiance":
         return _radiance(times, latitude_deg, longitude_deg, utc_offset_hours)
     if formula != "spa":
-        raise InputError(f"unknown sun formula {formula!r}; 'spa' or 'radiance' expected")
+        raise InputError(
+            f"unknown sun formula {formula!r}; 'spa' or 'radiance' expected"
+        )
     seconds = times.astype("datetime64[s]").astype(float) - 3600 * utc_offset_hours
     position = spa.solar_position(
         seconds,
@@ -104,7 +108,10 @@ def sun_position(
 
 
 def _radiance(
-    times: np.ndarray, latitude_deg: float, longitude_deg: float, utc_offset_hours: float
+    times: np.ndarray,
+    latitude_deg: float,
+    longitude_deg: float,
+    utc_offset_hours: float,
 ) -> SunPosition:
     day = day_of_year(times)
     hour = (times - times.astype("datetime64[D]")) / np.timedelta64(1, "h")

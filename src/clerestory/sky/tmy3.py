@@ -2,7 +2,8 @@
 
 Hours are numbered 01:00…24:00 and stand for the time that ends there.
 
-Reference: S. Wilcox, W. Marion, Users Manual for TMY3 Data Sets, NREL/TP-581-43156, 2008.
+Reference: S. Wilcox, W. Marion, Users Manual for TMY3 Data Sets,
+NREL/TP-581-43156, 2008.
 """
 
 import csv
@@ -63,7 +64,12 @@ def read_tmy3(path: str | Path) -> Weather:
     report(notes, file=path)
     latitude, longitude, offset, elevation = (
         number(site, index, name=name, file=path, line=1)
-        for index, name in ((4, "latitude"), (5, "longitude"), (3, "time zone"), (6, "elevation"))
+        for index, name in (
+            (4, "latitude"),
+            (5, "longitude"),
+            (3, "time zone"),
+            (6, "elevation"),
+        )
     )
     return Weather(
         place="_".join(part.strip() for part in site[1:3]),

@@ -52,7 +52,13 @@ def read_wea(path: str | Path) -> Weather:
     month, day, hour, direct, diffuse = (
         column(rows, index, name=name, file=path, lines=at, may_miss=index > 2)
         for index, name in enumerate(
-            ("month", "day", "hour", "direct normal irradiance", "diffuse horizontal irradiance")
+            (
+                "month",
+                "day",
+                "hour",
+                "direct normal irradiance",
+                "diffuse horizontal irradiance",
+            )
         )
     )
     times = moments(month, day, hour, file=path, lines=at)
@@ -86,7 +92,9 @@ def _header(lines: list[str], path: str | Path) -> tuple[str, dict[str, float]]:
         cells = lines[i].split(maxsplit=1) if i < len(lines) else []
         if not cells or cells[0] != key:
             found = cells[0] if cells else "nothing"
-            raise InputError(f"{found!r} in the header; {key!r} expected", file=path, line=i + 1)
+            raise InputError(
+                f"{found!r} in the header; {key!r} expected", file=path, line=i + 1
+            )
         if key == "place":
             place = cells[1].strip() if len(cells) > 1 else ""
         else:

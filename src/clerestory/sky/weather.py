@@ -62,18 +62,28 @@ class Weather:
         }
         for name, values in series.items():
             if values.shape != self.times.shape:
-                raise InputError(f"{len(values)} values of {name}; {len(self)} expected")
+                raise InputError(
+                    f"{len(values)} values of {name}; {len(self)} expected"
+                )
             if not np.all(np.isfinite(values) & (values >= 0)):
-                raise InputError(f"{name} is negative or not finite; W/m² from 0 expected")
+                raise InputError(
+                    f"{name} is negative or not finite; W/m² from 0 expected"
+                )
         if self.dew_point_c is not None and self.dew_point_c.shape != self.times.shape:
-            raise InputError(f"{len(self.dew_point_c)} dew points; {len(self)} expected")
+            raise InputError(
+                f"{len(self.dew_point_c)} dew points; {len(self)} expected"
+            )
         if len(self) == 0:
             raise InputError("weather without time steps; at least one expected")
         if np.any(np.diff(self.times) <= np.timedelta64(0)):
             late = int(np.argmax(np.diff(self.times) <= np.timedelta64(0))) + 1
-            raise InputError(f"time goes back at {self.times[late]}; growing times expected")
+            raise InputError(
+                f"time goes back at {self.times[late]}; growing times expected"
+            )
         if not self.step_minutes > 0:
-            raise InputError(f"steps of {self.step_minutes} minutes; a positive length expected")
+            raise InputError(
+                f"steps of {self.step_minutes} minutes; a positive length expected"
+            )
 
     def _check_place(self) -> None:
         limits = {
@@ -83,7 +93,9 @@ class Weather:
         }
         for name, (value, limit) in limits.items():
             if not abs(value) <= limit:
-                raise InputError(f"{name} {value}; a number from {-limit} to {limit} expected")
+                raise InputError(
+                    f"{name} {value}; a number from {-limit} to {limit} expected"
+                )
         if not -500.0 <= self.elevation <= 9000.0:
             raise InputError(f"elevation {self.elevation} m; -500 to 9000 expected")
 

@@ -1,0 +1,215 @@
+"""The sky matrix S: radiance of every sky patch at every time step.
+
+It is kept as what it is made of, grey sky times colour plus a sparse sun,
+which takes a third of the memory of three channels and, with `SkyResponse`, a
+third of the time to multiply.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, Float32
+from scipy.sparse import csc_array
+
+from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.errors import MatrixError
+from clerestory.hemisphere.reinhart import SkyPartition
+from clerestory.matrix.axis import Axis, sky_axis, time_axis
+from clerestory.matrix.transfer_matrix import (
+    TransferMatrix,
+    illuminance_dataset,
+    require_fit,
+)
+from clerestory.sky.product import fold, lit_steps, product_blocks, row_blocks
+
+
+@dataclass(frozen=True, eq=False)
+class SkyMatrix:
+    """Radiance of ground and sky patches over time, in RGB.
+
+    The radiance of channel c is colour[c] · diffuse + sun_colour[c] · sun.
+
+    Attributes
+    ----------
+    partition : the patches, with the ground as patch 0
+    times : centres of the steps, local standard time
+    diffuse : grey radiance of ground and sky [W/(m²·sr)]
+    colour : factor of each channel, per patch; the ground's reflectance for patch 0
+    sun : radiance that the sun adds to the patches [W/(m²·sr)], (patch, time)
+    sun_colour : factor of each channel
+    attributes : how it was made
+
+    Raises
+    ------
+    MatrixError : the shapes disagree, or a radiance is negative or not finite
+    """
+
+    partition: SkyPartition
+    times: np.ndarray
+    diffuse: Float32[np.ndarray, "patch time"]
+    colour: Float[np.ndarray, "3 patch"]
+    sun: csc_array
+    sun_colour: Float[np.ndarray, "3"]
+    attributes: Mapping[str, str | float]
+
+    def __post_init__(self) -> None:
+        shape = (len(self.partition), len(self.times))
+        if self.diffuse.shape != shape or self.sun.shape != shape:
+            raise MatrixError(
+                f"sky of shape {self.diffuse.shape}, sun of shape {self.sun.shape};"
+                f" {self.rows.describe()} by {self.columns.describe()} expected"
+            )
+        if self.colour.shape != (3, shape[0]) or self.sun_colour.shape != (3,):
+            raise MatrixError(
+                f"colours of shape {self.colour.shape} and {self.sun_colour.shape};"
+                f" (3, {shape[0]}) and (3,) expected"
+            )
+        # NaN fails the first comparison, infinity the second
+        for part in (self.diffuse, self.sun.data, self.colour, self.sun_colour):
+            if part.size and not (part.min() >= 0 and part.max() < np.inf):
+                raise MatrixError("radiance or colour is negative or not finite")
+
+    @property
+    def rows(self) -> Axis:
+        """The sky patches."""
+        return sky_axis(self.partition)
+
+    @property
+    def columns(self) -> Axis:
+        """The time steps."""
+        return time_axis(self.times)
+
+    @property
+    def values(self) -> Float32[np.ndarray, "3 patch time"]:
+        """Radiance of all patches and steps [W/(m²·sr)]: three times the memory."""
+        return self.block(slice(None))
+
+    def block(self, steps: slice) -> Float32[np.ndarray, "3 patch block"]:
+        """Radiance of all patches [W/(m²·sr)] in some time steps."""
+        colour = self.colour.astype(np.float32)[:, :, None]
+        radiance = colour * self.diffuse[None, :, steps]
+        sun = self.sun[:, steps].tocoo()
+        patch, step = sun.coords
+        tint = self.sun_colour.astype(np.float32)[:, None]
+        radiance[:, patch, step] += tint * sun.data
+        return np.asarray(radiance)
+
+    def select(self, steps: slice | np.ndarray) -> "SkyMatrix":
+        """Return some of the time steps, by slice or boolean mask."""
+        chosen = np.arange(len(self.times))[steps]
+        return replace(
+            self,
+            times=self.times[chosen],
+            diffuse=self.diffuse.T[steps].T,
+            sun=self.sun[:, chosen],
+        )
+
+    def to_transfer_matrix(self) -> TransferMatrix:
+        """Return the same as a plain matrix of three channels."""
+        return TransferMatrix(self.values, self.rows, self.columns)
+
+    def __rmatmul__(self, transfer: object) -> "SkyResponse":
+        """Return the product with what sends from the sky, not yet multiplied out.
+
+        Raises
+        ------
+        MatrixError : the columns of the left matrix are not these sky patches
+        """
+        if not isinstance(transfer, TransferMatrix):
+            return NotImplemented
+        return SkyResponse(transfer, self)
+
+
+@dataclass(frozen=True, eq=False)
+class SkyResponse:
+    """What sensors receive from the sky: a product that is multiplied out when asked.
+
+    Attributes
+    ----------
+    transfer : from sky patches to sensors
+    sky : radiance of the patches over time
+
+    Raises
+    ------
+    MatrixError : the two do not fit
+    """
+
+    transfer: TransferMatrix
+    sky: SkyMatrix
+
+    def __post_init__(self) -> None:
+        require_fit(self.transfer.columns, self.sky.rows)
+
+    def illuminance(self) -> xr.Dataset:
+        """Illuminance [lux] of sensors per time step, with its standard error.
+
+        The three channels are folded into luminance before the product; hours
+        without light are skipped.
+        """
+        weights = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+        lux = self._weighted(self.transfer.values[None], weights)[0]
+        error = self._error(weights)
+        return illuminance_dataset(
+            lux, error, sensors=self.transfer.rows, times=self.sky.columns
+        )
+
+    def rgb(self) -> TransferMatrix:
+        """Return the product in three channels, dense, with its error components."""
+        values, parts = [], []
+        for channel in np.eye(3):
+            values.append(self._weighted(self.transfer.values[None], channel)[0])
+            if self.transfer.components is not None:
+                parts.append(self._weighted(self.transfer.components, channel))
+        components = np.stack(parts, axis=1) if parts else None
+        return TransferMatrix(
+            np.stack(values), self.transfer.rows, self.sky.columns, components
+        )
+
+    def _weighted(
+        self,
+        values: Float[np.ndarray, "layer channel row patch"],
+        weights: Float[np.ndarray, "3"],
+    ) -> Float[np.ndarray, "layer row time"]:
+        # Weighted sum of channels of several matrices times the sky
+        layers, _, rows, patches = values.shape
+        total = np.zeros((layers, rows, len(self.sky.times)))
+        for layer in range(layers):
+            for part in row_blocks(rows, layers=1, patches=patches):
+                for steps, received in self._blocks(
+                    values[layer : layer + 1, :, part], weights
+                ):
+                    total[layer, part][:, steps] = received
+        return total
+
+    def _error(self, weights: Float[np.ndarray, "3"]) -> Float[np.ndarray, "row time"]:
+        # Root of the sum of squares over the error components
+        components = self.transfer.components
+        rows = self.transfer.rows.size
+        error = np.zeros((rows, len(self.sky.times)))
+        if components is None:
+            return error
+        layers, _, _, patches = components.shape
+        for part in row_blocks(rows, layers=layers, patches=patches):
+            for steps, received in self._blocks(components[:, :, part], weights):
+                spread = received.reshape(layers, -1, len(steps))
+                error[part][:, steps] = np.sqrt(np.sum(np.square(spread), axis=0))
+        return error
+
+    def _blocks(
+        self,
+        values: Float[np.ndarray, "layer channel row patch"],
+        weights: Float[np.ndarray, "3"],
+    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        # Blocks of time steps, with the rows of all layers below each other
+        sky = self.sky
+        tint = np.broadcast_to(sky.sun_colour[:, None], sky.colour.shape)
+        patches = values.shape[-1]
+        return product_blocks(
+            fold(values, sky.colour, weights).reshape(-1, patches),
+            fold(values, tint, weights).reshape(-1, patches),
+            diffuse=sky.diffuse,
+            direct=sky.sun,
+            steps=lit_steps(sky.diffuse, sky.sun),
+        )

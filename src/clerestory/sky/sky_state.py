@@ -1,0 +1,147 @@
+"""State of the sky by Perez: clearness, brightness, and light from irradiance.
+
+Irradiance in the weather is that of the whole solar spectrum. Radiance [W/(m²·sr)]
+in Radiance's sense is visible light: luminance over 179 lm/W. The luminous
+efficacy of sun and sky leads from one to the other.
+
+Reference: R. Perez, P. Ineichen, R. Seals, J. Michalsky, R. Stewart, Modeling
+daylight availability and irradiance components from direct and global
+irradiance, Solar Energy 44 (5), 1990. The limits put on its inputs are those
+of Radiance's gendaymtx.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.constants import LUMINOUS_EFFICACY
+
+SOLAR_CONSTANT = 1367.0  # [W/m²], as in gendaymtx
+
+# Dew point where the weather does not tell it [°C], as in gendaymtx
+DEFAULT_DEW_POINT_C = 11.0
+
+# The sun is kept this far from zenith and off the far side of the horizon [rad]
+_ZENITH_LIMITS = (np.radians(3.0), np.pi / 2)
+
+# Table 1: lower limits of clearness categories 2…8
+_CLEARNESS_LIMITS = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
+_MAX_CLEARNESS = 11.9
+_MIN_BRIGHTNESS = 0.01
+
+# Table 4: coefficients a, b, c, d of the luminous efficacy, by category
+_DIFFUSE = np.array(
+    [
+        [97.24, -0.46, 12.00, -8.91],
+        [107.22, 1.15, 0.59, -3.95],
+        [104.97, 2.96, -5.53, -8.77],
+        [102.39, 5.59, -13.95, -13.90],
+        [100.71, 5.94, -22.75, -23.74],
+        [106.42, 3.83, -36.15, -28.83],
+        [141.88, 1.90, -53.24, -14.03],
+        [152.23, 0.35, -45.27, -7.98],
+    ]
+)
+_DIRECT = np.array(
+    [
+        [57.20, -4.55, -2.98, 117.12],
+        [98.99, -3.46, -1.21, 12.38],
+        [109.83, -4.90, -1.71, -8.81],
+        [110.34, -5.84, -1.99, -4.56],
+        [106.36, -3.97, -1.75, -6.16],
+        [107.19, -1.25, -1.51, -26.73],
+        [105.75, 0.77, -1.26, -34.44],
+        [101.18, 1.58, -1.10, -8.29],
+    ]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class SkyState:
+    """What Perez's models need to know of the sky, per time step.
+
+    Attributes
+    ----------
+    zenith : of the sun, kept between 3° and 90° [rad]
+    clearness, brightness : Perez's ε and Δ
+    category : of clearness, from 0 (overcast) to 7 (clear)
+    """
+
+    zenith: Float[np.ndarray, " time"]
+    clearness: Float[np.ndarray, " time"]
+    brightness: Float[np.ndarray, " time"]
+    category: Int[np.ndarray, " time"]
+
+
+def sky_state(
+    direct_normal: Float[np.ndarray, " time"],
+    diffuse_horizontal: Float[np.ndarray, " time"],
+    *,
+    altitude: Float[np.ndarray, " time"],
+    day_of_year: Int[np.ndarray, " time"],
+) -> SkyState:
+    """Return clearness and brightness of the sky (Perez et al. 1990, eqs. 1 and 2).
+
+    Parameters
+    ----------
+    direct_normal, diffuse_horizontal : irradiance [W/m²]
+    altitude : of the sun [rad]
+    day_of_year : 1 for 1 January
+    """
+    zenith = np.clip(np.pi / 2 - altitude, *_ZENITH_LIMITS)
+
+    # Clearness; a sky without diffuse light is as clear as can be
+    bend = 1.041 * zenith**3
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        ratio = np.where(direct_normal > 0, direct_normal / diffuse_horizontal, 0.0)
+    clearness = np.minimum((1 + ratio + bend) / (1 + bend), _MAX_CLEARNESS)
+
+    # Brightness
+    extraterrestrial = SOLAR_CONSTANT * _orbit_factor(day_of_year)
+    brightness = diffuse_horizontal * _air_mass(zenith) / extraterrestrial
+    brightness = np.maximum(brightness, _MIN_BRIGHTNESS)
+    category = np.searchsorted(_CLEARNESS_LIMITS, clearness, side="right")
+    return SkyState(zenith, clearness, brightness, category)
+
+
+def visible_irradiance(
+    direct_normal: Float[np.ndarray, " time"],
+    diffuse_horizontal: Float[np.ndarray, " time"],
+    *,
+    state: SkyState,
+    dew_point_c: Float[np.ndarray, " time"],
+) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+    """Return visible direct normal and diffuse horizontal irradiance [W/m²].
+
+    Illuminance by Perez's luminous efficacy (1990, eqs. 7 and 8), over 179 lm/W.
+    """
+    # Precipitable water [cm] from the dew point (eq. 3)
+    water = np.exp(0.07 * dew_point_c - 0.075)
+
+    a, b, c, d = _DIFFUSE[state.category].T
+    efficacy = a + b * water + c * np.cos(state.zenith) + d * np.log(state.brightness)
+    diffuse = diffuse_horizontal * np.maximum(efficacy, 0)
+
+    a, b, c, d = _DIRECT[state.category].T
+    efficacy = (
+        a + b * water + c * np.exp(5.73 * state.zenith - 5) + d * state.brightness
+    )
+    direct = direct_normal * np.maximum(efficacy, 0)
+    return direct / LUMINOUS_EFFICACY, diffuse / LUMINOUS_EFFICACY
+
+
+def _orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
+    # Squared ratio of mean to actual distance from the sun (Spencer 1971)
+    angle = 2 * np.pi / 365 * (day_of_year - 1)
+    factor = 1.00011 + 0.034221 * np.cos(angle) + 0.00128 * np.sin(angle)
+    return np.asarray(
+        factor + 0.000719 * np.cos(2 * angle) + 0.000077 * np.sin(2 * angle)
+    )
+
+
+def _air_mass(zenith: Float[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
+    # Kasten 1966
+    return np.asarray(
+        1 / (np.cos(zenith) + 0.15 * (93.885 - np.degrees(zenith)) ** -1.253)
+    )
