@@ -1,0 +1,1 @@
+"""What a window layer does to light: scattering distributions, read, made, written."""

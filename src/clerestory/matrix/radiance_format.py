@@ -58,7 +58,7 @@ def read_matrix(
     --------
     >>> import tempfile
     >>> path = Path(tempfile.mkdtemp()) / "a.mtx"
-    >>> size = path.write_text("#?RADIANCE\\nNROWS=1\nNCOLS=2\nNCOMP=1\n\n0.5 2\n")
+    >>> size = path.write_text("#?RADIANCE\nNROWS=1\nNCOLS=2\nNCOMP=1\n\n0.5 2\n")
     >>> read_matrix(path).values.tolist()
     [[[0.5, 2.0]]]
     """
@@ -133,7 +133,7 @@ def _read_header(data: bytes, path: str | Path) -> _Header:
     # Find the empty line and read the variables before it
     if not data.startswith(b"#?"):
         raise InputError(
-            "does not start with #?RADIANCE; a Radiance matrix with its header expected",
+            "does not start with #?RADIANCE; a Radiance matrix with header expected",
             file=path,
             line=1,
         )

@@ -1,0 +1,158 @@
+"""BSDFs with a formula: test oracles, and layers nobody needs to measure."""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.matrix import Bsdf, Function, ScatteringMatrix
+from clerestory.bsdf.product import Product
+from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
+
+# Points per patch over which the angular dependence of a pane is averaged.
+_SAMPLES_PER_RING = 64
+
+
+def lambertian(
+    transmittance: float, partition: RingPartition, *, reflectance: float = 0.0
+) -> Bsdf:
+    """Return a layer that scatters all light evenly, from both sides alike.
+
+    Parameters
+    ----------
+    transmittance, reflectance : shares of the light, 0…1 together
+
+    Raises
+    ------
+    InputError : the shares are negative or exceed 1 together
+
+    Examples
+    --------
+    >>> from clerestory.hemisphere.klems import klems
+    >>> lambertian(0.4, klems("half")).direct_hemispherical().round(9)[:2].tolist()
+    [0.4, 0.4]
+    """
+    if min(transmittance, reflectance) < 0 or transmittance + reflectance > 1:
+        raise InputError(
+            f"transmittance {transmittance} and reflectance {reflectance};"
+            " shares of 1 together expected"
+        )
+    even = np.full((len(partition), len(partition)), 1 / np.pi)
+    return _symmetric(
+        "Lambertian diffuser",
+        transmission=transmittance * even,
+        reflection=reflectance * even,
+        partition=partition,
+    )
+
+
+def clear_air(partition: RingPartition) -> Bsdf:
+    """Return the layer that is not there: all light goes straight on.
+
+    Its transmission matrix is the identity.
+
+    >>> from clerestory.hemisphere.klems import klems
+    >>> T = clear_air(klems("quarter")).transmission_matrix().values[0]
+    >>> bool(np.allclose(T, np.eye(41)))
+    True
+    """
+    straight = np.diag(1 / partition.projected_solid_angles())
+    return _symmetric(
+        "Clear air",
+        transmission=straight,
+        reflection=np.zeros_like(straight),
+        partition=partition,
+    )
+
+
+def thin_pane(
+    transmissivity: float, partition: RingPartition, *, index: float = 1.52
+) -> Bsdf:
+    """Return a clear pane as Radiance's glass: Fresnel at both faces, interreflected.
+
+    Each patch has the average over its directions, weighted by their cosine; light
+    leaves in the patch that continues the one it came from.
+
+    Parameters
+    ----------
+    transmissivity : share of light left after one passage along the normal, 0…1
+    index : refractive index, 1 or more
+
+    Raises
+    ------
+    InputError : arguments out of range
+    """
+    if not (0 <= transmissivity <= 1 and index >= 1):
+        raise InputError(
+            f"transmissivity {transmissivity} and index {index}; 0 to 1, and 1 or more"
+            " expected"
+        )
+    # Average over equal parts of the projected solid angle of each ring
+    part = (np.arange(_SAMPLES_PER_RING) + 0.5) / _SAMPLES_PER_RING
+    low, high = np.sin(partition.theta[:-1]) ** 2, np.sin(partition.theta[1:]) ** 2
+    cosine = np.sqrt(1 - low[:, None] - (high - low)[:, None] * part)
+    shares = pane_shares(cosine, transmissivity=transmissivity, index=index)
+    transmitted, reflected = (
+        np.repeat(share.mean(axis=1), partition.count) for share in shares
+    )
+    measure = partition.projected_solid_angles()
+    return _symmetric(
+        "Clear pane",
+        transmission=np.diag(transmitted / measure),
+        reflection=np.diag(reflected / measure),
+        partition=partition,
+    )
+
+
+def pane_shares(
+    cosine: Float[np.ndarray, "*batch"], *, transmissivity: float, index: float
+) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch"]]:
+    """Transmitted and reflected share of unpolarised light that meets a pane.
+
+    Parameters
+    ----------
+    cosine : of the angle between light and normal
+    transmissivity : share left after one passage along the normal
+    index : refractive index
+
+    Notes
+    -----
+    Fresnel's equations at each face and the geometric series of interreflections,
+    for each polarisation, as in Radiance's glass.
+
+    >>> t, r = pane_shares(np.array(1.0), transmissivity=1.0, index=1.5)
+    >>> round(float(t), 6), round(float(r), 6)  # 2n/(n²+1) and the rest
+    (0.923077, 0.076923)
+    """
+    inside = np.sqrt(1 - (1 - cosine**2) / index**2)
+    passage = transmissivity ** (1 / inside)
+    transmitted, reflected = [], []
+    for face in (
+        (cosine - index * inside) / (cosine + index * inside),
+        (index * cosine - inside) / (index * cosine + inside),
+    ):
+        r = face**2
+        series = 1 / (1 - (r * passage) ** 2)
+        transmitted.append((1 - r) ** 2 * passage * series)
+        reflected.append(r + (1 - r) ** 2 * r * passage**2 * series)
+    return np.mean(transmitted, axis=0), np.mean(reflected, axis=0)
+
+
+def _symmetric(
+    name: str,
+    *,
+    transmission: Float[np.ndarray, "exit incident"],
+    reflection: Float[np.ndarray, "exit incident"],
+    partition: RingPartition,
+) -> Bsdf:
+    # A layer that does the same to light from both sides
+    tables: dict[Function, Float[np.ndarray, "exit incident"]] = {
+        "transmission_front": transmission,
+        "transmission_back": transmission,
+        "reflection_front": reflection,
+        "reflection_back": reflection,
+    }
+    functions = {
+        ("visible", function): ScatteringMatrix(table, partition, partition)
+        for function, table in tables.items()
+    }
+    return Bsdf(functions, Product(name=name))
