@@ -1,0 +1,38 @@
+"""Illuminance from coefficients and a sky, in blocks of sensors.
+
+The error components make coefficients many times larger than the result, so
+they exist for one block of sensors at a time.
+"""
+
+from collections.abc import Callable
+
+import xarray as xr
+
+from clerestory.matrix.axis import Axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.sky.sky_matrix import SkyMatrix
+
+# Sensors in a block: 32 components of 3 x 32 x 2306 coefficients take 57 MB
+_BLOCK = 32
+
+
+def annual_illuminance(
+    coefficients: Callable[[slice], TransferMatrix], sky: SkyMatrix, *, sensors: Axis
+) -> xr.Dataset:
+    """Illuminance [lux] over (sensor, time), with its standard error, as float32.
+
+    Parameters
+    ----------
+    coefficients : from sky patches to the given block of sensors [sr]
+    sky : radiance of each patch at each time
+    sensors : all of them
+    """
+    blocks = []
+    for first in range(0, sensors.size, _BLOCK):
+        rows = slice(first, min(first + _BLOCK, sensors.size))
+        block = (coefficients(rows) @ sky).illuminance()
+        blocks.append(block.astype("float32", keep_attrs=True))
+    if sensors.names:
+        return xr.concat(blocks, dim="sensor")
+    whole = xr.concat([block.drop_vars("sensor") for block in blocks], dim="sensor")
+    return whole.assign_coords(sensor=range(sensors.size))

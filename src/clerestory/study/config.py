@@ -1,0 +1,243 @@
+"""The study file: what to simulate, in TOML.
+
+Each table of the file is a class here; the description of a key is what messages
+expect of it. `docs/study-file.md` explains them all.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from clerestory.files import read_text
+from clerestory.metrics.autonomy import TARGET_LUX
+from clerestory.study.complaint import input_error, parse_toml
+
+
+def _input_file(value: Any, info: ValidationInfo) -> Any:
+    # Files are named relative to the study, and must be there
+    if not isinstance(value, str) or not value:
+        raise PydanticCustomError("file", "the name of a file in quotes")
+    path: Path = (info.context or {}).get("folder", Path()) / value
+    if not path.is_file():
+        raise PydanticCustomError("file", "the name of a file that exists")
+    return path
+
+
+InputFile = Annotated[Path, BeforeValidator(_input_file)]
+MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$")]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
+    )
+
+
+class _Named(_Table):
+    name: str = Field(
+        "",
+        pattern=r"^[\w .-]*$",
+        description="letters, digits, spaces, dots and dashes",
+    )
+    file: InputFile
+
+    @property
+    def label(self) -> str:
+        """Name, or else the stem of the file's name."""
+        return self.name or self.file.stem
+
+
+class SceneTable(_Table):
+    """The room and what stands around it."""
+
+    files: list[InputFile] = Field(
+        min_length=1, description="a list of Radiance scene files"
+    )
+
+
+class WindowTable(_Named):
+    """A window group: polygons that share one BSDF."""
+
+    file: InputFile = Field(description="a Radiance file of window polygons")
+    bsdf: InputFile = Field(description="a BSDF file (.xml)")
+
+
+class SensorsTable(_Named):
+    """A grid of sensors."""
+
+    file: InputFile = Field(description="a file of sensors, x y z dx dy dz a line")
+
+
+class WeatherTable(_Table):
+    """The weather, and the part of the year to simulate."""
+
+    file: InputFile = Field(description="a weather file (.epw, .wea or TMY3 .csv)")
+    first_day: MonthDay | None = Field(
+        None, alias="from", description='a day of the year as "MM-DD"'
+    )
+    last_day: MonthDay | None = Field(
+        None, alias="to", description='a day of the year as "MM-DD"'
+    )
+
+
+class SkyTable(_Table):
+    """How finely the sky is cut, the ground, and where north is."""
+
+    subdivision: Literal[1, 2, 3, 4, 5, 6] = 4
+    ground_reflectance: float = Field(0.2, ge=0, le=1)
+    rotation_deg: float = Field(0.0, ge=-360, le=360)
+
+
+class TraceTable(_Table):
+    """How long to trace; `relative_error` is 0.01 when neither goal is given."""
+
+    relative_error: float | None = Field(None, gt=0, lt=1)
+    samples: int | None = Field(None, ge=1)
+    bounces: int | None = Field(None, ge=0)
+    seed: int = Field(1, ge=0, lt=2**32)
+    device: Literal["auto", "cpu", "cuda"] = "auto"
+
+    @model_validator(mode="after")
+    def _one_goal(self) -> Self:
+        if self.samples is not None and self.relative_error is not None:
+            raise PydanticCustomError(
+                "rule", 'both "samples" and "relative_error"; one of them expected'
+            )
+        return self
+
+    def goal(self) -> dict[str, int | float]:
+        """Return the goal as a keyword argument of the tracing functions.
+
+        >>> TraceTable().goal(), TraceTable(samples=64).goal()
+        ({'relative_error': 0.01}, {'samples': 64})
+        """
+        if self.samples is not None:
+            return {"samples": self.samples}
+        return {"relative_error": self.relative_error or 0.01}
+
+
+class ScheduleTable(_Table):
+    """The hours of the day that count, in local standard time."""
+
+    from_hour: float = Field(8.0, ge=0, le=24)
+    to_hour: float = Field(18.0, ge=0, le=24)
+
+    @model_validator(mode="after")
+    def _forwards(self) -> Self:
+        if self.from_hour >= self.to_hour:
+            raise PydanticCustomError(
+                "rule", '"from_hour" is not before "to_hour"; the earlier one expected'
+            )
+        return self
+
+
+class MetricsTable(_Table):
+    """What the metrics ask for."""
+
+    target_lux: float = Field(TARGET_LUX, gt=0)
+
+
+class OutputTable(_Table):
+    """Files written beside results.nc and run.json."""
+
+    csv: bool = True
+    ill: bool = False
+
+
+class Study(_Table):
+    """A whole run; the paths in it are resolved against its folder."""
+
+    _folder: Path = PrivateAttr(Path())
+
+    title: str = ""
+    method: Literal["2-phase", "3-phase"] = Field(description='"2-phase" or "3-phase"')
+    scene: SceneTable = Field(description="a table [scene]")
+    window: list[WindowTable] = Field(default_factory=list)
+    sensors: list[SensorsTable] = Field(
+        min_length=1, description="at least one table [[sensors]]"
+    )
+    weather: WeatherTable = Field(description="a table [weather]")
+    sky: SkyTable = SkyTable()
+    trace: TraceTable = TraceTable()
+    schedule: ScheduleTable = ScheduleTable()
+    metrics: MetricsTable = MetricsTable()
+    output: OutputTable = OutputTable()
+
+    @field_validator("window", "sensors")
+    @classmethod
+    def _distinct(cls, tables: Sequence[_Named]) -> Sequence[_Named]:
+        labels = [table.label for table in tables]
+        twice = next((name for name in labels if labels.count(name) > 1), None)
+        if twice is not None:
+            raise PydanticCustomError(
+                "rule",
+                'two are named "{twice}"; different names expected',
+                {"twice": twice},
+            )
+        return tables
+
+    @model_validator(mode="after")
+    def _windows_for_the_method(self) -> Self:
+        if self.method == "3-phase" and not self.window:
+            raise PydanticCustomError(
+                "rule", 'method "3-phase" without a window; a table [[window]] expected'
+            )
+        if self.method == "2-phase" and self.window:
+            raise PydanticCustomError(
+                "rule",
+                'method "2-phase" sees the sky through the glass of the scene;'
+                " no table [[window]] expected",
+            )
+        return self
+
+    def model_post_init(self, context: Any) -> None:
+        """Remember the folder that the study file stands in."""
+        self._folder = (context or {}).get("folder", Path())
+
+    def facts(self) -> dict[str, Any]:
+        """Return every key with its value, files relative to the study."""
+
+        def plain(value: Any) -> Any:
+            if isinstance(value, dict):
+                return {key: plain(item) for key, item in value.items()}
+            if isinstance(value, list):
+                return [plain(item) for item in value]
+            if isinstance(value, Path):
+                inside = value.is_relative_to(self._folder)
+                return (value.relative_to(self._folder) if inside else value).as_posix()
+            return value
+
+        return {
+            key: plain(item) for key, item in self.model_dump(by_alias=True).items()
+        }
+
+
+def read_study(path: str | Path) -> Study:
+    """Return the study in a TOML file; its paths are relative to that file.
+
+    Raises
+    ------
+    InputError : the file cannot be read, is not TOML, or a key is missing,
+        unknown or wrong; with the line and the valid choices
+    """
+    path = Path(path)
+    text = read_text(path)
+    tables = parse_toml(text, file=path)
+    try:
+        study = Study.model_validate(tables, context={"folder": path.parent})
+    except ValidationError as error:
+        raise input_error(error, model=Study, text=text, file=path) from error
+    return study.model_copy(update={"title": study.title or path.stem})

@@ -1,0 +1,97 @@
+"""The line on which each key of a TOML file stands.
+
+Python's parser keeps no lines. This scanner leans on it: it joins lines until
+the parser accepts them as one statement, and notes which keys they set.
+"""
+
+import tomllib
+from collections.abc import Iterator
+from typing import Any
+
+Path = tuple[str | int, ...]
+
+
+def key_lines(text: str) -> dict[Path, int]:
+    r"""Return the line of every key and table of a text that is valid TOML.
+
+    A key is the path to it from the root: names, and numbers for the elements of
+    an array of tables.
+
+    Examples
+    --------
+    >>> key_lines('a = 1\n[[window]]\nfile = "south.rad"\n')[("window", 0, "file")]
+    3
+    """
+    lines = text.splitlines()
+    found: dict[Path, int] = {}
+    elements: dict[Path, int] = {}
+    table: Path = ()
+    number = 0
+    while number < len(lines):
+        start, line = number, lines[number].strip()
+        number += 1
+        if not line or line.startswith("#"):
+            continue
+        if line.startswith("["):
+            table = _table(line, elements)
+            for parent in (table[:-1], table):
+                found.setdefault(parent, start + 1)
+            continue
+
+        # Join lines until they make a whole statement
+        statement, parsed = lines[start], _parse(lines[start])
+        while parsed is None and number < len(lines):
+            statement += "\n" + lines[number]
+            number += 1
+            parsed = _parse(statement)
+        for path in _paths(parsed or {}):
+            found.setdefault(table + path, start + 1)
+    return found
+
+
+def line_of(path: Path, lines: dict[Path, int]) -> int | None:
+    """Line of a key, or else of the innermost table around it."""
+    while path and path not in lines:
+        path = path[:-1]
+    return lines[path] if path else None
+
+
+def _parse(statement: str) -> dict[str, Any] | None:
+    try:
+        return tomllib.loads(statement)
+    except tomllib.TOMLDecodeError:
+        return None
+
+
+def _table(header: str, elements: dict[Path, int]) -> Path:
+    # Path of a [table] or of the next element of an [[array of tables]]
+    names = next(_chain(tomllib.loads(header)))
+    path: Path = ()
+    for name in names[:-1]:
+        path = (*path, name)
+        path = (*path, elements[path]) if path in elements else path
+    path = (*path, names[-1])
+    if header.startswith("[["):
+        elements[path] = elements.get(path, -1) + 1
+        return (*path, elements[path])
+    return path
+
+
+def _chain(tree: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    # The names of a header, from the one-branch tree that it parses to
+    for name, branch in tree.items():
+        inner = branch[0] if isinstance(branch, list) else branch
+        rest = next(_chain(inner), ())
+        yield (name, *rest)
+
+
+def _paths(tree: Any) -> Iterator[Path]:
+    # Every key in a value, with its parents
+    branches: list[tuple[str | int, Any]] = []
+    if isinstance(tree, dict):
+        branches = list(tree.items())
+    elif isinstance(tree, list):
+        branches = list(enumerate(tree))
+    for name, branch in branches:
+        yield (name,)
+        yield from ((name, *rest) for rest in _paths(branch))
