@@ -1,0 +1,1 @@
+"""What stands in the scene: surfaces, materials, windows, sensors; plain values."""

@@ -1,0 +1,126 @@
+"""Spheres, cones and rings as triangles, with their sizes kept.
+
+A circle becomes 64 equal sides whose area is the circle's, so discs, rings and the
+mouths of tubes have their exact areas; the side of a cylinder comes out 0.04 % too
+large and no point lies further than 0.13 % of the radius from the true surface.
+A sphere becomes 1280 triangles with the exact area of the sphere, and so its exact
+projected area averaged over directions; no point is off by more than 0.5 %.
+"""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.scene.model import Cone, Ring, Sphere
+from clerestory.scene.triangulate import Triangles
+
+SIDES = 64
+
+# Circumradius of the regular polygon with the area of the unit circle
+_CIRCUMRADIUS = np.sqrt(2 * np.pi / (SIDES * np.sin(2 * np.pi / SIDES)))
+
+
+def curved_triangles(surface: Sphere | Cone | Ring) -> Triangles:
+    """Return triangles in place of a curved surface, their fronts where its front is.
+
+    Examples
+    --------
+    >>> ball = Sphere(np.zeros(3), 1.0, False, "grey")
+    >>> t = curved_triangles(ball)
+    >>> corner = t.vertices[t.faces]
+    >>> edges = corner[:, 1:] - corner[:, :1]
+    >>> area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum() / 2
+    >>> round(float(area / np.pi), 9)
+    4.0
+    """
+    match surface:
+        case Sphere():
+            ball = _unit_sphere()
+            vertices = surface.centre + surface.radius * ball.vertices
+            return _turned(Triangles(vertices, ball.faces), surface.inward)
+        case Cone():
+            axis = surface.top - surface.base
+            lower = surface.base + surface.base_radius * _circle(axis)
+            upper = surface.top + surface.top_radius * _circle(axis)
+            return _turned(_band(lower, upper), surface.inward)
+        case Ring():
+            circle = _circle(surface.normal)
+            inner = surface.centre + surface.inner_radius * circle
+            outer = surface.centre + surface.outer_radius * circle
+            return _band(outer, inner)
+
+
+def _turned(triangles: Triangles, inward: bool) -> Triangles:
+    if not inward:
+        return triangles
+    return Triangles(triangles.vertices, triangles.faces[:, ::-1])
+
+
+def _circle(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "sides 3"]:
+    # Corners around the axis; the same for the opposite axis, so that discs fit tubes
+    along = axis / np.linalg.norm(axis)
+    first = np.cross(np.eye(3)[np.argmin(np.abs(along).round(9))], along)
+    first = first / np.linalg.norm(first)
+    second = np.cross(along, first)
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    corners = np.outer(np.cos(angle), first) + np.outer(np.sin(angle), second)
+    scaled: Float[np.ndarray, "sides 3"] = _CIRCUMRADIUS * corners
+    return scaled
+
+
+def _band(
+    lower: Float[np.ndarray, "sides 3"], upper: Float[np.ndarray, "sides 3"]
+) -> Triangles:
+    # Two triangles a side, one where an end comes to a point
+    i = np.arange(SIDES)
+    j = (i + 1) % SIDES
+    faces = np.empty((0, 3), dtype=int)
+    if np.ptp(lower, axis=0).any():
+        faces = np.concatenate([faces, np.stack([i, j, SIDES + j], axis=1)])
+    if np.ptp(upper, axis=0).any():
+        faces = np.concatenate([faces, np.stack([i, SIDES + j, SIDES + i], axis=1)])
+    return Triangles(np.concatenate([lower, upper]), faces)
+
+
+def _unit_sphere() -> Triangles:
+    # An icosahedron whose faces are cut in four, three times
+    golden = (1 + np.sqrt(5)) / 2
+    flat = np.array([(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)])
+    vertices = np.concatenate([np.roll(flat, k, axis=1) for k in range(3)])
+    vertices = vertices / np.linalg.norm(vertices[0])
+    faces = _hull_faces(vertices)
+    for _ in range(3):
+        vertices, faces = _subdivided(vertices, faces)
+    corner = vertices[faces]
+    doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    area = np.linalg.norm(doubled, axis=1).sum() / 2
+    return Triangles(vertices * np.sqrt(4 * np.pi / area), faces)
+
+
+def _hull_faces(vertices: Float[np.ndarray, "12 3"]) -> Int[np.ndarray, "20 3"]:
+    # Triples of the icosahedron's nearest neighbours, counter-clockwise from outside
+    near = vertices @ vertices.T > 0.4
+    faces = [
+        (a, b, c)
+        for a in range(12)
+        for b in range(12)
+        for c in range(12)
+        if a < min(b, c) and near[a, b] and near[b, c] and near[c, a]
+        if np.linalg.det(vertices[[a, b, c]]) > 0 and len({a, b, c}) == 3
+    ]
+    return np.array(faces)
+
+
+def _subdivided(
+    vertices: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "triangles 3"]
+) -> tuple[Float[np.ndarray, "more 3"], Int[np.ndarray, "fourfold 3"]]:
+    a, b, c = faces.T
+    edges = np.sort(
+        np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    )
+    unique, place = np.unique(edges, axis=0, return_inverse=True)
+    middle = vertices[unique].sum(axis=1)
+    middle = middle / np.linalg.norm(middle, axis=1, keepdims=True)
+    ab, bc, ca = np.split(len(vertices) + place.ravel(), 3)
+    quarters = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+    faces = np.concatenate([np.stack(q, axis=1) for q in quarters])
+    return np.concatenate([vertices, middle]), faces

@@ -1,0 +1,143 @@
+"""The items of a .rad file and of all it includes, each in its place in the scene."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.scene.command import Inclusion, parse_command
+from clerestory.scene.flatness import checked
+from clerestory.scene.placement import Placement
+from clerestory.scene.primitives import Simple, surface
+from clerestory.scene.statements import (
+    SURFACE_KINDS,
+    Alias,
+    Command,
+    Directive,
+    PolygonRun,
+    Primitive,
+    parse_statements,
+)
+
+Item = PolygonRun | Primitive | Alias | Directive | Simple
+
+# Files nested deeper than this are a mistake, and would exhaust the stack
+_DEEPEST = 100
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """An item after all transforms it passed.
+
+    Attributes
+    ----------
+    item : polygons, another surface, a material (Primitive), an alias or a directive
+    file : where it stands
+    placement : what it passed; already applied to surfaces
+    """
+
+    item: Item
+    file: str
+    placement: Placement
+
+
+def placed_items(path: str | Path) -> Iterator[Placed]:
+    """Yield everything in a file and in the files it includes, in Radiance's order.
+
+    Raises
+    ------
+    InputError : with file and line, where a file is missing, malformed, includes
+        itself, or holds a command that is not read here
+    """
+    walk = _Walk(Path(path).parent, {})
+    yield from walk.items(Path(path), Placement(), ())
+
+
+@dataclass(frozen=True)
+class _Walk:
+    # Each file is read once, however often it is placed
+    top: Path
+    loaded: dict[Path, tuple[Item | Command, ...]]
+
+    def items(
+        self, path: Path, placement: Placement, within: tuple[Path, ...]
+    ) -> Iterator[Placed]:
+        file = str(path)
+        if path not in self.loaded:
+            self.loaded[path] = _load(path)
+        for item in self.loaded[path]:
+            match item:
+                case Command():
+                    yield from self._included(item, path, placement, within)
+                case PolygonRun():
+                    yield Placed(placement.polygons(item), file, placement)
+                case Primitive() | Alias() | Directive():
+                    yield Placed(item, file, placement)
+                case _:
+                    yield Placed(placement.surface(item), file, placement)
+
+    def _included(
+        self,
+        command: Command,
+        path: Path,
+        placement: Placement,
+        within: tuple[Path, ...],
+    ) -> Iterator[Placed]:
+        for inner_path, inner in self._inclusion(command, path, within):
+            yield from self.items(inner_path, inner.then(placement), (*within, path))
+
+    def _inclusion(
+        self, command: Command, path: Path, within: tuple[Path, ...]
+    ) -> list[tuple[Path, Placement]]:
+        # Paths and placements that a command stands for, in order
+        try:
+            inclusion: Inclusion = parse_command(
+                command.text, find=lambda name: self._find(name, path)
+            )
+            files = [self._find(name, path) for name in inclusion.files]
+            for found in files:
+                _refuse_recursion(found, (*within, path))
+        except InputError as error:
+            if error.file is not None:
+                raise
+            raise InputError(error.message, file=path, line=command.line) from error
+        return [(found, place) for place in inclusion.placements for found in files]
+
+    def _find(self, name: str, path: Path) -> Path:
+        folders = dict.fromkeys([self.top, path.parent, Path()])
+        for folder in folders:
+            if (folder / name).is_file():
+                return folder / name
+        tried = ", ".join(str(f) for f in folders)
+        raise InputError(f'the file "{name}" is missing; looked for in {tried}')
+
+
+def _refuse_recursion(found: Path, within: tuple[Path, ...]) -> None:
+    if any(found.samefile(p) for p in within):
+        chain = " → ".join(p.name for p in (*within, found))
+        raise InputError(f"the file includes itself: {chain}")
+    if len(within) > _DEEPEST:
+        raise InputError(f"files are nested more than {_DEEPEST} deep")
+
+
+def _load(path: Path) -> tuple[Item | Command, ...]:
+    file, items = str(path), []
+    for statement in parse_statements(read_text(path), file=file):
+        match statement:
+            case PolygonRun():
+                items.append(checked(statement, file=file))
+            case Primitive(kind="polygon"):
+                raise InputError(
+                    f'polygon "{statement.name}" has {len(statement.reals)} numbers'
+                    f" and {len(statement.strings)} strings;"
+                    " three numbers for each of at least 3 vertices expected",
+                    file=file,
+                    line=statement.line,
+                )
+            case Primitive() if statement.kind in SURFACE_KINDS:
+                built = surface(statement, file=file)
+                items += [] if built is None else [built]
+            case _:
+                items.append(statement)
+    return tuple(items)

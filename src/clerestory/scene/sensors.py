@@ -1,0 +1,100 @@
+"""Sensors: points that look into a direction, and the .pts files that list them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.directions import unit
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.scene.xform import number
+
+
+@dataclass(frozen=True, eq=False)
+class Sensors:
+    """Points with a direction each, as for illuminance meters.
+
+    Attributes
+    ----------
+    position : [m]
+    direction : unit vectors; other lengths are scaled to one
+    names : one a sensor, if they have any
+
+    Raises
+    ------
+    InputError : arrays that do not fit, numbers that are not finite, no length
+
+    Examples
+    --------
+    >>> desk = Sensors(np.array([[1.0, 2.0, 0.8]]), np.array([[0.0, 0.0, 2.0]]))
+    >>> len(desk), desk.direction.tolist()
+    (1, [[0.0, 0.0, 1.0]])
+    """
+
+    position: Float[np.ndarray, "sensors 3"]
+    direction: Float[np.ndarray, "sensors 3"]
+    names: tuple[str, ...] | None = None
+
+    def __post_init__(self) -> None:
+        position = np.asarray(self.position, dtype=float)
+        direction = np.asarray(self.direction, dtype=float)
+        if (
+            position.ndim != 2
+            or position.shape[1:] != (3,)
+            or direction.shape != position.shape
+        ):
+            raise InputError(
+                f"sensor positions of shape {position.shape} with directions of shape"
+                f" {direction.shape}; (n, 3) expected for both"
+            )
+        if self.names is not None and len(self.names) != len(position):
+            raise InputError(f"{len(self.names)} names for {len(position)} sensors")
+        if not np.isfinite(position).all():
+            raise InputError("a sensor's position is not finite")
+        object.__setattr__(self, "position", position)
+        object.__setattr__(self, "direction", unit(direction))
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+
+def read_sensors(path: str | Path) -> Sensors:
+    """Return the sensors of a file with x y z dx dy dz on each line, as for rtrace.
+
+    Blank lines and lines that begin with # are passed over.
+
+    Raises
+    ------
+    InputError : with file and line, where there are not six finite numbers or the
+        direction has no length; a file without sensors
+    """
+    rows = []
+    for i, text in enumerate(read_text(path).split("\n"), start=1):
+        words = text.partition("#")[0].replace(",", " ").split()
+        if words:
+            rows.append(_row(words, path, i))
+    if not rows:
+        raise InputError("no sensors; lines of x y z dx dy dz expected", file=path)
+    table = np.array(rows)
+    return Sensors(table[:, :3], table[:, 3:])
+
+
+def _row(words: list[str], path: str | Path, line: int) -> list[float]:
+    values = []
+    for word in words:
+        value = number(word)
+        if value is None:
+            raise InputError(f'"{word}" is not a finite number', file=path, line=line)
+        values.append(value)
+    if len(values) != 6:
+        raise InputError(
+            f"{len(values)} numbers; six (x y z dx dy dz) expected",
+            file=path,
+            line=line,
+        )
+    length = np.linalg.norm(values[3:])
+    if not 0 < length < np.inf:
+        raise InputError("the direction has no length", file=path, line=line)
+    return values

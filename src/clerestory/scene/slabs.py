@@ -1,0 +1,106 @@
+"""Even–odd filling of edges that may cross: slabs between all corners and crossings.
+
+Between two neighbouring abscissae no edges cross, so the edges of a slab stack up,
+and the region lies between the first and second, third and fourth, … of them.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+# Pairs of edges tested at a time
+_BLOCK = 2_000_000
+
+
+def crossings(
+    segments: Float[np.ndarray, "edges 2 2"],
+) -> Float[np.ndarray, " crossings"]:
+    """Abscissae where edges meet other than end to end.
+
+    Examples
+    --------
+    >>> cross = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
+    >>> crossings(cross).tolist()
+    [1.0]
+    """
+    found = [np.empty(0)]
+    step = max(1, _BLOCK // max(1, len(segments)))
+    for start in range(0, len(segments), step):
+        found.append(_block_crossings(segments[start : start + step], segments))
+    return np.unique(np.concatenate(found))
+
+
+def slab_triangles(
+    segments: Float[np.ndarray, "edges 2 2"],
+) -> Float[np.ndarray, "corners 2"]:
+    """Corners, three a triangle, that fill the region within the edges.
+
+    Examples
+    --------
+    >>> corner = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    >>> slab_triangles(np.stack([corner, np.roll(corner, -1, axis=0)], axis=1)).shape
+    (3, 2)
+    """
+    cuts = np.unique(np.concatenate([segments[:, :, 0].ravel(), crossings(segments)]))
+    flip = segments[:, 0, 0] > segments[:, 1, 0]
+    left = np.where(flip[:, None], segments[:, 1], segments[:, 0])
+    right = np.where(flip[:, None], segments[:, 0], segments[:, 1])
+    corners = [np.empty((0, 2))]
+    for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+        spanning = (
+            (left[:, 0] <= low) & (right[:, 0] >= high) & (left[:, 0] < right[:, 0])
+        )
+        a, b = left[spanning], right[spanning]
+        slope = (b[:, 1] - a[:, 1]) / (b[:, 0] - a[:, 0])
+        at_low, at_high = (a[:, 1] + (x - a[:, 0]) * slope for x in (low, high))
+        order = np.argsort(at_low + at_high, kind="stable")
+        for lower, upper in zip(order[0::2], order[1::2], strict=False):
+            corners.append(
+                np.array(
+                    [
+                        [low, at_low[lower]],
+                        [high, at_high[lower]],
+                        [high, at_high[upper]],
+                        [low, at_low[lower]],
+                        [high, at_high[upper]],
+                        [low, at_low[upper]],
+                    ]
+                )
+            )
+    corner = np.concatenate(corners).reshape(-1, 3, 2)
+    u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    doubled = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    size = np.ptp(segments.reshape(-1, 2), axis=0).max(initial=0)
+    return corner[doubled > 1e-13 * size**2].reshape(-1, 2)
+
+
+def _block_crossings(
+    some: Float[np.ndarray, "some 2 2"], all_: Float[np.ndarray, "edges 2 2"]
+) -> Float[np.ndarray, " crossings"]:
+    # Sides on which the ends of each edge lie of the line through each other edge
+    a, b = some[:, None, 0], some[:, None, 1]
+    c, d = all_[None, :, 0], all_[None, :, 1]
+    size = np.ptp(all_.reshape(-1, 2), axis=0).max()
+    tiny = 1e-12 * size**2
+    c_side, d_side = _side(a, b, c), _side(a, b, d)
+    a_side, b_side = _side(c, d, a), _side(c, d, b)
+
+    # Edges that cross, or one that ends within another
+    across = (c_side * d_side < 0) & (a_side * b_side < 0)
+    across &= np.minimum(abs(c_side), abs(d_side)) > tiny
+    across &= np.minimum(abs(a_side), abs(b_side)) > tiny
+    i, j = np.nonzero(across)
+    share = c_side[i, j] / (c_side[i, j] - d_side[i, j])
+    found = [all_[j, 0, 0] + share * (all_[j, 1, 0] - all_[j, 0, 0])]
+    for end, side in ((0, c_side), (1, d_side)):
+        i, j = np.nonzero(abs(side) <= tiny)
+        along = some[i, 1] - some[i, 0]
+        t = ((all_[j, end] - some[i, 0]) * along).sum(axis=1) / (along**2).sum(axis=1)
+        within = (t > 1e-9) & (t < 1 - 1e-9)
+        found.append(all_[j[within], end, 0])
+    return np.concatenate(found)
+
+
+def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
+    u, v = b - a, p - a
+    side: np.ndarray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    return side

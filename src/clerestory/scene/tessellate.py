@@ -1,0 +1,128 @@
+"""The scene as triangle meshes, one for each material."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.scene.curved import curved_triangles
+from clerestory.scene.model import Material, Polygon, Scene, Surface
+from clerestory.scene.triangulate import Triangles, triangulate
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles of one material.
+
+    Attributes
+    ----------
+    material : what they are made of
+    vertices : [m]
+    faces : counter-clockwise as seen from the front of the surface
+    surface : for each triangle, the index in `Scene.surfaces` it comes from
+    """
+
+    material: Material
+    vertices: Float[np.ndarray, "vertices 3"]
+    faces: Int[np.ndarray, "triangles 3"]
+    surface: Int[np.ndarray, " triangles"]
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    # Triangles with the surface each comes from
+    vertices: Float[np.ndarray, "vertices 3"]
+    faces: Int[np.ndarray, "triangles 3"]
+    surface: Int[np.ndarray, " triangles"]
+
+
+def meshes(scene: Scene) -> tuple[Mesh, ...]:
+    """Return the surfaces of a scene as triangles, one mesh a material in use.
+
+    Polygons keep their vertices and are filled by the even–odd rule; curved surfaces
+    become triangles as `curved` says.
+
+    Examples
+    --------
+    >>> from clerestory.scene.model import Light
+    >>> pane = Polygon(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), "sky")
+    >>> [mesh] = meshes(Scene({"sky": Light("sky", np.ones(3))}, (pane,)))
+    >>> len(mesh.faces)
+    2
+    """
+    groups: dict[str, list[int]] = {}
+    for i, surface in enumerate(scene.surfaces):
+        groups.setdefault(surface.material, []).append(i)
+    return tuple(
+        _mesh(scene.materials[key], scene.surfaces, groups[key])
+        for key in scene.materials
+        if key in groups
+    )
+
+
+def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) -> Mesh:
+    parts = list(_parts(surfaces, chosen))
+    start = np.cumsum([0, *(len(p.vertices) for p in parts)])
+    return Mesh(
+        material,
+        np.concatenate([p.vertices for p in parts]),
+        np.concatenate(
+            [p.faces + s for p, s in zip(parts, start, strict=False)]
+        ).astype(np.int32),
+        np.concatenate([p.surface for p in parts]).astype(np.int32),
+    )
+
+
+def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
+    # Triangles and convex quadrilaterals together, all others one by one
+    by_corners: dict[int, list[int]] = {3: [], 4: []}
+    rest = []
+    for i in chosen:
+        surface = surfaces[i]
+        corners = len(surface.vertices) if isinstance(surface, Polygon) else 0
+        by_corners.get(corners, rest).append(i)
+    if by_corners[3]:
+        yield _fans(_corners(surfaces, by_corners[3]), np.array(by_corners[3]))
+    if by_corners[4]:
+        index, corner = np.array(by_corners[4]), _corners(surfaces, by_corners[4])
+        convex = _convex(corner)
+        rest += index[~convex].tolist()
+        yield _fans(corner[convex], index[convex])
+    for i in rest:
+        triangles = _triangles(surfaces[i])
+        origin = np.full(len(triangles.faces), i)
+        yield _Part(triangles.vertices, triangles.faces, origin)
+
+
+def _triangles(surface: Surface) -> Triangles:
+    if isinstance(surface, Polygon):
+        return triangulate(surface.vertices)
+    return curved_triangles(surface)
+
+
+def _corners(
+    surfaces: Sequence[Surface], chosen: list[int]
+) -> Float[np.ndarray, "polygons corners 3"]:
+    polygons = [s for s in (surfaces[i] for i in chosen) if isinstance(s, Polygon)]
+    return np.concatenate([p.vertices for p in polygons]).reshape(len(polygons), -1, 3)
+
+
+def _fans(
+    corner: Float[np.ndarray, "polygons corners 3"], index: Int[np.ndarray, " polygons"]
+) -> _Part:
+    # Triangles between the first corner and each edge opposite
+    count, corners = corner.shape[:2]
+    fan = np.array([(0, k, k + 1) for k in range(1, corners - 1)])
+    faces = (corners * np.arange(count)[:, None, None] + fan).reshape(-1, 3)
+    return _Part(corner.reshape(-1, 3), faces, np.repeat(index, corners - 2))
+
+
+def _convex(corner: Float[np.ndarray, "polygons 4 3"]) -> Bool[np.ndarray, " polygons"]:
+    # Whether every corner turns the way the whole polygon turns
+    edge = np.roll(corner, -1, axis=1) - corner
+    turn = np.cross(np.roll(edge, 1, axis=1), edge)
+    whole = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    share = np.einsum("pcx,px->pc", turn, whole)
+    size = np.einsum("px,px->p", whole, whole)
+    return np.all(share > 1e-9 * size[:, None], axis=1)

@@ -1,0 +1,188 @@
+"""A polygon cut into triangles under the even–odd rule, as Radiance fills it.
+
+Radiance draws holes as inner loops hung on seams, and does not care which way they
+are wound. The contour is taken apart here: edges that are passed an even number of
+times bound nothing and go, the rest falls into loops, a loop inside an odd number
+of others is a hole. Contours that cross themselves are cut into slabs instead.
+"""
+
+from dataclasses import dataclass
+
+import mapbox_earcut
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.scene.slabs import crossings, slab_triangles
+
+# Vertices nearer than this share of the polygon's size are one
+_WELD = 1e-9
+
+Loop = list[int]
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Triangles whose fronts are the front of the polygon they fill."""
+
+    vertices: Float[np.ndarray, "vertices 3"]
+    faces: Int[np.ndarray, "triangles 3"]
+
+
+def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
+    """Return triangles that fill a polygon by the even–odd rule.
+
+    The polygon is flat but for rounding; its front is where its area vector points.
+    Only a contour that crosses itself gets vertices of its own.
+
+    Examples
+    --------
+    A square with a square hole, wound alike and joined by a seam:
+
+    >>> rim = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)]
+    >>> hole = [(1, 1), (3, 1), (3, 3), (1, 3), (1, 1)]
+    >>> contour = np.array([(x, y, 0.0) for x, y in rim + hole])
+    >>> t = triangulate(contour)
+    >>> corner = t.vertices[t.faces]
+    >>> edges = corner[:, 1:] - corner[:, :1]
+    >>> float(np.cross(edges[:, 0], edges[:, 1]).sum(axis=0)[2] / 2)
+    12.0
+    """
+    origin, frame = _plane(vertices)
+    flat = (vertices - origin) @ frame.T
+    points, size = flat[:, :2], float(np.abs(flat).max())
+
+    # Take the contour apart and fill its loops, if they do not cross
+    welded = _weld(points, size)
+    edges = _odd_edges(welded)
+    if len(edges) and not crossings(points[edges]).size:
+        faces = _fill(points, _loops(edges))
+        if faces is not None:
+            return Triangles(vertices, _facing_up(points, faces, size))
+
+    # Cut a contour that crosses itself into slabs
+    corner = slab_triangles(points[edges])
+    lifted = np.concatenate([corner, np.zeros((len(corner), 1))], axis=1)
+    faces = np.arange(len(corner)).reshape(-1, 3)
+    return Triangles(origin + lifted @ frame, _facing_up(corner, faces, size))
+
+
+def _plane(
+    vertices: Float[np.ndarray, "vertices 3"],
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
+    # A point of the plane, and two axes within it above its normal
+    origin = vertices.mean(axis=0)
+    away = vertices - origin
+    normal = np.cross(away, np.roll(away, -1, axis=0)).sum(axis=0)
+    normal = normal / np.linalg.norm(normal)
+    first = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
+    first = first / np.linalg.norm(first)
+    return origin, np.stack([first, np.cross(normal, first), normal])
+
+
+def _weld(
+    points: Float[np.ndarray, "vertices 2"], size: float
+) -> Int[np.ndarray, " vertices"]:
+    # For each vertex, the first vertex at the same place
+    grid = np.round(points / (size * _WELD))
+    _, first, same = np.unique(grid, axis=0, return_index=True, return_inverse=True)
+    return first[same.ravel()]
+
+
+def _odd_edges(vertex: Int[np.ndarray, " vertices"]) -> Int[np.ndarray, "edges 2"]:
+    # Edges passed an odd number of times, whichever way
+    edges = np.sort(np.stack([vertex, np.roll(vertex, -1)], axis=1), axis=1)
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    edges, count = np.unique(edges, axis=0, return_counts=True)
+    return edges[count % 2 == 1]
+
+
+def _loops(edges: Int[np.ndarray, "edges 2"]) -> list[Loop]:
+    # Walk along the edges; a vertex met again closes a loop. Every degree is even.
+    neighbours: dict[int, set[int]] = {}
+    for a, b in edges.tolist():
+        neighbours.setdefault(a, set()).add(b)
+        neighbours.setdefault(b, set()).add(a)
+    loops = []
+    for start in list(neighbours):
+        path, place = [start], {start: 0}
+        while neighbours[path[-1]]:
+            here = path[-1]
+            there = neighbours[here].pop()
+            neighbours[there].discard(here)
+            if there in place:
+                loops.append(path[place[there] :])
+                for left in path[place[there] + 1 :]:
+                    del place[left]
+                path = path[: place[there] + 1]
+            else:
+                place[there] = len(path)
+                path.append(there)
+    return loops
+
+
+def _fill(
+    points: Float[np.ndarray, "vertices 2"], loops: list[Loop]
+) -> Int[np.ndarray, "triangles 3"] | None:
+    # Triangles between outer loops and their holes; None if their area comes out wrong
+    area = np.array([abs(_area(points[loop])) for loop in loops])
+    inside = _containment(points, loops)
+    depth = inside.sum(axis=1)
+    faces = []
+    for outer in np.flatnonzero(depth % 2 == 0):
+        holes = np.flatnonzero(inside[:, outer] & (depth == depth[outer] + 1))
+        ring = [loops[outer], *(loops[h] for h in holes)]
+        index = np.concatenate(ring)
+        ends = np.cumsum([len(r) for r in ring]).astype(np.uint32)
+        flat = mapbox_earcut.triangulate_float64(
+            np.ascontiguousarray(points[index]), ends
+        )
+        faces.append(index[flat.astype(np.int64)].reshape(-1, 3))
+    filled = np.concatenate(faces)
+    expected = float((area * (1 - 2 * (depth % 2))).sum())
+    found = float(np.abs(_doubled_areas(points, filled)).sum() / 2)
+    return filled if abs(found - expected) <= 1e-9 * float(area.sum()) else None
+
+
+def _area(loop: Float[np.ndarray, "vertices 2"]) -> float:
+    x, y = (loop - loop[0]).T
+    return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+
+
+def _containment(
+    points: Float[np.ndarray, "vertices 2"], loops: list[Loop]
+) -> np.ndarray:
+    # [i, j]: loop i lies inside loop j; loops touch at vertices at most
+    result = np.zeros((len(loops), len(loops)), dtype=bool)
+    for i, loop in enumerate(loops):
+        x, y = points[loop[:2]].mean(axis=0)
+        for j, other in enumerate(loops):
+            if i != j:
+                a, b = points[other], np.roll(points[other], -1, axis=0)
+                spans = (a[:, 1] > y) != (b[:, 1] > y)
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    at = a[:, 0] + (y - a[:, 1]) * (b[:, 0] - a[:, 0]) / (
+                        b[:, 1] - a[:, 1]
+                    )
+                result[i, j] = np.count_nonzero(spans & (at > x)) % 2 == 1
+    return result
+
+
+def _doubled_areas(
+    points: Float[np.ndarray, "vertices 2"], faces: Int[np.ndarray, "triangles 3"]
+) -> Float[np.ndarray, " triangles"]:
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    u, v = b - a, c - a
+    doubled: Float[np.ndarray, " triangles"] = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    return doubled
+
+
+def _facing_up(
+    points: Float[np.ndarray, "vertices 2"],
+    faces: Int[np.ndarray, "triangles 3"],
+    size: float,
+) -> Int[np.ndarray, "triangles 3"]:
+    # Turn every triangle to the front; leave out those without area
+    doubled = _doubled_areas(points, faces)
+    turned = np.where((doubled < 0)[:, None], faces[:, ::-1], faces)
+    kept: Int[np.ndarray, "triangles 3"] = turned[np.abs(doubled) > 1e-14 * size**2]
+    return kept

@@ -1,0 +1,163 @@
+"""Transforms of Radiance's xform: its options, and where they put things.
+
+Points are rows and are multiplied from the left, as in Radiance: p' = p @ matrix.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+
+_AXES = "xyz"
+
+
+@dataclass(frozen=True, eq=False)
+class Transform:
+    """A similarity: rotation, uniform scale, mirror and shift.
+
+    Attributes
+    ----------
+    matrix : acts on row vectors (x, y, z, 1) from the right
+    scale : factor on lengths, positive
+    mirrored : whether it turns left hands into right ones
+
+    Examples
+    --------
+    >>> move, _ = parse_transform(["-rz", "90", "-t", "1", "0", "0"])
+    >>> move.points(np.array([[1.0, 0.0, 0.0]])).round(9).tolist()
+    [[1.0, 1.0, 0.0]]
+    """
+
+    matrix: Float[np.ndarray, "4 4"] = field(default_factory=lambda: np.eye(4))
+    scale: float = 1.0
+    mirrored: bool = False
+
+    def points(
+        self, points: Float[np.ndarray, "*batch 3"]
+    ) -> Float[np.ndarray, "*batch 3"]:
+        """Where the points go."""
+        return points @ self.matrix[:3, :3] + self.matrix[3, :3]
+
+    def vectors(
+        self, vectors: Float[np.ndarray, "*batch 3"]
+    ) -> Float[np.ndarray, "*batch 3"]:
+        """Where the vectors go; they are scaled but not shifted."""
+        return vectors @ self.matrix[:3, :3]
+
+    def then(self, outer: "Transform") -> "Transform":
+        """Return this transform followed by another."""
+        return Transform(
+            self.matrix @ outer.matrix,
+            self.scale * outer.scale,
+            self.mirrored != outer.mirrored,
+        )
+
+    def repeated(self, count: int) -> "Transform":
+        """Return the transform applied `count` times; none if not positive."""
+        count = max(count, 0)
+        return Transform(
+            np.linalg.matrix_power(self.matrix, count),
+            self.scale**count,
+            self.mirrored and count % 2 == 1,
+        )
+
+
+def parse_transform(words: list[str]) -> tuple[Transform, int]:
+    """Return the transform that leading options ask for, and how many words they took.
+
+    Takes -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz and -i count, which
+    repeats the options after it up to the next -i. Stops at any other word.
+
+    Raises
+    ------
+    InputError : an option lacks a number, scales by zero or leaves the finite
+    """
+    total, part, count = Transform(), Transform(), 1
+    at = 0
+    while at < len(words) and words[at].startswith("-"):
+        option = words[at]
+        if option == "-i":
+            total = total.then(_repeat(part, count))
+            part, count, taken = Transform(), _whole(words, at), 1
+        else:
+            taken = _ARGUMENTS.get(option, -1)
+            if taken < 0:
+                break
+            part = part.then(_step(option, _numbers(words, at, taken)))
+        at += 1 + taken
+    total = total.then(_repeat(part, count))
+    if not (np.isfinite(total.matrix).all() and 0 < total.scale < math.inf):
+        raise InputError(
+            "the xform options lead to numbers that are not finite or to size zero"
+        )
+    return total, at
+
+
+_ARGUMENTS = (
+    {"-t": 3, "-s": 1} | {f"-r{a}": 1 for a in _AXES} | {f"-m{a}": 0 for a in _AXES}
+)
+
+
+def _step(option: str, value: list[float]) -> Transform:
+    matrix = np.eye(4)
+    match option[1]:
+        case "t":
+            matrix[3, :3] = value
+            return Transform(matrix)
+        case "s":
+            if value[0] == 0:
+                raise InputError("xform -s 0: a factor other than zero is expected")
+            matrix[:3, :3] *= value[0]
+            return Transform(matrix, abs(value[0]), value[0] < 0)
+        case "m":
+            axis = _AXES.index(option[2])
+            matrix[axis, axis] = -1
+            return Transform(matrix, mirrored=True)
+        case _:
+            # Turn the axis after the named one towards the one after that
+            axis = _AXES.index(option[2])
+            one, two = (axis + 1) % 3, (axis + 2) % 3
+            angle = math.radians(value[0])
+            matrix[one, one] = matrix[two, two] = math.cos(angle)
+            matrix[one, two] = math.sin(angle)
+            matrix[two, one] = -math.sin(angle)
+            return Transform(matrix)
+
+
+def _repeat(part: Transform, count: int) -> Transform:
+    with np.errstate(over="ignore", invalid="ignore"):
+        try:
+            return part.repeated(count)
+        except OverflowError:
+            return Transform(np.full((4, 4), np.inf))
+
+
+def _numbers(words: list[str], at: int, count: int) -> list[float]:
+    given = words[at + 1 : at + 1 + count]
+    values = [number(word) for word in given]
+    if len(values) < count or None in values:
+        raise InputError(
+            f'xform {words[at]} is followed by "{" ".join(given)}"; {count} number(s) expected'
+        )
+    return [v for v in values if v is not None]
+
+
+def _whole(words: list[str], at: int) -> int:
+    given = words[at + 1 : at + 2]
+    if not given or not given[0].lstrip("+-").isdecimal():
+        raise InputError(
+            f'xform {words[at]} is followed by "{"".join(given)}"; a count expected'
+        )
+    return int(given[0])
+
+
+def number(word: str) -> float | None:
+    """Return the finite number that a word spells, or None."""
+    try:
+        value = float(word)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) and "_" not in word else None
