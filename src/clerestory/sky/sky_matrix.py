@@ -5,9 +5,7 @@ horizontal irradiance of the weather; the ground below is as bright as its
 reflectance makes it under sky and sun.
 """
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Literal
 
 import numpy as np
@@ -16,27 +14,18 @@ from jaxtyping import Float, Float32
 from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
+from clerestory.sky.conditions import SkyConditions, Spectrum, sky_conditions
 from clerestory.sky.direct import SunPlacement, sun_radiance
+from clerestory.sky.dome import Quadrature, dome_radiance
 from clerestory.sky.matrix import SkyMatrix, SkyResponse
-from clerestory.sky.perez import PerezSky, perez_sky
-from clerestory.sky.sky_state import (
-    DEFAULT_DEW_POINT_C,
-    sky_state,
-    visible_irradiance,
-)
-from clerestory.sky.sun import SunFormula, SunPosition, day_of_year, sun_position
+from clerestory.sky.perez import perez_sky
+from clerestory.sky.sky_state import DEFAULT_DEW_POINT_C
+from clerestory.sky.sun import SunFormula
 from clerestory.sky.weather import Weather
 
 __all__ = ["SkyMatrix", "SkyResponse", "sky_matrix"]
 
 Include = Literal["all", "sky", "sun"]
-Quadrature = Literal["exact", "centres"]
-
-# Irradiance below which it is night [W/m²], as in gendaymtx
-_NIGHT = 1e-4
-
-# Time steps computed together: a block of MF 4 fits in the processor's cache
-_BLOCK = 64
 
 
 def sky_matrix(
@@ -51,8 +40,12 @@ def sky_matrix(
     sun_formula: SunFormula = "spa",
     quadrature: Quadrature | None = None,
     dew_point_c: float | None = None,
+    spectrum: Spectrum = "visible",
 ) -> SkyMatrix:
     """Return the radiance [W/(m²·sr)] of ground and sky patches at every time step.
+
+    With `sun_formula="radiance"`, the arguments left at None are those of
+    gendaymtx too: quadrature by "centres" and a dew point of 11 °C.
 
     Parameters
     ----------
@@ -70,86 +63,41 @@ def sky_matrix(
         projected solid angles of its patches, or by their "centres" as in
         gendaymtx, which sends 0.55 % less at MF 1 and 0.04 % at MF 4
     dew_point_c : for all steps; None takes the weather's, or 11 °C
-
-    Returns
-    -------
-    With `sun_formula="radiance"`, arguments left at None are as in gendaymtx too:
-    "centres" and 11 °C.
+    spectrum : "visible" radiance, luminance over 179 lm/W, or that of the whole
+        "solar" spectrum, as the weather has it
 
     Raises
     ------
     InputError : an argument outside its range
     """
     partition = reinhart(subdivision)
-    ground = _colour("ground reflectance", ground_reflectance, largest=1.0)
-    tint = _colour("sky colour", sky_colour, largest=100.0)
+    colour = _colours(partition, ground_reflectance, sky_colour)
     if include not in ("all", "sky", "sun"):
         raise InputError(
             f"unknown part of the sky {include!r}; 'all', 'sky' or 'sun' expected"
         )
-    as_radiance = sun_formula == "radiance"
-    quadrature = quadrature or ("centres" if as_radiance else "exact")
-    if as_radiance and dew_point_c is None:
-        dew_point_c = DEFAULT_DEW_POINT_C
-
-    # Find the sun, in the frame of the scene
-    position = sun_position(
-        weather.times,
-        latitude_deg=weather.latitude_deg,
-        longitude_deg=weather.longitude_deg,
-        utc_offset_hours=weather.utc_offset_hours,
-        elevation=weather.elevation,
-        formula=sun_formula,
-    )
-    position = SunPosition(
-        position.altitude, position.azimuth - np.radians(rotation_deg)
+    if sun_formula == "radiance":
+        quadrature = quadrature or "centres"
+        dew_point_c = DEFAULT_DEW_POINT_C if dew_point_c is None else dew_point_c
+    quadrature = quadrature or "exact"
+    conditions = sky_conditions(
+        weather,
+        rotation_deg=rotation_deg,
+        sun_formula=sun_formula,
+        dew_point_c=dew_point_c,
+        spectrum=spectrum,
     )
 
-    # Turn irradiance into the state of the sky and visible light
-    state = sky_state(
-        weather.direct_normal,
-        weather.diffuse_horizontal,
-        altitude=position.altitude,
-        day_of_year=day_of_year(weather.times),
-    )
-    direct, diffuse = visible_irradiance(
-        weather.direct_normal,
-        weather.diffuse_horizontal,
-        state=state,
-        dew_point_c=_dew_point(weather, dew_point_c),
-    )
-    night = weather.direct_normal + weather.diffuse_horizontal <= _NIGHT
-    direct[night] = diffuse[night] = 0
-
-    # Fill sky and ground, then the sun
-    radiance = np.zeros((len(weather), len(partition)), np.float32)
-    if include != "sun":
-        lit = np.flatnonzero(~night)
-        sky = perez_sky(state, azimuth=position.azimuth)
-        _fill_sky(
-            radiance,
-            sky,
-            diffuse,
-            steps=lit,
-            partition=partition,
-            quadrature=quadrature,
-        )
-        level = direct * np.maximum(np.sin(position.altitude), 0)
-        radiance[:, 0] = (diffuse + level) / np.pi
-    added = sun_radiance(
-        direct if include != "sky" else np.zeros_like(direct),
-        position.directions(),
-        partition=partition,
-        placement=sun,
-    )
+    # Leave out the parts that are not asked for
+    direct = conditions.direct_normal * (include != "sky")
+    directions = conditions.sun.directions()
+    diffuse = _sky_and_ground(conditions, partition, quadrature, empty=include == "sun")
     return SkyMatrix(
         partition=partition,
         times=weather.times,
-        diffuse=radiance.T,
-        colour=np.column_stack(
-            [ground, np.repeat(tint[:, None], len(partition) - 1, axis=1)]
-        ),
-        sun=added,
+        diffuse=diffuse,
+        colour=colour,
+        sun=sun_radiance(direct, directions, partition=partition, placement=sun),
         sun_colour=np.ones(3),
         attributes={
             "place": weather.place,
@@ -161,62 +109,55 @@ def sky_matrix(
             "sun_formula": sun_formula,
             "quadrature": quadrature,
             "rotation_deg": rotation_deg,
+            "spectrum": spectrum,
         },
     )
 
 
-def _colour(name: str, value: float | Sequence[float], *, largest: float) -> np.ndarray:
+def _sky_and_ground(
+    conditions: SkyConditions,
+    partition: SkyPartition,
+    quadrature: Quadrature,
+    *,
+    empty: bool,
+) -> Float32[np.ndarray, "patch time"]:
+    # Time comes first in memory: each step is written, and later read, whole
+    lit = conditions.lit
+    radiance = np.zeros((len(lit), len(partition)), np.float32)
+    if not empty:
+        dome_radiance(
+            perez_sky(conditions.state, azimuth=conditions.sun.azimuth),
+            conditions.diffuse_horizontal,
+            dome=partition.dome,
+            quadrature=quadrature,
+            out=radiance[:, 1:],
+            steps=np.flatnonzero(lit),
+        )
+        level = conditions.diffuse_horizontal + conditions.direct_horizontal()
+        radiance[:, 0] = level / np.pi
+    return radiance.T
+
+
+def _colours(
+    partition: SkyPartition,
+    ground_reflectance: float | Sequence[float],
+    sky_colour: Sequence[float],
+) -> Float[np.ndarray, "3 patch"]:
+    # Factor of each channel, for the ground and the sky
+    ground = _three("ground reflectance", ground_reflectance, largest=1.0)
+    sky = _three("sky colour", sky_colour, largest=100.0)
+    dome = np.repeat(sky[:, None], len(partition) - 1, axis=1)
+    return np.column_stack([ground, dome])
+
+
+def _three(
+    name: str, value: float | Sequence[float], *, largest: float
+) -> Float[np.ndarray, "3"]:
     values = np.asarray(value, dtype=float)
     if values.shape not in ((), (3,)):
         raise InputError(
-            f"{name} of shape {values.shape}; one number or three expected"
+            f"{name} of shape {values.shape}; one or three numbers expected"
         )
     if not np.all((values >= 0) & (values <= largest)):
         raise InputError(f"{name} {values.tolist()}; 0 to {largest:g} expected")
     return np.broadcast_to(values, 3).copy()
-
-
-def _dew_point(weather: Weather, fixed: float | None) -> Float[np.ndarray, " time"]:
-    if fixed is not None or weather.dew_point_c is None:
-        return np.full(len(weather), DEFAULT_DEW_POINT_C if fixed is None else fixed)
-    known = np.isfinite(weather.dew_point_c)
-    return np.where(known, np.clip(weather.dew_point_c, -60, 35), DEFAULT_DEW_POINT_C)
-
-
-def _fill_sky(
-    radiance: Float32[np.ndarray, "time patch"],
-    sky: PerezSky,
-    diffuse: Float[np.ndarray, " time"],
-    *,
-    steps: np.ndarray,
-    partition: SkyPartition,
-    quadrature: Quadrature,
-) -> None:
-    # Write the sky of the given steps into `radiance`, in parallel over blocks
-    dome = partition.dome
-    centres = dome.centres()
-    rings = centres[dome.first, 2]
-    weight = dome.projected_solid_angles()
-    if quadrature == "centres":
-        weight = dome.solid_angles() * centres[:, 2]
-    towards = np.ascontiguousarray(centres.T, dtype=np.float32)
-    weight = weight.astype(np.float32)
-
-    def fill(start: int) -> None:
-        at = steps[start : start + _BLOCK]
-        part = sky.select(at)
-        block = part.indicatrix(part.sun.astype(np.float32) @ towards)
-        gradation = part.gradation(rings).astype(np.float32)
-        block *= np.repeat(gradation, dome.count, axis=1)
-        np.maximum(block, 0, out=block)
-
-        # Scale to the irradiance; a sky that the model leaves dark is uniform
-        total = block @ weight
-        dark = ~(total > 1e-30)
-        block[dark] = 1
-        total[dark] = weight.sum()
-        block *= (diffuse[at] / total).astype(np.float32)[:, None]
-        radiance[at, 1:] = block
-
-    with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 8)) as pool:
-        list(pool.map(fill, range(0, len(steps), _BLOCK)))

@@ -28,7 +28,7 @@ _ZENITH_LIMITS = (np.radians(3.0), np.pi / 2)
 # Table 1: lower limits of clearness categories 2…8
 _CLEARNESS_LIMITS = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
 _MAX_CLEARNESS = 11.9
-_MIN_BRIGHTNESS = 0.01
+_BRIGHTNESS_LIMITS = (0.01, 0.6)
 
 # Table 4: coefficients a, b, c, d of the luminous efficacy, by category
 _DIFFUSE = np.array(
@@ -100,7 +100,7 @@ def sky_state(
     # Brightness
     extraterrestrial = SOLAR_CONSTANT * _orbit_factor(day_of_year)
     brightness = diffuse_horizontal * _air_mass(zenith) / extraterrestrial
-    brightness = np.maximum(brightness, _MIN_BRIGHTNESS)
+    brightness = np.clip(brightness, *_BRIGHTNESS_LIMITS)
     category = np.searchsorted(_CLEARNESS_LIMITS, clearness, side="right")
     return SkyState(zenith, clearness, brightness, category)
 

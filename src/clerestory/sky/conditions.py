@@ -1,0 +1,125 @@
+"""What the sky is like at each step of the weather: sun, Perez's state, visible light.
+
+Skies as matrices and as functions of direction both start from here.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.errors import InputError
+from clerestory.sky.sky_state import (
+    DEFAULT_DEW_POINT_C,
+    SkyState,
+    sky_state,
+    visible_irradiance,
+)
+from clerestory.sky.sun import SunFormula, SunPosition, day_of_year, sun_position
+from clerestory.sky.weather import Weather
+
+Spectrum = Literal["visible", "solar"]
+
+# Irradiance below which it is night [W/m²], as in gendaymtx
+_NIGHT = 1e-4
+
+# Dew points outside this range [°C] do not occur
+_DEW_POINTS = (-60.0, 35.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SkyConditions:
+    """Sun and sky at each time step.
+
+    Attributes
+    ----------
+    sun : its position, in the frame of the scene
+    state : clearness and brightness of the sky
+    direct_normal, diffuse_horizontal : irradiance [W/m²], zero at night
+    """
+
+    sun: SunPosition
+    state: SkyState
+    direct_normal: Float[np.ndarray, " time"]
+    diffuse_horizontal: Float[np.ndarray, " time"]
+
+    @property
+    def lit(self) -> Bool[np.ndarray, " time"]:
+        """Whether there is any light."""
+        return np.asarray(self.direct_normal + self.diffuse_horizontal > 0)
+
+    def direct_horizontal(self) -> Float[np.ndarray, " time"]:
+        """Irradiance from the sun on a level plane [W/m²]."""
+        return np.asarray(self.direct_normal * np.maximum(np.sin(self.sun.altitude), 0))
+
+
+def sky_conditions(
+    weather: Weather,
+    *,
+    rotation_deg: float = 0.0,
+    sun_formula: SunFormula = "spa",
+    dew_point_c: float | None = None,
+    spectrum: Spectrum = "visible",
+) -> SkyConditions:
+    """Return sun and sky for each step of the weather.
+
+    Parameters
+    ----------
+    weather : irradiance over time
+    rotation_deg : turns the sun counter-clockwise, for scenes whose y axis points
+        that much east of north
+    sun_formula : "spa", or "radiance" for comparisons with Radiance
+    dew_point_c : for all steps; None takes the weather's, or 11 °C
+    spectrum : "visible" irradiance, illuminance over 179 lm/W, or that of the
+        whole "solar" spectrum, as the weather has it
+
+    Raises
+    ------
+    InputError : an argument that is not one of the choices, or not finite
+    """
+    if spectrum not in ("visible", "solar"):
+        raise InputError(
+            f"unknown spectrum {spectrum!r}; 'visible' or 'solar' expected"
+        )
+    if not np.isfinite(rotation_deg):
+        raise InputError(
+            f"rotation {rotation_deg}; a finite number of degrees expected"
+        )
+    sun = sun_position(
+        weather.times,
+        latitude_deg=weather.latitude_deg,
+        longitude_deg=weather.longitude_deg,
+        utc_offset_hours=weather.utc_offset_hours,
+        elevation=weather.elevation,
+        formula=sun_formula,
+    )
+    sun = SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
+
+    # Turn irradiance into the state of the sky and visible light
+    direct, diffuse = weather.direct_normal, weather.diffuse_horizontal
+    state = sky_state(
+        direct, diffuse, altitude=sun.altitude, day_of_year=day_of_year(weather.times)
+    )
+    night = direct + diffuse <= _NIGHT
+    if spectrum == "visible":
+        dew_point = _dew_point(weather, dew_point_c)
+        direct, diffuse = visible_irradiance(
+            direct, diffuse, state=state, dew_point_c=dew_point
+        )
+    return SkyConditions(
+        sun, state, np.where(night, 0, direct), np.where(night, 0, diffuse)
+    )
+
+
+def _dew_point(weather: Weather, fixed: float | None) -> Float[np.ndarray, " time"]:
+    if fixed is not None:
+        if not _DEW_POINTS[0] <= fixed <= _DEW_POINTS[1]:
+            raise InputError(f"dew point {fixed} °C; {_DEW_POINTS} expected")
+        return np.full(len(weather), fixed)
+    if weather.dew_point_c is None:
+        return np.full(len(weather), DEFAULT_DEW_POINT_C)
+    known = np.isfinite(weather.dew_point_c)
+    return np.where(
+        known, np.clip(weather.dew_point_c, *_DEW_POINTS), DEFAULT_DEW_POINT_C
+    )

@@ -1,0 +1,79 @@
+"""Perez's sky on the patches of a dome, for many time steps at once.
+
+The exponential and the arc cosine of every patch and lit step are the cost of a
+sky matrix; they are taken in float32, in blocks that fit in the processor's
+cache, on all cores (NumPy lets go of the interpreter).
+"""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, Float32, Int
+
+from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.sky.perez import PerezSky
+
+Quadrature = Literal["exact", "centres"]
+
+# Entries of a block: half a megabyte of float32
+_BLOCK = 150_000
+_MOST_THREADS = 8
+
+
+def dome_radiance(
+    sky: PerezSky,
+    diffuse: Float[np.ndarray, " time"],
+    *,
+    dome: RingPartition,
+    quadrature: Quadrature = "exact",
+    out: Float32[np.ndarray, "time patch"],
+    steps: Int[np.ndarray, " lit"],
+) -> None:
+    """Write the radiance of the patches [W/(m²·sr)] at the given steps into `out`.
+
+    Parameters
+    ----------
+    sky : relative distribution, for all steps
+    diffuse : what the sky sends to a level plane [W/m²], for all steps
+    dome : the patches
+    quadrature : the sky is scaled to `diffuse` by the "exact" projected solid
+        angles of the patches, or by their "centres" as in Radiance
+
+    Raises
+    ------
+    InputError : another quadrature
+    """
+    centres = dome.centres()
+    if quadrature not in ("exact", "centres"):
+        raise InputError(
+            f"unknown quadrature {quadrature!r}; 'exact' or 'centres' expected"
+        )
+    weight = dome.projected_solid_angles()
+    if quadrature == "centres":
+        weight = dome.solid_angles() * centres[:, 2]
+    rings = centres[dome.first, 2]
+    towards = np.ascontiguousarray(centres.T, dtype=np.float32)
+    weight = weight.astype(np.float32)
+    size = max(1, _BLOCK // len(dome))
+
+    def fill(start: int) -> None:
+        at = steps[start : start + size]
+        part = sky.select(at)
+        block = part.indicatrix(part.sun.astype(np.float32) @ towards)
+        gradation = part.gradation(rings).astype(np.float32)
+        block *= np.repeat(gradation, dome.count, axis=1)
+        np.maximum(block, 0, out=block)
+
+        # Scale to the irradiance; a sky that the model leaves dark is uniform
+        total = block @ weight
+        dark = ~(total > 1e-30)
+        block[dark] = 1
+        total[dark] = weight.sum()
+        block *= (diffuse[at] / total).astype(np.float32)[:, None]
+        out[at] = block
+
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
+        list(pool.map(fill, range(0, len(steps), size)))
