@@ -65,9 +65,13 @@ def clear_air(partition: RingPartition) -> Bsdf:
 
 
 def thin_pane(
-    transmissivity: float, partition: RingPartition, *, index: float = 1.52
+    transmissivity: float,
+    partition: RingPartition,
+    *,
+    index: float = 1.52,
+    panes: int = 1,
 ) -> Bsdf:
-    """Return a clear pane as Radiance's glass: Fresnel at both faces, interreflected.
+    """Return clear panes as Radiance's glass: Fresnel at both faces, interreflected.
 
     Each patch has the average over its directions, weighted by their cosine; light
     leaves in the patch that continues the one it came from.
@@ -76,21 +80,24 @@ def thin_pane(
     ----------
     transmissivity : share of light left after one passage along the normal, 0…1
     index : refractive index, 1 or more
+    panes : how many such panes stand behind each other
 
     Raises
     ------
     InputError : arguments out of range
     """
-    if not (0 <= transmissivity <= 1 and index >= 1):
+    if not (0 <= transmissivity <= 1 and index >= 1 and panes >= 1):
         raise InputError(
-            f"transmissivity {transmissivity} and index {index}; 0 to 1, and 1 or more"
-            " expected"
+            f"{panes} panes of transmissivity {transmissivity} and index {index};"
+            " at least 1, 0 to 1, and at least 1 expected"
         )
     # Average over equal parts of the projected solid angle of each ring
     part = (np.arange(_SAMPLES_PER_RING) + 0.5) / _SAMPLES_PER_RING
     low, high = np.sin(partition.theta[:-1]) ** 2, np.sin(partition.theta[1:]) ** 2
     cosine = np.sqrt(1 - low[:, None] - (high - low)[:, None] * part)
-    shares = pane_shares(cosine, transmissivity=transmissivity, index=index)
+    shares = pane_shares(
+        cosine, transmissivity=transmissivity, index=index, panes=panes
+    )
     transmitted, reflected = (
         np.repeat(share.mean(axis=1), partition.count) for share in shares
     )
@@ -104,20 +111,26 @@ def thin_pane(
 
 
 def pane_shares(
-    cosine: Float[np.ndarray, "*batch"], *, transmissivity: float, index: float
+    cosine: Float[np.ndarray, "*batch"],
+    *,
+    transmissivity: float,
+    index: float,
+    panes: int = 1,
 ) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch"]]:
-    """Transmitted and reflected share of unpolarised light that meets a pane.
+    """Transmitted and reflected share of unpolarised light that meets clear panes.
 
     Parameters
     ----------
     cosine : of the angle between light and normal
     transmissivity : share left after one passage along the normal
     index : refractive index
+    panes : how many such panes stand behind each other
 
     Notes
     -----
     Fresnel's equations at each face and the geometric series of interreflections,
-    for each polarisation, as in Radiance's glass.
+    for each polarisation, as in Radiance's glass. Between panes light counts as
+    unpolarised, as in Radiance.
 
     >>> t, r = pane_shares(np.array(1.0), transmissivity=1.0, index=1.5)
     >>> round(float(t), 6), round(float(r), 6)  # 2n/(n²+1) and the rest
@@ -134,7 +147,14 @@ def pane_shares(
         series = 1 / (1 - (r * passage) ** 2)
         transmitted.append((1 - r) ** 2 * passage * series)
         reflected.append(r + (1 - r) ** 2 * r * passage**2 * series)
-    return np.mean(transmitted, axis=0), np.mean(reflected, axis=0)
+    t, r = np.mean(transmitted, axis=0), np.mean(reflected, axis=0)
+
+    # Add pane after pane with the series of interreflections between them
+    all_t, all_r = t, r
+    for _ in range(panes - 1):
+        between = 1 / (1 - all_r * r)
+        all_t, all_r = all_t * t * between, r + t**2 * all_r * between
+    return all_t, all_r
 
 
 def _symmetric(

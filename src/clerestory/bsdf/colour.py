@@ -35,5 +35,7 @@ def rgb_from_xyz(
     share = np.divide(
         luminance, luminance - least, out=np.ones_like(least), where=least < 0
     )
-    inside: Float[np.ndarray, "3 row column"] = luminance + share * (rgb - luminance)
-    return np.maximum(inside, 0)
+    inside: Float[np.ndarray, "3 row column"] = np.maximum(
+        luminance + share * (rgb - luminance), 0
+    )
+    return inside

@@ -10,7 +10,7 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 
-# Ring limits in degrees may be rounded: rings are joined, to each other and to 0 and 90.
+# Ring limits may be rounded: rings are joined, to each other and to 0 and 90 [°].
 _ROUNDING_DEG = 0.02
 
 _MOST_RINGS = 1000

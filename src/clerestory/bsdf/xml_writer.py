@@ -1,0 +1,156 @@
+"""Writer of BSDF files in LBNL's XML schema, for Radiance, WINDOW and ourselves."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from lxml import etree
+
+from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.product import Product
+from clerestory.errors import InputError
+from clerestory.files import replace_file
+from clerestory.hemisphere.partition import RingPartition
+
+_NAMESPACE = "http://windows.lbl.gov"
+_XSI = "http://www.w3.org/2001/XMLSchema-instance"
+_SCHEMA = "http://windows.lbl.gov/BSDF-v1.4.xsd"
+
+_LABELS = {
+    "visible": "Visible",
+    "solar": "Solar",
+    "nir": "NIR",
+    "ir": "IR",
+    "cie-x": "CIE-X",
+    "cie-z": "CIE-Z",
+}
+
+# Spectra over which genBSDF and WINDOW integrate the visible channel.
+_SOURCE = "CIE Illuminant D65 1nm.ssp"
+_DETECTOR = "ASTM E308 1931 Y.dsp"
+
+
+def write_bsdf(
+    path: str | Path, bsdf: Bsdf, *, digits: int | None = None, comment: str = ""
+) -> None:
+    """Write a BSDF with matrices to an XML file.
+
+    Parameters
+    ----------
+    digits : significant digits of the values; None for all, so that reading the file
+        gives the same numbers
+    comment : how the data came about, in the head of the file
+
+    Raises
+    ------
+    InputError : two different partitions have the same name, or a text cannot stand
+        in XML
+    OutputError : the file cannot be written
+    """
+    try:
+        root = _window_element(bsdf, digits, comment)
+    except ValueError as error:
+        raise InputError(f"BSDF {bsdf.product.name!r}: {error}") from error
+    etree.indent(root, space=" ")
+    text = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    with replace_file(path) as stream:
+        stream.write(text + b"\n")
+
+
+def _window_element(bsdf: Bsdf, digits: int | None, comment: str) -> etree._Element:
+    root = etree.Element(
+        f"{{{_NAMESPACE}}}WindowElement", nsmap={None: _NAMESPACE, "xsi": _XSI}
+    )
+    root.set(f"{{{_XSI}}}schemaLocation", f"{_NAMESPACE} {_SCHEMA}")
+    if comment:
+        root.append(etree.Comment(f" {comment} "))
+    _add(root, "WindowElementType", "System")
+    _add(root, "FileType", "BSDF")
+    layer = _add(_add(root, "Optical"), "Layer")
+    _add_material(layer, bsdf.product)
+    definition = _add(layer, "DataDefinition")
+    _add(definition, "IncidentDataStructure", "Columns")
+    for basis in _partitions(bsdf):
+        _add_basis(definition, basis)
+    for (channel, name), part in bsdf.functions.items():
+        data = _add(layer, "WavelengthData")
+        _add(data, "LayerNumber", "System")
+        _add(data, "Wavelength", _LABELS.get(channel, channel), unit="Integral")
+        _add(data, "SourceSpectrum", _SOURCE)
+        _add(data, "DetectorSpectrum", _DETECTOR)
+        _add_block(data, name.replace("_", " ").title(), part, digits)
+    return root
+
+
+def _add(
+    parent: etree._Element, name: str, text: str | None = None, **attributes: str
+) -> etree._Element:
+    child = etree.SubElement(parent, f"{{{_NAMESPACE}}}{name}", attributes)
+    child.text = text
+    return child
+
+
+def _add_material(layer: etree._Element, product: Product) -> None:
+    material = _add(layer, "Material")
+    _add(material, "Name", product.name)
+    _add(material, "Manufacturer", product.manufacturer)
+    for name in ("thickness", "width", "height"):
+        length = getattr(product, name)
+        if length is not None:
+            _add(material, name.capitalize(), repr(float(length)), unit="Meter")
+    _add(material, "DeviceType", product.device_type)
+    for name, value in (
+        ("EmissivityFront", product.emissivity_front),
+        ("EmissivityBack", product.emissivity_back),
+    ):
+        if value is not None:
+            _add(material, name, repr(float(value)))
+
+
+def _partitions(bsdf: Bsdf) -> list[RingPartition]:
+    # Radiance and WINDOW know partitions by their names: these must be unique
+    found: dict[str, RingPartition] = {}
+    for part in bsdf.functions.values():
+        for partition in (part.exits, part.incidents):
+            known = found.setdefault(partition.name.lower(), partition)
+            if not known.matches(partition):
+                raise InputError(
+                    f"two partitions of {len(known)} and {len(partition)} patches are"
+                    f" both named {partition.name!r}; different names expected"
+                )
+    return list(found.values())
+
+
+def _add_basis(definition: etree._Element, partition: RingPartition) -> None:
+    basis = _add(definition, "AngleBasis")
+    _add(basis, "AngleBasisName", partition.name)
+    limits = np.round(np.degrees(partition.theta), 9)
+    for count, lower, upper in zip(partition.count, limits, limits[1:], strict=False):
+        block = _add(basis, "AngleBasisBlock")
+        pole = count == 1 and lower == 0
+        _add(block, "Theta", f"{lower if pole else (lower + upper) / 2:.9g}")
+        _add(block, "nPhis", str(count))
+        bounds = _add(block, "ThetaBounds")
+        _add(bounds, "LowerTheta", f"{lower:.9g}")
+        _add(bounds, "UpperTheta", f"{upper:.9g}")
+
+
+def _add_block(
+    data: etree._Element, direction: str, part: ScatteringMatrix, digits: int | None
+) -> None:
+    block = _add(data, "WavelengthDataBlock")
+    _add(block, "WavelengthDataDirection", direction)
+    _add(block, "ColumnAngleBasis", part.incidents.name)
+    _add(block, "RowAngleBasis", part.exits.name)
+    _add(block, "ScatteringDataType", f"B{direction[0]}DF")
+    _add(block, "ScatteringData", _format_table(part.values, digits))
+
+
+def _format_table(table: Float[np.ndarray, "exit incident"], digits: int | None) -> str:
+    # Zeros, the bulk of a clear pane, take one character
+    def write(value: float) -> str:
+        text = repr(value) if digits is None else f"{value:.{digits}g}"
+        return text.removesuffix(".0")
+
+    rows = (",".join(map(write, row)) for row in table.tolist())
+    return "\n" + ",\n".join(rows) + "\n"

@@ -1,0 +1,176 @@
+"""Matrices in NetCDF: values, statistical error and the meaning of rows and columns.
+
+The files are NetCDF-4 for xarray, Panoply or ncdump: a variable `values` (channel,
+row, column), a variable `components` (component, channel, row, column) if there is
+a statistical error, and per axis a variable `rows` or `columns` whose attributes say
+what the axis stands for. The same matrix always gives the same bytes.
+"""
+
+import io
+import math
+from pathlib import Path
+from typing import Any, get_args
+
+import h5netcdf  # type: ignore[import-untyped]
+import h5py
+import numpy as np
+
+from clerestory.errors import InputError
+from clerestory.files import read_bytes, replace_file
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.hemisphere.reinhart import reinhart
+from clerestory.matrix.axis import Axis, Kind
+from clerestory.matrix.transfer_matrix import TransferMatrix
+
+_FORMAT = "Clerestory transfer matrix 1"
+
+# Times are kept as whole nanoseconds since 1970, as NumPy does.
+_TIME = "datetime64[ns]"
+
+
+def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
+    """Write a matrix with its error and its axes.
+
+    Raises
+    ------
+    OutputError : the file cannot be written
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from clerestory.matrix.axis import sensor_axis, unknown_axis
+    >>> matrix = TransferMatrix(np.ones((1, 2, 3)), sensor_axis(2), unknown_axis(3))
+    >>> path = Path(tempfile.mkdtemp()) / "matrix.nc"
+    >>> write_netcdf(path, matrix)
+    >>> read_netcdf(path).rows.kind
+    'sensor'
+    """
+    buffer = io.BytesIO()
+    with h5netcdf.File(buffer, "w") as file:
+        file.attrs["format"] = _FORMAT
+        channels, rows, columns = matrix.values.shape
+        file.dimensions = {"channel": channels, "row": rows, "column": columns}
+        _add(file, "values", ("channel", "row", "column"), matrix.values)
+        if matrix.components is not None:
+            file.dimensions["component"] = len(matrix.components)
+            _add(
+                file,
+                "components",
+                ("component", "channel", "row", "column"),
+                matrix.components,
+            )
+        _write_axis(file, "row", matrix.rows)
+        _write_axis(file, "column", matrix.columns)
+    with replace_file(path) as stream:
+        stream.write(buffer.getvalue())
+
+
+def read_netcdf(path: str | Path) -> TransferMatrix:
+    """Return the matrix that `write_netcdf` wrote.
+
+    Raises
+    ------
+    InputError : not such a file, or damaged
+    """
+    data = read_bytes(path)
+    try:
+        with h5netcdf.File(io.BytesIO(data), "r", decode_vlen_strings=True) as file:
+            if file.attrs.get("format") != _FORMAT:
+                raise InputError(f"not a file of the format {_FORMAT!r}")
+            values = _read_floats(file, "values", len(data))
+            components = (
+                _read_floats(file, "components", len(data))
+                if "components" in file.variables
+                else None
+            )
+            rows, columns = _read_axis(file, "row"), _read_axis(file, "column")
+        return TransferMatrix(values, rows, columns, components)
+    except InputError as error:
+        raise InputError(error.message, file=path) from error
+    except Exception as error:  # HDF5 reports damage by many kinds of exception
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"damaged or not NetCDF-4 ({reason[:120]}); a matrix file expected",
+            file=path,
+        ) from error
+
+
+def _add(
+    file: h5netcdf.File, name: str, dimensions: tuple[str, ...], data: np.ndarray
+) -> Any:
+    return file.create_variable(name, dimensions, data=np.ascontiguousarray(data))
+
+
+def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
+    # A variable of patch, sensor or step numbers that carries the rest as attributes
+    variable = _add(file, f"{side}s", (side,), np.arange(axis.size))
+    variable.attrs["kind"] = axis.kind
+    if axis.window is not None:
+        variable.attrs["window"] = axis.window
+    partition = axis.partition
+    if isinstance(partition, RingPartition):
+        variable.attrs["partition"] = partition.name
+        variable.attrs["ring_count"] = partition.count
+        variable.attrs["ring_limits_rad"] = partition.theta
+        variable.attrs["azimuth"] = partition.azimuth
+    elif partition is not None:
+        variable.attrs["sky_subdivision"] = partition.subdivision
+    if axis.times is not None:
+        moments = np.asarray(axis.times, dtype=_TIME).astype(np.int64)
+        times = _add(file, f"{side}_times", (side,), moments)
+        times.attrs["units"] = "nanoseconds since 1970-01-01 00:00:00"
+    if axis.names is not None:
+        text = h5py.string_dtype()
+        names = np.array(axis.names, dtype=object)
+        file.create_variable(f"{side}_names", (side,), dtype=text, data=names)
+
+
+def _read_floats(file: h5netcdf.File, name: str, length: int) -> np.ndarray:
+    # The data lie in the file as they are: more than its length is a lie of the header
+    variable = file.variables[name]
+    if variable.dtype.kind != "f" or variable.dtype.itemsize > 8:
+        raise InputError(f"{name} of type {variable.dtype}; floating point expected")
+    size = math.prod(variable.shape) * variable.dtype.itemsize
+    if size > length:
+        raise InputError(
+            f"{name} of {size} bytes in a file of {length}; a whole file expected"
+        )
+    data: np.ndarray = variable[...]
+    return data
+
+
+def _read_axis(file: h5netcdf.File, side: str) -> Axis:
+    variable = file.variables[f"{side}s"]
+    attributes = variable.attrs
+    kind: Kind = attributes["kind"]
+    if kind not in get_args(Kind):
+        raise InputError(
+            f"{side}s stand for {kind!r}; one of {get_args(Kind)} expected"
+        )
+    partition: Any = None
+    if "ring_count" in attributes:
+        partition = RingPartition(
+            str(attributes["partition"]),
+            np.atleast_1d(attributes["ring_count"]),
+            np.asarray(attributes["ring_limits_rad"], dtype=float),
+            azimuth=attributes["azimuth"],
+        )
+    elif "sky_subdivision" in attributes:
+        partition = reinhart(int(attributes["sky_subdivision"]))
+    size = int(variable.shape[0])
+    if partition is not None and len(partition) != size:
+        raise InputError(f"{size} {side}s of a partition with {len(partition)} patches")
+    times = None
+    if f"{side}_times" in file.variables:
+        times = file.variables[f"{side}_times"][...].astype(_TIME)
+    names = None
+    if f"{side}_names" in file.variables:
+        names = tuple(str(name) for name in file.variables[f"{side}_names"][...])
+    return Axis(
+        kind,
+        size,
+        partition=partition,
+        window=attributes.get("window"),
+        times=times,
+        names=names,
+    )
