@@ -99,8 +99,9 @@ def _program(words: list[str]) -> str:
 
 def _refusal(text: str, part: str) -> InputError:
     return InputError(
-        f'"{part}" in the command "{text.strip()}" is not run: only xform and cat are read here;'
-        " run the command yourself, save what it prints as a .rad file and include that file"
+        f'"{part}" in the command "{text.strip()}" is not run, only xform and cat are'
+        " read here; run the command yourself, save what it prints as a .rad file and"
+        " include that file"
     )
 
 

@@ -1,6 +1,7 @@
 """Whether polygons are flat and have an area; many at a time."""
 
 import warnings
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -98,11 +99,17 @@ def _per_polygon(
     return result
 
 
-def _warn(run, doubtful, file, message):  # type: ignore[no-untyped-def]
-    found = np.flatnonzero(doubtful)
+def _warn(
+    run: PolygonRun,
+    doubtful: Bool[np.ndarray, " polygons"],
+    file: str,
+    message: Callable[[int], str],
+) -> None:
+    found = np.flatnonzero(doubtful).tolist()
     for i in found[:_NAMED]:
         text = f'{file}:{run.line[i]}: polygon "{run.name[i]}": {message(i)}'
         warnings.warn(text, ClerestoryWarning, stacklevel=2)
     if len(found) > _NAMED:
-        text = f"{file}: {len(found) - _NAMED} more polygons likewise: {message(found[_NAMED])}, …"
+        text = f"{file}: {len(found) - _NAMED} more polygons of this kind"
+        text += f", the first on line {run.line[found[_NAMED]]}"
         warnings.warn(text, ClerestoryWarning, stacklevel=2)

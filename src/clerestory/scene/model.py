@@ -171,6 +171,10 @@ class DistantSource:
     source: Source | None = None
 
 
+# What a primitive other than a polygon describes
+Simple = Sphere | Cone | Ring | DistantSource
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """Surfaces and the materials they are made of.
@@ -251,7 +255,7 @@ def same_material(one: Material, other: Material) -> bool:
     )
 
 
-_Item = TypeVar("_Item", Polygon, Sphere, Cone, Ring, DistantSource)
+_Item = TypeVar("_Item", bound=Surface | DistantSource)
 
 
 def _renamed(item: _Item, key: dict[str, str]) -> _Item:

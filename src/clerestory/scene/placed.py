@@ -8,8 +8,9 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.scene.command import Inclusion, parse_command
 from clerestory.scene.flatness import checked
+from clerestory.scene.model import Simple
 from clerestory.scene.placement import Placement
-from clerestory.scene.primitives import Simple, surface
+from clerestory.scene.primitives import surface
 from clerestory.scene.statements import (
     SURFACE_KINDS,
     Alias,
@@ -122,7 +123,8 @@ def _refuse_recursion(found: Path, within: tuple[Path, ...]) -> None:
 
 
 def _load(path: Path) -> tuple[Item | Command, ...]:
-    file, items = str(path), []
+    file = str(path)
+    items: list[Item | Command] = []
     for statement in parse_statements(read_text(path), file=file):
         match statement:
             case PolygonRun():

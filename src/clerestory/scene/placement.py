@@ -1,15 +1,12 @@
 """Where an included file goes: what xform does to the surfaces that pass through it."""
 
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
 
 import numpy as np
 
-from clerestory.scene.model import Cone, DistantSource, Ring, Sphere
+from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
 from clerestory.scene.statements import PolygonRun
 from clerestory.scene.xform import Transform
-
-_Placed = TypeVar("_Placed", Sphere, Cone, Ring, DistantSource)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,21 +57,19 @@ class Placement:
             vertices,
         )
 
-    def surface(self, surface: _Placed) -> _Placed:
+    def surface(self, surface: Simple) -> Simple:
         """Return the surface in its place."""
-        material = surface.material if self.modifier is None else self.modifier
-        surface = replace(surface, material=material, name=self.name(surface.name))
         move, scale = self.transform, self.transform.scale
         match surface:
             case Sphere():
-                return replace(
+                moved: Simple = replace(
                     surface,
                     centre=move.points(surface.centre),
                     radius=surface.radius * scale,
                     inward=surface.inward != self.inverted,
                 )
             case Cone():
-                return replace(
+                moved = replace(
                     surface,
                     base=move.points(surface.base),
                     top=move.points(surface.top),
@@ -83,17 +78,18 @@ class Placement:
                     inward=surface.inward != self.inverted,
                 )
             case Ring():
-                return replace(
+                moved = replace(
                     surface,
                     centre=move.points(surface.centre),
-                    normal=move.vectors(surface.normal)
-                    * (-1 if self.inverted else 1)
-                    / scale,
+                    normal=move.vectors(surface.normal) * self._facing() / scale,
                     inner_radius=surface.inner_radius * scale,
                     outer_radius=surface.outer_radius * scale,
                 )
             case DistantSource():
-                return replace(
-                    surface, direction=move.vectors(surface.direction) / scale
-                )
-        return surface
+                direction = move.vectors(surface.direction) / scale
+                moved = replace(surface, direction=direction)
+        material = surface.material if self.modifier is None else self.modifier
+        return replace(moved, material=material, name=self.name(surface.name))
+
+    def _facing(self) -> int:
+        return -1 if self.inverted else 1

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.directions import unit
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.scene.model import (
     Cone,
@@ -19,12 +20,11 @@ from clerestory.scene.model import (
     Material,
     Plastic,
     Ring,
+    Simple,
     Source,
     Sphere,
 )
 from clerestory.scene.statements import Primitive
-
-Simple = Sphere | Cone | Ring | DistantSource
 
 # Radiance's FTINY: what is shorter has no length
 _TINY = 1e-6
@@ -100,7 +100,8 @@ def _sphere(item: Primitive, file: str) -> Simple | None:
     value = _reals(item, file, 4)
     radius, inward = float(value[3]), item.kind == "bubble"
     if abs(radius) <= _TINY:
-        return _dropped(item, file, "its radius is zero")
+        _doubt(item, file, "its radius is zero; it is left out")
+        return None
     if radius < 0:
         _doubt(item, file, f"radius is {radius:g}; its front is turned, as in Radiance")
         radius, inward = -radius, not inward
@@ -123,7 +124,8 @@ def _cone(item: Primitive, file: str) -> Simple | None:
         )
         radii, inward = -radii, not inward
     if np.linalg.norm(value[3:6] - value[:3]) <= _TINY:
-        return _dropped(item, file, "its two ends coincide")
+        _doubt(item, file, "its two ends coincide; it is left out")
+        return None
     first, last = float(abs(radii[0])), float(abs(radii[-1]))
     source = Source(file, item.line)
     return Cone(
@@ -211,8 +213,7 @@ def _direction(
     length = np.linalg.norm(vector)
     if not 0 < length < np.inf:
         raise _error(item, file, "its direction has no length")
-    direction: Float[np.ndarray, "3"] = vector / length
-    return direction
+    return unit(vector)
 
 
 def _error(item: Primitive, file: str, message: str) -> InputError:
@@ -224,7 +225,3 @@ def _error(item: Primitive, file: str, message: str) -> InputError:
 def _doubt(item: Primitive, file: str, message: str) -> None:
     text = f'{file}:{item.line}: {item.kind} "{item.name}": {message}'
     warnings.warn(text, ClerestoryWarning, stacklevel=2)
-
-
-def _dropped(item: Primitive, file: str, reason: str) -> None:
-    _doubt(item, file, f"{reason}; it is left out")

@@ -25,7 +25,7 @@ from clerestory.scene.model import (
 from clerestory.scene.placed import Placed, placed_items
 from clerestory.scene.placement import Placement
 from clerestory.scene.primitives import material
-from clerestory.scene.statements import Alias, PolygonRun, Primitive
+from clerestory.scene.statements import Alias, Directive, PolygonRun, Primitive
 
 # What "void" stands for among modifiers: no material at all
 _VOID = ""
@@ -84,8 +84,8 @@ class _Reading:
                 self._alias(placed.item, placed.file)
             case DistantSource():
                 self._add_distant(placed.item)
-            case None:
-                pass
+            case Directive():
+                pass  # speaks to window readers
             case surface:
                 source = surface.source or Source(placed.file, 0)
                 key = self._key(surface.material, source.file, source.line)
@@ -130,8 +130,8 @@ class _Reading:
         modifying = self._key(item.modifier, file, item.line)
         if modifying != _VOID:
             raise InputError(
-                f'{item.kind} "{item.name}" is modified by the material "{item.modifier}";'
-                " void expected",
+                f'{item.kind} "{item.name}" is modified by the material'
+                f' "{item.modifier}"; void expected',
                 file=file,
                 line=item.line,
             )

@@ -4,6 +4,8 @@ Between two neighbouring abscissae no edges cross, so the edges of a slab stack 
 and the region lies between the first and second, third and fourth, … of them.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from jaxtyping import Float
 
@@ -22,11 +24,12 @@ def crossings(
     >>> crossings(cross).tolist()
     [1.0]
     """
-    found = [np.empty(0)]
     step = max(1, _BLOCK // max(1, len(segments)))
-    for start in range(0, len(segments), step):
-        found.append(_block_crossings(segments[start : start + step], segments))
-    return np.unique(np.concatenate(found))
+    found = [
+        _block_crossings(segments[start : start + step], segments)
+        for start in range(0, len(segments), step)
+    ]
+    return np.unique(np.concatenate([np.empty(0), *found]))
 
 
 def slab_triangles(
@@ -45,7 +48,7 @@ def slab_triangles(
     left = np.where(flip[:, None], segments[:, 1], segments[:, 0])
     right = np.where(flip[:, None], segments[:, 0], segments[:, 1])
     corners = [np.empty((0, 2))]
-    for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+    for low, high in pairwise(cuts):
         spanning = (
             (left[:, 0] <= low) & (right[:, 0] >= high) & (left[:, 0] < right[:, 0])
         )
@@ -70,7 +73,8 @@ def slab_triangles(
     u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     doubled = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
     size = np.ptp(segments.reshape(-1, 2), axis=0).max(initial=0)
-    return corner[doubled > 1e-13 * size**2].reshape(-1, 2)
+    kept: np.ndarray = corner[doubled > 1e-13 * size**2].reshape(-1, 2)
+    return kept
 
 
 def _block_crossings(

@@ -66,16 +66,16 @@ class Directive:
 Statement = Primitive | PolygonRun | Alias | Command | Directive
 
 # Radiance's types (ray.html, section 2.1): what may stand second in a primitive
-SURFACE_KINDS = frozenset(
-    "polygon sphere bubble cone cup cylinder tube ring source instance mesh".split()
-)
-MODIFIER_KINDS = frozenset(
-    "plastic metal glass trans dielectric plastic2 metal2 trans2 interface plasfunc"
-    " metfunc brightfunc brightdata brighttext colorpict glow light illum spotlight"
-    " mist mirror transfunc BRTDfunc BSDF aBSDF plasdata metdata transdata colorfunc"
-    " antimatter colordata colortext texfunc texdata mixfunc mixdata mixtext mixpict"
-    " prism1 prism2 ashik2".split()
-)
+_SURFACES = "polygon sphere bubble cone cup cylinder tube ring source instance mesh"
+_MODIFIERS = """
+    plastic metal glass trans dielectric plastic2 metal2 trans2 interface plasfunc
+    metfunc brightfunc brightdata brighttext colorpict glow light illum spotlight
+    mist mirror transfunc BRTDfunc BSDF aBSDF plasdata metdata transdata colorfunc
+    antimatter colordata colortext texfunc texdata mixfunc mixdata mixtext mixpict
+    prism1 prism2 ashik2
+"""
+SURFACE_KINDS = frozenset(_SURFACES.split())
+MODIFIER_KINDS = frozenset(_MODIFIERS.split())
 
 _NUMBER = r"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+(?!\S)"
 _POLYGON = re.compile(

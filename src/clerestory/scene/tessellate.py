@@ -77,7 +77,7 @@ def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) ->
 def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
     # Triangles and convex quadrilaterals together, all others one by one
     by_corners: dict[int, list[int]] = {3: [], 4: []}
-    rest = []
+    rest: list[int] = []
     for i in chosen:
         surface = surfaces[i]
         corners = len(surface.vertices) if isinstance(surface, Polygon) else 0
@@ -125,4 +125,5 @@ def _convex(corner: Float[np.ndarray, "polygons 4 3"]) -> Bool[np.ndarray, " pol
     whole = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
     share = np.einsum("pcx,px->pc", turn, whole)
     size = np.einsum("px,px->p", whole, whole)
-    return np.all(share > 1e-9 * size[:, None], axis=1)
+    convex: np.ndarray = np.all(share > 1e-9 * size[:, None], axis=1)
+    return convex

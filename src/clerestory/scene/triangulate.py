@@ -93,7 +93,8 @@ def _odd_edges(vertex: Int[np.ndarray, " vertices"]) -> Int[np.ndarray, "edges 2
     edges = np.sort(np.stack([vertex, np.roll(vertex, -1)], axis=1), axis=1)
     edges = edges[edges[:, 0] != edges[:, 1]]
     edges, count = np.unique(edges, axis=0, return_counts=True)
-    return edges[count % 2 == 1]
+    odd: np.ndarray = edges[count % 2 == 1]
+    return odd
 
 
 def _loops(edges: Int[np.ndarray, "edges 2"]) -> list[Loop]:

@@ -59,9 +59,9 @@ class Window:
         if angle > _SAME_NORMAL_DEG:
             polygon = self.polygons[worst]
             raise InputError(
-                f'polygon "{polygon.name}" of window "{self.name}" is turned by {angle:.2f}°'
-                " against the window; one normal expected, give each orientation a group"
-                " (modifier) of its own",
+                f'polygon "{polygon.name}" of window "{self.name}" is turned by'
+                f" {angle:.2f}° against the window; one normal expected, give each"
+                " orientation a group (modifier) of its own",
                 file=polygon.source.file if polygon.source else None,
                 line=polygon.source.line if polygon.source else None,
             )
@@ -209,7 +209,8 @@ def _variables(
                 pass  # where rfluxmtx would write its matrix
             case _:
                 raise InputError(
-                    f'unknown variable "{word}" of #@rfluxmtx; h=kf|kh|kq or u=X|Y|Z|x,y,z expected',
+                    f'unknown variable "{word}" of #@rfluxmtx; h=kf|kh|kq or'
+                    " u=X|Y|Z|x,y,z expected",
                     file=file,
                     line=directive.line,
                 )
@@ -235,12 +236,11 @@ def _basis(value: str, file: str, line: int) -> str:
 
 
 def _up(value: str, file: str, line: int) -> Float[np.ndarray, "3"]:
-    sign = (
-        -1.0 if value.startswith("-") and value[1:].lower() in ("x", "y", "z") else 1.0
-    )
-    name = value.lstrip("+-").lower()
-    if name in ("x", "y", "z"):
-        return sign * np.eye(3)["xyz".index(name)]
+    if value.lstrip("+-").lower() in ("x", "y", "z"):
+        sign = -1.0 if value.startswith("-") else 1.0
+        axis = np.zeros(3)
+        axis["xyz".index(value[-1].lower())] = sign
+        return axis
     parts = [number(part) for part in value.split(",")]
     vector = np.array([p for p in parts if p is not None])
     if len(parts) != 3 or len(vector) != 3 or not vector.any():

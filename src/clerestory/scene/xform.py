@@ -39,13 +39,15 @@ class Transform:
         self, points: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch 3"]:
         """Where the points go."""
-        return points @ self.matrix[:3, :3] + self.matrix[3, :3]
+        moved: np.ndarray = points @ self.matrix[:3, :3] + self.matrix[3, :3]
+        return moved
 
     def vectors(
         self, vectors: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch 3"]:
         """Where the vectors go; they are scaled but not shifted."""
-        return vectors @ self.matrix[:3, :3]
+        turned: np.ndarray = vectors @ self.matrix[:3, :3]
+        return turned
 
     def then(self, outer: "Transform") -> "Transform":
         """Return this transform followed by another."""
@@ -140,7 +142,8 @@ def _numbers(words: list[str], at: int, count: int) -> list[float]:
     values = [number(word) for word in given]
     if len(values) < count or None in values:
         raise InputError(
-            f'xform {words[at]} is followed by "{" ".join(given)}"; {count} number(s) expected'
+            f'xform {words[at]} is followed by "{" ".join(given)}";'
+            f" {count} number(s) expected"
         )
     return [v for v in values if v is not None]
 

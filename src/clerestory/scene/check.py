@@ -1,0 +1,217 @@
+"""What looks wrong in a scene before it is traced: plain geometry, one line each.
+
+The findings are doubts, not errors: sensors may stand where they look misplaced. A
+window that faces away from the room is the commonest mistake of all.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.directions import Frame
+from clerestory.scene.model import Glass, Scene
+from clerestory.scene.proximity import Triangulation, distances, first_hits
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.tessellate import meshes
+from clerestory.scene.window import Window
+
+# Nearer than this two things touch [m]
+_TOUCH = 1e-3
+
+# Half of what a sensor sees being nearer than this means it is shut in [m]
+_SHUT_IN = 0.25
+
+# Sizes of scenes that are likely to be in metres [m]
+_SMALLEST, _LARGEST = 0.1, 2000.0
+
+# Questions of one sensor to one triangle asked at most; sensors are left out beyond
+_EFFORT = 300_000_000
+
+_RAYS = 64
+
+
+def check_scene(
+    scene: Scene, windows: Sequence[Window] = (), sensors: Sensors | None = None
+) -> tuple[str, ...]:
+    """Return what looks wrong, one line for each finding, naming the item.
+
+    Looks for sensors outside the scene, touching a surface, shut in by surfaces,
+    with nothing beneath them, in the plane of a window or given twice; windows that
+    turn their backs to the sensors, stand outside the scene or are covered by one of
+    its surfaces; and scenes that are hardly in metres.
+
+    Parameters
+    ----------
+    scene : what is traced, without the windows
+    windows : the openings
+    sensors : points to be lit; none for pictures
+
+    Examples
+    --------
+    >>> check_scene(Scene())
+    ('the scene has no surfaces',)
+    """
+    if not scene.surfaces:
+        return ("the scene has no surfaces",)
+    triangles = _triangles(scene)
+    findings = [*_size(scene)]
+    for window in windows:
+        findings += _window(window, scene, triangles, sensors)
+    if sensors is not None and len(sensors):
+        findings += _sensors(sensors, scene, triangles, windows)
+    return tuple(findings)
+
+
+def _triangles(scene: Scene) -> Triangulation:
+    parts = meshes(scene)
+    return Triangulation(
+        np.concatenate([m.vertices[m.faces] for m in parts]),
+        np.concatenate([m.surface for m in parts]),
+    )
+
+
+def _size(scene: Scene) -> Iterator[str]:
+    size = float(np.ptp(scene.bounds(), axis=0).max())
+    if size > _LARGEST or size < _SMALLEST:
+        yield (
+            f"the scene is {size:.3g} m across; is it in metres?"
+            " `!xform -s FACTOR` scales"
+        )
+
+
+def _window(
+    window: Window, scene: Scene, triangles: Triangulation, sensors: Sensors | None
+) -> Iterator[str]:
+    label = f'window "{window.name}"'
+
+    # The sensors stand in the room, so in front of the window
+    if sensors is not None and len(sensors):
+        behind = int((_heights(window, sensors) < -_TOUCH).sum())
+        if behind > len(sensors) / 2:
+            yield (
+                f"{label} turns its back to {behind} of {len(sensors)} sensors; its"
+                " front should face the room: reverse its vertices, or read it by"
+                " `!xform -I`"
+            )
+
+    # It belongs to a wall
+    corner = np.concatenate([p.vertices for p in window.polygons])
+    low, high = scene.bounds()
+    outside = float(np.max([low - corner, corner - high]))
+    if outside > 0.01:
+        yield f"{label} reaches {outside:.3g} m beyond the surfaces of the scene"
+
+    # A surface in its plane would cover it
+    covers = set()
+    for part in window.triangles():
+        for middle in part.vertices[part.faces].mean(axis=1):
+            near = triangles.near(middle, _TOUCH)
+            covers |= set(
+                near.surface[distances(middle, near.corner) < _TOUCH].tolist()
+            )
+    names = [scene.surfaces[i].name for i in sorted(covers)]
+    if names:
+        yield (
+            f'{label} is covered by the surface "{names[0]}"'
+            + (f" and {len(names) - 1} more" if len(names) > 1 else "")
+            + "; a window replaces its glazing, which should not be in the scene"
+        )
+
+
+def _heights(window: Window, sensors: Sensors) -> Float[np.ndarray, " sensors"]:
+    # Distance of sensors before the window's plane
+    height: Float[np.ndarray, " sensors"] = (
+        sensors.position - window.polygons[0].vertices[0]
+    ) @ window.frame.normal
+    return height
+
+
+def _sensors(
+    sensors: Sensors, scene: Scene, triangles: Triangulation, windows: Sequence[Window]
+) -> Iterator[str]:
+    low, high = scene.bounds()
+    out = np.any(
+        (sensors.position < low - _TOUCH) | (sensors.position > high + _TOUCH), axis=1
+    )
+    yield from _finding(sensors, out, "outside the box around all surfaces")
+
+    table = np.concatenate([sensors.position, sensors.direction], axis=1).round(6)
+    _, first = np.unique(table, axis=0, return_index=True)
+    twice = np.ones(len(sensors), dtype=bool)
+    twice[first] = False
+    yield from _finding(sensors, twice, "given twice")
+
+    for window in windows:
+        on_plane = np.abs(_heights(window, sensors)) < _TOUCH
+        where = f'in the plane of window "{window.name}", which sends them no light'
+        yield from _finding(sensors, on_plane, where)
+
+    opaque = np.array(
+        [not isinstance(scene.materials[s.material], Glass) for s in scene.surfaces]
+    )
+    solid = Triangulation(
+        triangles.corner[opaque[triangles.surface]],
+        triangles.surface[opaque[triangles.surface]],
+    )
+    yield from _surroundings(sensors, out, solid)
+
+
+def _surroundings(
+    sensors: Sensors, out: Bool[np.ndarray, " sensors"], solid: Triangulation
+) -> Iterator[str]:
+    touching, shut_in, floating = (np.zeros(len(sensors), dtype=bool) for _ in range(3))
+    step = 1 + len(sensors) * len(solid.corner) // _EFFORT
+    for i in range(0, len(sensors), step):
+        point, direction = sensors.position[i], sensors.direction[i]
+        near = solid.near(point, _SHUT_IN)
+        touching[i] = distances(point, near.corner).min(initial=np.inf) < _TOUCH
+        sees = first_hits(point, _hemisphere(direction), near.corner)
+        shut_in[i] = not touching[i] and np.median(sees) < _SHUT_IN
+        down = first_hits(
+            point, np.array([[0.0, 0.0, -1.0]]), solid.beneath(point).corner
+        )
+        floating[i] = not (touching[i] or out[i]) and np.isinf(down[0])
+    yield from _finding(
+        sensors, touching, f"nearer than {_TOUCH * 1e3:.0f} mm to a surface"
+    )
+    yield from _finding(
+        sensors,
+        shut_in,
+        f"shut in, with half of the view nearer than {_SHUT_IN} m: in a wall, below the"
+        " floor or inside furniture?",
+    )
+    yield from _finding(
+        sensors, floating, "with no surface beneath: below the floor or outside?"
+    )
+
+
+def _hemisphere(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "rays 3"]:
+    # Directions spread evenly over the half space before a sensor, on a spiral
+    helper = np.eye(3)[np.argmin(np.abs(direction))]
+    frame = Frame.from_normal_up(direction, helper)
+    cosine = (np.arange(_RAYS) + 0.5) / _RAYS
+    angle = np.arange(_RAYS) * np.pi * (3 - np.sqrt(5))
+    sine = np.sqrt(1 - cosine**2)
+    local = np.stack([sine * np.cos(angle), sine * np.sin(angle), cosine], axis=1)
+    rays: Float[np.ndarray, "rays 3"] = local @ np.stack(
+        [frame.right, frame.up, frame.normal]
+    )
+    return rays
+
+
+def _finding(
+    sensors: Sensors, which: Bool[np.ndarray, " sensors"], where: str
+) -> Iterator[str]:
+    # One line for all sensors with the same trouble; the first few by name
+    found = np.flatnonzero(which).tolist()
+    if not found:
+        return
+    names = [
+        sensors.names[i] if sensors.names is not None else str(i + 1) for i in found[:5]
+    ]
+    shown = ", ".join(names) + (", …" if len(found) > len(names) else "")
+    if len(found) == 1:
+        yield f"sensor {shown} of {len(sensors)} is {where}"
+    else:
+        yield f"{len(found)} of {len(sensors)} sensors ({shown}) are {where}"

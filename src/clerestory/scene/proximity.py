@@ -1,0 +1,108 @@
+"""How near points are to triangles, and what a ray from them meets first.
+
+Plain NumPy over one point at a time: for looking over a few thousand sensors before
+a run, not for tracing.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+
+@dataclass(frozen=True, eq=False)
+class Triangulation:
+    """Triangles with their boxes, ready for questions.
+
+    Attributes
+    ----------
+    corner : the corners of each triangle [m]
+    surface : the index of the surface each comes from
+    """
+
+    corner: Float[np.ndarray, "triangles 3 3"]
+    surface: Int[np.ndarray, " triangles"]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_low", self.corner.min(axis=1))
+        object.__setattr__(self, "_high", self.corner.max(axis=1))
+
+    def near(self, point: Float[np.ndarray, "3"], reach: float) -> "Triangulation":
+        """Return the triangles whose boxes come within `reach` [m] of a point."""
+        low, high = self._boxes()
+        return self._chosen(
+            np.all((low <= point + reach) & (high >= point - reach), axis=1)
+        )
+
+    def beneath(self, point: Float[np.ndarray, "3"]) -> "Triangulation":
+        """Return the triangles whose boxes lie under a point, in part at least."""
+        low, high = self._boxes()
+        over = np.all((low[:, :2] <= point[:2]) & (high[:, :2] >= point[:2]), axis=1)
+        return self._chosen(over & (low[:, 2] <= point[2]))
+
+    def _boxes(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.__dict__["_low"], self.__dict__["_high"]
+
+    def _chosen(self, which: np.ndarray) -> "Triangulation":
+        return Triangulation(self.corner[which], self.surface[which])
+
+
+def distances(
+    point: Float[np.ndarray, "3"], corner: Float[np.ndarray, "triangles 3 3"]
+) -> Float[np.ndarray, " triangles"]:
+    """Distances from a point to triangles [m].
+
+    Examples
+    --------
+    >>> triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    >>> distances(np.array([0.2, 0.2, 3.0]), triangle).tolist()
+    [3.0]
+    """
+    edge = np.roll(corner, -1, axis=1) - corner
+    away = point - corner
+    normal = np.cross(edge[:, 0], edge[:, 1])
+    length = np.linalg.norm(normal, axis=1)
+
+    # Nearest points of the three edges
+    square = np.maximum((edge**2).sum(axis=2), 1e-300)
+    share = np.clip((away * edge).sum(axis=2) / square, 0, 1)
+    nearest = np.linalg.norm(away - share[..., None] * edge, axis=2).min(axis=1)
+
+    # The plane is nearer where the point stands over the inside
+    turn = np.einsum("tex,tx->te", np.cross(edge, away), normal)
+    over = np.all(turn >= 0, axis=1) & (length > 0)
+    height = np.abs((away[:, 0] * normal).sum(axis=1)) / np.maximum(length, 1e-300)
+    result: Float[np.ndarray, " triangles"] = np.where(over, height, nearest)
+    return result
+
+
+def first_hits(
+    point: Float[np.ndarray, "3"],
+    direction: Float[np.ndarray, "rays 3"],
+    corner: Float[np.ndarray, "triangles 3 3"],
+) -> Float[np.ndarray, " rays"]:
+    """Distance to the first triangle along each ray from a point [m]; inf if none.
+
+    References: T. Möller, B. Trumbore, Journal of Graphics Tools 2 (1), 1997.
+
+    Examples
+    --------
+    >>> triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    >>> up_and_down = np.array([[0.0, 0, 1], [0, 0, -1]])
+    >>> first_hits(np.array([0.2, 0.2, 3.0]), up_and_down, triangle).tolist()
+    [inf, 3.0]
+    """
+    if not len(corner):
+        return np.full(len(direction), np.inf)
+    u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    away = point - corner[:, 0]
+    p = np.cross(direction[:, None], v)
+    q = np.cross(away, u)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = 1 / np.einsum("rtx,tx->rt", p, u)
+        a = np.einsum("rtx,tx->rt", p, away) * scale
+        b = np.einsum("rx,tx->rt", direction, q) * scale
+        distance = np.einsum("tx,tx->t", q, v) * scale
+        met = (a >= 0) & (b >= 0) & (a + b <= 1) & (distance > 0)
+    nearest: Float[np.ndarray, " rays"] = np.where(met, distance, np.inf).min(axis=1)
+    return nearest
