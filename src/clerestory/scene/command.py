@@ -127,7 +127,7 @@ def _copies(
         for i, line in enumerate(_option_lines(words[at + 1 : at + 2], find, reading)):
             inner = words[:at] + line + words[at + 2 :]
             yield from _copies(
-                _numbered(inner, f"i{i}", i), find, (*reading, words[at + 1])
+                _numbered(inner, f"i{i}", i, slice(1)), find, (*reading, words[at + 1])
             )
     elif "-a" in words:
         at = words.index("-a")
@@ -138,17 +138,19 @@ def _copies(
             )
         for i in range(int(count)):
             inner = [*words[:at], "-i", str(i), *words[at + 2 :]]
-            yield from _copies(_numbered(inner, f"a{i}", i), find, reading)
+            yield from _copies(_numbered(inner, f"a{i}", i, slice(None)), find, reading)
     else:
         yield words
 
 
-def _numbered(words: list[str], fresh: str, i: int) -> list[str]:
-    # Give copy i a name prefix of its own
-    if "-n" not in words[:-1]:
+def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
+    # Give copy i a prefix of its own. Of several -n, xform numbers the first for -f;
+    # for -a it numbers the last and puts that in place of all.
+    named = [at for at in range(1, len(words)) if words[at - 1] == "-n"][which]
+    if not named:
         return ["-n", fresh, *words]
-    at = words.index("-n") + 1
-    return [*words[:at], f"{words[at]}.{i}", *words[at + 1 :]]
+    prefix = f"{words[named[-1]]}.{i}"
+    return [prefix if at in named else word for at, word in enumerate(words)]
 
 
 def _option_lines(
