@@ -50,7 +50,8 @@ def sun_radiance(
     """
     if placement not in ("spread", "patch", "disc"):
         raise InputError(
-            f"unknown placement of the sun {placement!r}; 'spread', 'patch', 'disc'"
+            f"unknown placement of the sun {placement!r};"
+            " 'spread', 'patch' or 'disc' expected"
         )
     up = np.flatnonzero(direct > _THRESHOLD)
     count = _NEIGHBOURS if placement == "spread" else 1

@@ -54,6 +54,9 @@ class SkyMatrix:
     sun_colour: Float[np.ndarray, "3"]
     attributes: Mapping[str, str | float]
 
+    # Leave `array @ sky` to this class, which refuses it
+    __array_ufunc__ = None
+
     def __post_init__(self) -> None:
         shape = (len(self.partition), len(self.times))
         if self.diffuse.shape != shape or self.sun.shape != shape:
