@@ -99,6 +99,7 @@ class Bsdf:
     functions : scattering per channel ("visible", "solar", …) and function
     product : what the file says about the layer
     notes : what was odd in the file and how it was read
+    source : the file it came from, for messages
 
     Examples
     --------
@@ -112,6 +113,7 @@ class Bsdf:
     functions: Mapping[tuple[str, Function], ScatteringMatrix]
     product: Product = field(default_factory=Product)
     notes: tuple[str, ...] = ()
+    source: str | None = None
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -143,7 +145,8 @@ class Bsdf:
         known = ", ".join(f"{c} {f.replace('_', ' ')}" for c, f in self.functions)
         raise InputError(
             f"BSDF {self.product.name!r} has no {channel} {name.replace('_', ' ')};"
-            f" it has {known or 'no data'}"
+            f" it has {known or 'no data'}",
+            file=self.source,
         )
 
     def transmission_matrix(

@@ -66,7 +66,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
             )
     if not functions:
         raise document.error(layer, "no scattering data; WavelengthDataBlock expected")
-    bsdf = Bsdf(functions, read_product(layer, document), tuple(notes))
+    bsdf = Bsdf(functions, read_product(layer, document), tuple(notes), str(path))
     _warn_of_energy(bsdf, path)
     return bsdf
 
