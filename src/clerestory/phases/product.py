@@ -6,10 +6,11 @@ they exist for one block of sensors at a time.
 
 from collections.abc import Callable
 
+import numpy as np
 import xarray as xr
 
 from clerestory.matrix.axis import Axis
-from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
 from clerestory.sky.sky_matrix import SkyMatrix
 
 # Sensors in a block: 32 components of 3 x 32 x 2306 coefficients take 57 MB
@@ -27,12 +28,12 @@ def annual_illuminance(
     sky : radiance of each patch at each time
     sensors : all of them
     """
-    blocks = []
+    shape = (sensors.size, len(sky.times))
+    illuminance = np.empty(shape, np.float32)
+    error = np.empty(shape, np.float32)
     for first in range(0, sensors.size, _BLOCK):
         rows = slice(first, min(first + _BLOCK, sensors.size))
         block = (coefficients(rows) @ sky).illuminance()
-        blocks.append(block.astype("float32", keep_attrs=True))
-    if sensors.names:
-        return xr.concat(blocks, dim="sensor")
-    whole = xr.concat([block.drop_vars("sensor") for block in blocks], dim="sensor")
-    return whole.assign_coords(sensor=range(sensors.size))
+        illuminance[rows] = block["illuminance"]
+        error[rows] = block["standard_error"]
+    return illuminance_dataset(illuminance, error, sensors=sensors, times=sky.columns)

@@ -4,6 +4,7 @@ Each table of the file is a class here; the description of a key is what message
 expect of it. `docs/study-file.md` explains them all.
 """
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -21,6 +22,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.engine.device import Device
 from clerestory.files import read_text
 from clerestory.metrics.autonomy import TARGET_LUX
 from clerestory.study.complaint import input_error, parse_toml
@@ -108,7 +110,7 @@ class TraceTable(_Table):
     samples: int | None = Field(None, ge=1)
     bounces: int | None = Field(None, ge=0)
     seed: int = Field(1, ge=0, lt=2**32)
-    device: Literal["auto", "cpu", "cuda"] = "auto"
+    device: Device = "auto"
 
     @model_validator(mode="after")
     def _one_goal(self) -> Self:
@@ -207,6 +209,15 @@ class Study(_Table):
         """Remember the folder that the study file stands in."""
         self._folder = (context or {}).get("folder", Path())
 
+    def with_trace(
+        self, *, seed: int | None = None, device: Device | None = None
+    ) -> "Study":
+        """Return the study with another seed or device, where one is given."""
+        given = {"seed": seed, "device": device}
+        change = {key: value for key, value in given.items() if value is not None}
+        trace = self.trace.model_copy(update=change)
+        return self.model_copy(update={"trace": trace})
+
     def facts(self) -> dict[str, Any]:
         """Return every key with its value, files relative to the study."""
 
@@ -223,6 +234,10 @@ class Study(_Table):
         return {
             key: plain(item) for key, item in self.model_dump(by_alias=True).items()
         }
+
+    def to_json(self) -> str:
+        """Return the facts as JSON."""
+        return json.dumps(self.facts(), sort_keys=True)
 
 
 def read_study(path: str | Path) -> Study:

@@ -1,0 +1,16 @@
+"""`clerestory doctor`: whether this machine has what tracing needs."""
+
+import typer
+
+from clerestory.engine.device import describe
+
+
+def doctor() -> None:
+    """Check the compute devices and libraries; exit status 1 if one is broken."""
+    findings = describe()
+    width = max(len(finding.name) for finding in findings)
+    for finding in findings:
+        mark = "ok  " if finding.good else "FAIL"
+        typer.echo(f"{mark}  {finding.name:{width}}  {finding.value}")
+    if not all(finding.good for finding in findings):
+        raise typer.Exit(1)

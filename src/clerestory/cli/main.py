@@ -1,0 +1,138 @@
+"""The command line: `clerestory …`.
+
+Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings
+are one line each on the error stream.
+"""
+
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import typer
+
+from clerestory import __version__
+from clerestory.cli import bsdf, sky, trace
+from clerestory.cli.doctor import doctor
+from clerestory.cli.multiply import multiply
+from clerestory.cli.run import demo, report, run
+from clerestory.errors import ClerestoryError, ClerestoryWarning
+
+TRACEBACK = "CLERESTORY_TRACEBACK"
+INTERRUPTED = 130
+
+# Options that take every word up to the next option
+_GREEDY = ("--scene", "--window")
+
+# Typer's base of usage errors, which it does not export
+_UsageError: type[Exception] = next(
+    cls for cls in typer.BadParameter.__mro__ if cls.__name__ == "ClickException"
+)
+
+app = typer.Typer(
+    name="clerestory",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Annual daylight behind complex fenestration.",
+)
+app.add_typer(trace.app, name="trace")
+app.add_typer(sky.app, name="sky")
+app.add_typer(bsdf.app, name="bsdf")
+app.command(epilog="Example: clerestory run study.toml --out results")(run)
+app.command(epilog="Example: clerestory demo my_first_study")(demo)
+app.command(epilog="Example: clerestory report study_results")(report)
+app.command(epilog="Example: clerestory doctor")(doctor)
+app.command(epilog="Example: clerestory multiply V.mtx blind.xml D.mtx S.smx -o E.mtx")(
+    multiply
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"clerestory {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def clerestory(
+    version: bool = typer.Option(
+        False,
+        "--version",
+        callback=_show_version,
+        is_eager=True,
+        help="Say which version this is.",
+    ),
+) -> None:
+    """Annual daylight behind complex fenestration: BSDFs, matrices, error bars."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status.
+
+    Parameters
+    ----------
+    arguments : those after the program's name; of this process if not given
+    """
+    words = spread(list(sys.argv[1:] if arguments is None else arguments))
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", ClerestoryWarning)
+        warnings.showwarning = _show_warning
+        try:
+            status = app(words, prog_name="clerestory", standalone_mode=False)
+            return status if isinstance(status, int) else 0
+        except ClerestoryError as error:
+            return _fail(str(error), error.exit_status, error)
+        except (KeyboardInterrupt, typer.Abort):
+            typer.echo("interrupted; run again to resume", err=True)
+            return INTERRUPTED
+        except _UsageError as error:
+            return _usage(error)
+        except Exception as error:  # the last line of defence
+            kind = type(error).__name__
+            text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 to see where"
+            return _fail(text, 1, error)
+
+
+def spread(words: list[str]) -> list[str]:
+    """Repeat an option that takes several files before each of them.
+
+    >>> spread(["--scene", "a.rad", "b.rad", "-o", "V.mtx"])
+    ['--scene', 'a.rad', '--scene', 'b.rad', '-o', 'V.mtx']
+    """
+    result: list[str] = []
+    option = ""
+    for word in words:
+        if word.startswith("-"):
+            option = word if word in _GREEDY else ""
+            result += [] if option else [word]
+        else:
+            result += [option, word] if option else [word]
+    return result
+
+
+def _show_warning(message: Warning | str, *_place: Any, **_more: Any) -> None:
+    typer.echo(f"warning: {_one_line(str(message))}", err=True)
+
+
+def _usage(error: Any) -> int:
+    # Typer's own complaints: one line, and where help is found
+    if type(error).__name__ == "NoArgsIsHelpError":
+        error.show()
+        return int(error.exit_code)
+    path = error.ctx.command_path if getattr(error, "ctx", None) else "clerestory"
+    text = f"{_one_line(error.format_message())} (see {path} --help)"
+    return _fail(text, int(error.exit_code), error)
+
+
+def _fail(text: str, status: int, error: BaseException) -> int:
+    if os.environ.get(TRACEBACK):
+        traceback.print_exception(error)
+    typer.echo(f"error: {_one_line(text)}", err=True)
+    return status
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

@@ -1,0 +1,29 @@
+"""Matrix files by their suffix: .nc, .xml, and Radiance's format for all others."""
+
+from pathlib import Path
+
+from clerestory.bsdf.xml import read_bsdf
+from clerestory.matrix.netcdf import read_netcdf, write_netcdf
+from clerestory.matrix.radiance_format import Encoding, read_matrix, write_matrix
+from clerestory.matrix.transfer_matrix import TransferMatrix
+
+
+def read_any_matrix(path: Path) -> TransferMatrix:
+    """Return a matrix; of a BSDF file its visible transmission from outside."""
+    match path.suffix.lower():
+        case ".nc":
+            return read_netcdf(path)
+        case ".xml":
+            return read_bsdf(path).transmission_matrix()
+        case _:
+            return read_matrix(path)
+
+
+def write_any_matrix(
+    path: Path, matrix: TransferMatrix, *, encoding: Encoding, command: str
+) -> None:
+    """Write a matrix; `.nc` keeps labels and errors, Radiance's format does not."""
+    if path.suffix.lower() == ".nc":
+        write_netcdf(path, matrix)
+    else:
+        write_matrix(path, matrix, encoding=encoding, command=command)

@@ -1,0 +1,56 @@
+"""`clerestory multiply`: products of matrix files."""
+
+from dataclasses import replace
+from functools import reduce
+from itertools import pairwise
+from operator import matmul
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clerestory.cli.matrix_files import read_any_matrix, write_any_matrix
+from clerestory.cli.options import Format, Output, Quiet
+from clerestory.errors import InputError, MatrixError
+from clerestory.matrix.transfer_matrix import TransferMatrix
+
+Factors = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="A B [C D]",
+        help="Matrix files (.mtx .smx .nc), or a BSDF (.xml) for its transmission.",
+    ),
+]
+
+
+def multiply(
+    factors: Factors, output: Output, encoding: Format = "float", quiet: Quiet = False
+) -> None:
+    """Multiply two to four matrices, from left to right.
+
+    V.mtx T.xml D.mtx S.smx gives the irradiance [W/m²] of every sensor at every
+    time step, as dctimestep does; times 47.4, 119.9 and 11.6 it is illuminance.
+    """
+    if not 2 <= len(factors) <= 4:
+        raise InputError(f"{len(factors)} matrices; two to four expected")
+    matrices = [read_any_matrix(path) for path in factors]
+    product = _product(matrices, factors)
+    write_any_matrix(output, product, encoding=encoding, command="clerestory multiply")
+    if not quiet:
+        size = f"{product.rows.describe()} by {product.columns.describe()}"
+        typer.echo(f"{output}: {size}")
+
+
+def _product(matrices: list[TransferMatrix], files: list[Path]) -> TransferMatrix:
+    # A sky of a year is as large as all other factors: keep its precision
+    *first, last = matrices
+    for (one, left), (other, right) in pairwise(zip(files, matrices, strict=True)):
+        if not left.columns.fits(right.rows):
+            raise MatrixError(
+                f"{one} has {left.columns.describe()} as columns, {other} has"
+                f" {right.rows.describe()} as rows; the same expected on both sides"
+            )
+    product = reduce(matmul, first)
+    if last.values.dtype != product.values.dtype:
+        product = replace(product, values=product.values.astype(last.values.dtype))
+    return product @ last

@@ -1,0 +1,77 @@
+"""Progress of anything over two seconds: a bar on a terminal, else a line at times."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+# Work that ends sooner shows nothing [s]
+_PATIENCE = 2.0
+
+# Lines in a log follow each other at this distance [s]
+_LINE_EVERY = 10.0
+
+Report = Callable[[float, str], None]
+
+
+@dataclass
+class _Phase:
+    # One line or bar: when it began, when it was last shown
+    name: str
+    begin: float = field(default_factory=time.monotonic)
+    shown: float = 0.0
+
+
+@contextmanager
+def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Report]]:
+    """Yield a function that starts the display of a phase, given its name.
+
+    What it returns is called with the share done, 0…1, and a note such as the
+    rate.
+    """
+    if quiet:
+        yield lambda _name: _nothing
+    elif sys.stderr.isatty():
+        console = Console(stderr=True)
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f} %  {task.fields[note]}"),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=console, transient=True) as bars:
+            yield lambda name: _bar(bars, _Phase(name))
+    else:
+        yield lambda name: _lines(_Phase(name))
+
+
+def _nothing(_share: float, _note: str) -> None:
+    pass
+
+
+def _bar(bars: Progress, phase: _Phase) -> Report:
+    task = bars.add_task(phase.name, total=1.0, visible=False, note="")
+
+    def report(share: float, note: str) -> None:
+        late = time.monotonic() - phase.begin > _PATIENCE
+        bars.update(task, completed=share, note=note, visible=late and share < 1)
+
+    return report
+
+
+def _lines(phase: _Phase) -> Report:
+    def report(share: float, note: str) -> None:
+        now = time.monotonic()
+        waited = now - (phase.shown or phase.begin + _PATIENCE - _LINE_EVERY)
+        if waited >= _LINE_EVERY and 0 < share < 1:
+            phase.shown = now
+            left = (now - phase.begin) * (1 - share) / share
+            text = f"{phase.name}: {share:.0%}, {note}, {left:.0f} s left"
+            typer.echo(text, err=True)
+
+    return report

@@ -1,0 +1,124 @@
+"""`clerestory run` and `demo`: a whole study, from its file to its report."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+import xarray as xr
+from rich.console import Console
+from rich.table import Table
+
+from clerestory.cli.options import Quiet
+from clerestory.cli.progress import progress_display
+from clerestory.engine.device import Device
+from clerestory.report.page import write_report
+from clerestory.study.config import Study, read_study
+from clerestory.study.demo import write_demo
+from clerestory.study.results import Results, read_results
+from clerestory.study.run import run_study
+
+REPORT_FILE = "report.html"
+
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        help="Folder for the results; NAME_results beside NAME.toml if not given.",
+    ),
+]
+DeviceChoice = Annotated[
+    Device | None, typer.Option("--device", help="Instead of the study's own device.")
+]
+SeedChoice = Annotated[
+    int | None, typer.Option("--seed", help="Instead of the study's own seed.", min=0)
+]
+
+
+def run(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")],
+    out: Out = None,
+    device: DeviceChoice = None,
+    seed: SeedChoice = None,
+    quiet: Quiet = False,
+) -> None:
+    """Run a study: trace, multiply by a year of sky, write results and a report.
+
+    Matrices traced before are found again in OUT/matrices; a run that was killed
+    goes on where it stopped.
+    """
+    chosen = read_study(study).with_trace(seed=seed, device=device)
+    folder = out or study.with_name(f"{study.stem}_results")
+    _run(chosen, folder, quiet=quiet)
+
+
+def demo(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="DIR", help="Folder for the study and its results."),
+    ] = Path("clerestory_demo"),
+    device: DeviceChoice = None,
+    seed: SeedChoice = None,
+    quiet: Quiet = False,
+) -> None:
+    """Copy the bundled study, a test room behind a venetian blind, and run it."""
+    chosen = read_study(write_demo(folder)).with_trace(seed=seed, device=device)
+    _run(chosen, folder / "results", quiet=quiet)
+
+
+def report(
+    results: Annotated[
+        Path, typer.Argument(metavar="RESULTS", help="Results folder or results.nc.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="The page to write.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write the report of an earlier run anew."""
+    folder = results if results.is_dir() else results.parent
+    page = output or folder / REPORT_FILE
+    write_report(read_results(results), page)
+    if not quiet:
+        typer.echo(f"report: {page}")
+
+
+def _run(study: Study, folder: Path, *, quiet: bool) -> None:
+    with progress_display(quiet=quiet) as display:
+        results = run_study(study, out=folder, display=display)
+    page = folder / REPORT_FILE
+    write_report(results, page)
+    if not quiet:
+        Console().print(_summary(results))
+        typer.echo(f"results: {folder}")
+        typer.echo(f"report:  {page.resolve().as_uri()}")
+
+
+def _summary(results: Results) -> Table:
+    # Means over each grid, with the means of their errors
+    data = results.data
+    table = Table(title=results.title, title_justify="left")
+    target = f"{data.attrs['target_lux']:g}"
+    for heading in (
+        "grid",
+        "sensors",
+        "mean [lux]",
+        f"hours ≥ {target} lux [%]",
+        "useful [%]",
+    ):
+        table.add_column(heading, justify="left" if heading == "grid" else "right")
+    for grid in results.grids():
+        part = data.isel(sensor=(data["grid"] == grid).values)
+        table.add_row(
+            grid,
+            str(part.sizes["sensor"]),
+            _figure(part, "mean_illuminance", 1),
+            _figure(part, "daylight_autonomy", 100),
+            _figure(part, "useful", 100),
+        )
+    return table
+
+
+def _figure(part: xr.Dataset, name: str, factor: float) -> str:
+    value = factor * float(part[name].mean())
+    error = factor * float(part[f"{name}_error"].mean())
+    return f"{value:.1f} ± {error:.1f}"

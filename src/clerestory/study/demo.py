@@ -1,0 +1,32 @@
+"""The study that comes with the package: a test room behind a venetian blind."""
+
+import importlib.resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+from clerestory.files import make_folder, replace_file
+
+_WEATHER = "723170TYA.CSV"
+
+
+def write_demo(folder: str | Path) -> Path:
+    """Copy the demo study into a folder, made if need be; return its study file.
+
+    The weather is the TMY3 year of Greensboro, North Carolina, that pvlib carries.
+
+    Raises
+    ------
+    OutputError : the folder cannot be made or written
+    """
+    folder = make_folder(folder)
+    bundled = importlib.resources.files("clerestory") / "demo"
+    weather = importlib.resources.files("pvlib") / "data" / _WEATHER
+    for source in (*sorted(bundled.iterdir(), key=_name), weather):
+        if source.is_file() and not source.name.endswith((".py", ".pyc")):
+            with replace_file(folder / source.name) as stream:
+                stream.write(source.read_bytes())
+    return folder / "study.toml"
+
+
+def _name(item: Traversable) -> str:
+    return item.name

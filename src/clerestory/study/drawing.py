@@ -1,0 +1,74 @@
+"""The room and its windows as triangles, kept with the results for drawings."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from clerestory.scene.model import Glass, Material, Plastic, Scene
+from clerestory.scene.tessellate import meshes
+from clerestory.scene.triangulate import triangulate
+from clerestory.scene.window import Window
+
+
+def room_drawing(scene: Scene) -> xr.Dataset:
+    """Return the surfaces as triangles [m] with the colour of their material, 0…1."""
+    corners, colours, names = [np.zeros((0, 3, 3))], [np.zeros((0, 3))], []
+    for mesh in meshes(scene):
+        corners.append(mesh.vertices[mesh.faces])
+        colours.append(np.tile(_colour(mesh.material), (len(mesh.faces), 1)))
+        names += [mesh.material.name] * len(mesh.faces)
+    return xr.Dataset(
+        {
+            "triangle": (("triangle", "corner", "xyz"), _single(corners)),
+            "triangle_colour": (("triangle", "channel"), _single(colours)),
+            "triangle_material": ("triangle", np.array(names, dtype=str)),
+        }
+    )
+
+
+def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
+    """Return the windows as triangles [m] with their centre, normal and up vector."""
+    parts = [_window_corners(window) for window in windows]
+    index = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+    centres = [_centroid(part) for part in parts]
+    normals = [window.frame.normal for window in windows]
+    ups = [window.frame.up for window in windows]
+    corner_axes = ("window_triangle", "corner", "xyz")
+    return xr.Dataset(
+        {
+            "window_triangle": (corner_axes, _single([np.zeros((0, 3, 3)), *parts])),
+            "window_index": ("window_triangle", index.astype(np.int32)),
+            "window_centre": (("window", "xyz"), np.reshape(centres, (-1, 3))),
+            "window_normal": (("window", "xyz"), np.reshape(normals, (-1, 3))),
+            "window_up": (("window", "xyz"), np.reshape(ups, (-1, 3))),
+        },
+        coords={"window": np.array([window.name for window in windows], dtype=str)},
+    )
+
+
+def _single(parts: list[np.ndarray]) -> np.ndarray:
+    return np.concatenate(parts).astype(np.float32)
+
+
+def _colour(material: Material) -> Float[np.ndarray, "3"]:
+    # What a drawing shows; lamps are white
+    if isinstance(material, Plastic):
+        colour = material.reflectance
+    elif isinstance(material, Glass):
+        colour = material.transmissivity
+    else:
+        colour = np.ones(3)
+    return np.asarray(np.clip(colour, 0, 1))
+
+
+def _window_corners(window: Window) -> Float[np.ndarray, "triangle 3 3"]:
+    filled = [triangulate(polygon.vertices) for polygon in window.polygons]
+    return np.concatenate([part.vertices[part.faces] for part in filled])
+
+
+def _centroid(corners: Float[np.ndarray, "triangle 3 3"]) -> Float[np.ndarray, "3"]:
+    sides = corners[:, 1:] - corners[:, :1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    return np.asarray(np.average(corners.mean(axis=1), axis=0, weights=area))

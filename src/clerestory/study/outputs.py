@@ -1,0 +1,84 @@
+"""Tables of the results for spreadsheets and other programs.
+
+`.ill` is Daysim's format: a line per hour with month, day and the hour of its
+middle, then the illuminance of every sensor [lux].
+"""
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from clerestory.files import write_text
+from clerestory.study.results import Results
+
+# Columns of metrics.csv: name in the results, heading, factor
+_METRICS = (
+    ("mean_illuminance", "mean [lux]", 1),
+    ("mean_illuminance_error", "mean, standard error [lux]", 1),
+    ("median_illuminance", "median [lux]", 1),
+    ("maximum_illuminance", "maximum [lux]", 1),
+    ("daylight_autonomy", "daylight autonomy [%]", 100),
+    ("daylight_autonomy_error", "daylight autonomy, error [%]", 100),
+    ("continuous_autonomy", "continuous autonomy [%]", 100),
+    ("continuous_autonomy_error", "continuous autonomy, error [%]", 100),
+    ("useful", "useful illuminance [%]", 100),
+    ("useful_error", "useful illuminance, error [%]", 100),
+)
+
+
+def write_metrics(results: Results, path: str | Path) -> None:
+    """Write a line for every sensor: where it is, and its metrics."""
+    data = results.data
+    head = ["sensor", "grid", "x [m]", "y [m]", "z [m]", "dx", "dy", "dz"]
+    head += [heading for _, heading, _ in _METRICS]
+    head += [f"{band} [%]" for band in data["band"].values]
+    places = np.concatenate([data["position"], data["direction"]], axis=1)
+    columns = [factor * data[name].values for name, _, factor in _METRICS]
+    figures = np.stack([*columns, *(100 * data["useful_bands"].values)], axis=1)
+    lines = [",".join(_quoted(text) for text in head)]
+    for number, name in enumerate(data["sensor"].values):
+        words = [_quoted(str(name)), _quoted(str(data["grid"].values[number]))]
+        words += [f"{value:.6g}" for value in places[number]]
+        words += [f"{value:.5g}" for value in figures[number]]
+        lines.append(",".join(words))
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:
+    """Write a line for every time step with the illuminance of one grid [lux]."""
+    chosen = _grid(results, grid)
+    head = ["time", *(str(name) for name in chosen["sensor"].values)]
+    lines = [",".join(_quoted(text) for text in head)]
+    rows = chosen["illuminance"].values.T.tolist()
+    form = ",%.1f" * chosen.sizes["sensor"]
+    moments = chosen["time"].values.astype("datetime64[m]")
+    lines += [
+        str(moment).replace("T", " ") + form % tuple(row)
+        for moment, row in zip(moments, rows, strict=True)
+    ]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def write_ill(results: Results, path: str | Path, *, grid: str) -> None:
+    """Write the illuminance of one grid as Daysim does."""
+    chosen = _grid(results, grid)
+    seconds = chosen["time"].values.astype("datetime64[s]")
+    days = seconds.astype("datetime64[D]")
+    hours = (seconds - days) / np.timedelta64(3600, "s")
+    rows = chosen["illuminance"].values.T.tolist()
+    form = " %.1f" * chosen.sizes["sensor"]
+    lines = []
+    for day, hour, row in zip(days, hours, rows, strict=True):
+        _, month, number = str(day).split("-")
+        lines.append(f"{int(month)} {int(number)} {hour:.3f} {form % tuple(row)}")
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def _grid(results: Results, grid: str) -> xr.Dataset:
+    members = np.flatnonzero(results.data["grid"].values == grid)
+    return results.data.isel(sensor=members)
+
+
+def _quoted(text: str) -> str:
+    return f'"{text}"' if "," in text else text
