@@ -1,0 +1,177 @@
+"""From the results of a run to what its report shows."""
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from clerestory.metrics.summary import sensor_metrics
+from clerestory.report.content import (
+    FactTable,
+    ReportContent,
+    Room,
+    SensorPoints,
+    WindowSurface,
+)
+from clerestory.study.results import Results
+
+_SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices")
+_METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
+
+
+def from_results(results: Results) -> ReportContent:
+    """Return what the report of a run shows.
+
+    Raises
+    ------
+    InputError : the results hold values that are not numbers
+    """
+    data, run = results.data, results.run
+    study = json.loads(data.attrs.get("study", "{}"))
+    occupied = np.asarray(data["occupied"].values, dtype=bool)
+    if not occupied.any():
+        occupied = np.ones(len(occupied), dtype=bool)
+    return ReportContent(
+        title=results.title,
+        method=str(data.attrs.get("method", "")),
+        place=place_words(data.attrs, study),
+        times=data["time"].values,
+        illuminance=np.asarray(data["illuminance"].values, dtype=np.float32),
+        standard_error=np.asarray(data["standard_error"].values, dtype=np.float32),
+        occupied=occupied,
+        schedule=schedule_words(study.get("schedule", {})),
+        metrics=_metrics(data, occupied),
+        sensors=SensorPoints(
+            tuple(map(str, data["sensor"].values)),
+            tuple(map(str, data["grid"].values)),
+            np.asarray(data["position"].values, dtype=float),
+            np.asarray(data["direction"].values, dtype=float),
+        ),
+        room=_room(data),
+        windows=_windows(data),
+        north=math.radians(float(study.get("sky", {}).get("rotation_deg", 0.0))),
+        tables=study_tables(study) + run_tables(run),
+        seconds={str(k): float(v) for k, v in dict(run.get("seconds", {})).items()},
+        warnings=tuple(map(str, run.get("warnings", ()))),
+    )
+
+
+def place_words(attrs: Mapping[Any, Any], study: Mapping[str, Any]) -> str:
+    """Return where the weather comes from, as much as the results say.
+
+    >>> place_words({"place": "Oslo", "latitude_deg": 59.9, "longitude_deg": 10.6}, {})
+    'Oslo (59.90° N, 10.60° E)'
+    """
+    place = str(attrs.get("place") or study.get("weather", {}).get("file", ""))
+    if "latitude_deg" not in attrs or "longitude_deg" not in attrs:
+        return place
+    latitude, longitude = float(attrs["latitude_deg"]), float(attrs["longitude_deg"])
+    north = f"{abs(latitude):.2f}° {'N' if latitude >= 0 else 'S'}"
+    east = f"{abs(longitude):.2f}° {'E' if longitude >= 0 else 'W'}"
+    return f"{place} ({north}, {east})".strip()
+
+
+def schedule_words(schedule: Mapping[str, Any]) -> str:
+    """Return the occupied hours in words.
+
+    >>> schedule_words({"from_hour": 8, "to_hour": 17.5})
+    'every day from 08:00 to 17:30'
+    """
+    if not schedule:
+        return "at all hours"
+    start, end = (
+        float(schedule.get(k, d)) for k, d in (("from_hour", 8), ("to_hour", 18))
+    )
+    clock = [f"{int(hour):02d}:{round(hour % 1 * 60):02d}" for hour in (start, end)]
+    return f"every day from {clock[0]} to {clock[1]}"
+
+
+def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
+    """Return the study file as tables, one for each of its own."""
+    plain = {k: v for k, v in study.items() if not isinstance(v, dict | list)}
+    tables = [FactTable("Study", _rows(plain))] if plain else []
+    for name, value in study.items():
+        groups = value if isinstance(value, list) else [value]
+        for group in groups:
+            if isinstance(group, dict) and group:
+                title = " ".join(filter(None, (name, str(group.get("name") or ""))))
+                shown = {k: v for k, v in group.items() if k != "name"}
+                tables.append(FactTable(_label(title), _rows(shown)))
+    return tuple(tables)
+
+
+def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
+    """Return the facts of the run as tables, in the run's own words."""
+    shown = {k: v for k, v in run.items() if k not in _SHOWN_ELSEWHERE}
+    plain = {k: v for k, v in shown.items() if not isinstance(v, dict | list)}
+    tables = [FactTable("Run", _rows(plain))] if plain else []
+    for name, value in shown.items():
+        if isinstance(value, dict) and value:
+            tables.append(FactTable(_label(name), _rows(value)))
+    matrices = {k: _one_line(v) for k, v in dict(run.get("matrices", {})).items()}
+    if matrices:
+        tables.append(FactTable("Matrices", _rows(matrices)))
+    return tuple(tables)
+
+
+def _rows(values: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    return tuple(
+        (_label(str(key)), _one_line(value))
+        for key, value in values.items()
+        if value is not None
+    )
+
+
+def _label(key: str) -> str:
+    words = key.replace("_deg", " [°]").replace("_lux", " [lux]").replace("_", " ")
+    return words[:1].upper() + words[1:]
+
+
+def _one_line(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, dict):
+        return ", ".join(
+            f"{k} {_one_line(v)}" for k, v in value.items() if v is not None
+        )
+    if isinstance(value, list | tuple):
+        return ", ".join(_one_line(item) for item in value)
+    return str(value)
+
+
+def _metrics(data: xr.Dataset, occupied: np.ndarray) -> xr.Dataset:
+    if all(name in data for name in _METRICS):
+        return data
+    target = float(data.attrs.get("target_lux", 300.0))
+    return sensor_metrics(data, occupied, target_lux=target)
+
+
+def _room(data: xr.Dataset) -> Room:
+    if "triangle" not in data:
+        return Room(np.zeros((0, 3, 3)), np.zeros((0, 3)))
+    corners = np.asarray(data["triangle"].values, dtype=float)
+    if "triangle_colour" not in data:
+        return Room(corners, np.full((len(corners), 3), 0.5))
+    colour = np.asarray(data["triangle_colour"].values, dtype=float)
+    return Room(corners, np.clip(colour, 0, 1))
+
+
+def _windows(data: xr.Dataset) -> tuple[WindowSurface, ...]:
+    if "window_triangle" not in data:
+        return ()
+    index = np.asarray(data["window_index"].values)
+    corners = np.asarray(data["window_triangle"].values, dtype=float)
+    return tuple(
+        WindowSurface(
+            str(name),
+            corners[index == k],
+            np.asarray(data["window_normal"].values[k], dtype=float),
+            np.asarray(data["window_up"].values[k], dtype=float),
+        )
+        for k, name in enumerate(data["window"].values)
+    )

@@ -1,0 +1,16 @@
+// Bring the page to life; without this script it stays a complete static report.
+
+async function start() {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const root = document.documentElement;
+  root.classList.add("scripted");
+  let choose = () => {};
+  startPlans(data, sensor => choose(sensor));
+  choose = await startYear(data, sensor => markChosen(data, sensor));
+  await startView(data.view);
+  root.dataset.scripts = "done";
+}
+
+addEventListener("error", event => { document.documentElement.dataset.error = event.message; });
+addEventListener("unhandledrejection", event => { document.documentElement.dataset.error = String(event.reason); });
+start();

@@ -1,0 +1,156 @@
+"""What a report needs to know, as plain values.
+
+The page is written from these values alone, so that it can be made from a study,
+from a file of results, or from a closed form in a test.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float, Int
+
+from clerestory.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Room:
+    """The surfaces of the scene as coloured triangles.
+
+    Attributes
+    ----------
+    corners : of each triangle [m]
+    colour : reflected red, green and blue of each triangle, 0…1
+    """
+
+    corners: Float[np.ndarray, "triangle 3 3"]
+    colour: Float[np.ndarray, "triangle 3"]
+
+
+@dataclass(frozen=True, eq=False)
+class WindowSurface:
+    """A window group as the reader should see it.
+
+    Attributes
+    ----------
+    name : name of the group
+    corners : of its triangles [m]
+    normal : unit vector of the front, which must face the room
+    up : unit vector of the up direction of its BSDF
+    """
+
+    name: str
+    corners: Float[np.ndarray, "triangle 3 3"]
+    normal: Float[np.ndarray, "3"]
+    up: Float[np.ndarray, "3"]
+
+    @property
+    def centre(self) -> Float[np.ndarray, "3"]:
+        """Its centroid [m]."""
+        weight = self._areas() + 1e-12
+        return np.asarray(np.average(self.corners.mean(axis=1), axis=0, weights=weight))
+
+    @property
+    def area(self) -> float:
+        """Its area [m²]."""
+        return float(self._areas().sum())
+
+    def _areas(self) -> Float[np.ndarray, " triangle"]:
+        sides = self.corners[:, 1:] - self.corners[:, :1]
+        return np.asarray(
+            np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SensorPoints:
+    """Where the sensors are.
+
+    Attributes
+    ----------
+    names : one per sensor
+    grids : name of the grid each belongs to
+    position : points [m]
+    direction : unit vectors they face
+    """
+
+    names: tuple[str, ...]
+    grids: tuple[str, ...]
+    position: Float[np.ndarray, "sensor 3"]
+    direction: Float[np.ndarray, "sensor 3"]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def by_grid(self) -> dict[str, Int[np.ndarray, " member"]]:
+        """Return the numbers of the sensors of each grid, in the order of the grids."""
+        grids = np.array(self.grids, dtype=object)
+        return {name: np.flatnonzero(grids == name) for name in dict.fromkeys(grids)}
+
+
+@dataclass(frozen=True)
+class FactTable:
+    """A titled list of labels and values, such as the parameters of tracing."""
+
+    title: str
+    rows: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ReportContent:
+    """All that a report shows.
+
+    Attributes
+    ----------
+    title, method, place : of the study, in its user's words
+    times : local standard time at the middle of each step
+    illuminance, standard_error : per sensor and step [lux]
+    occupied : steps that count for the metrics
+    schedule : the occupied hours in words
+    metrics : of each sensor, as `metrics.summary.sensor_metrics` returns them
+    sensors : where the illuminance was found
+    room, windows : the scene; both may be empty
+    north : azimuth in the world of the scene's +y [rad]
+    tables : parameters, versions, seeds, device
+    seconds : run time of each phase [s]
+    warnings : what the run warned of
+
+    Raises
+    ------
+    InputError : shapes disagree, or a value is not a number
+    """
+
+    title: str
+    method: str
+    place: str
+    times: np.ndarray
+    illuminance: Float[np.ndarray, "sensor time"]
+    standard_error: Float[np.ndarray, "sensor time"]
+    occupied: Bool[np.ndarray, " time"]
+    schedule: str
+    metrics: xr.Dataset
+    sensors: SensorPoints
+    room: Room
+    windows: tuple[WindowSurface, ...] = ()
+    north: float = 0.0
+    tables: tuple[FactTable, ...] = ()
+    seconds: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        shape = (len(self.sensors), len(self.times))
+        if 0 in shape:
+            raise InputError(
+                f"results of {shape[0]} sensors and {shape[1]} time steps;"
+                " at least one of each expected for a report"
+            )
+        for name in ("illuminance", "standard_error"):
+            values = getattr(self, name)
+            if values.shape != shape:
+                raise InputError(f"{name} of shape {values.shape}; {shape} expected")
+            if not np.all(np.isfinite(values)):
+                raise InputError(f"{name} holds values that are not numbers")
+        if self.occupied.shape != shape[1:]:
+            raise InputError(
+                f"occupied hours of shape {self.occupied.shape}; {shape[1:]} expected"
+            )

@@ -1,0 +1,108 @@
+"""What the page's scripts read: sensors, metrics, hourly series, the scene.
+
+Hourly series are the bulk of a page. The mean of each grid always goes in; of
+the sensors as many as fit, evenly spread.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Int
+
+from clerestory.report.colour import illuminance_scale
+from clerestory.report.content import ReportContent
+from clerestory.report.heatmap import DARKEST_LUX, day_hour_grid
+from clerestory.report.pixels import code_step, illuminance_codes, packed
+from clerestory.report.plan import PlanFrame, plan_frame
+from clerestory.report.room_view import room_view
+from clerestory.report.summary import Figure, metric_maps
+
+# Hourly values that a page carries: about 3 MB once compressed
+_MOST_VALUES = 1_500_000
+
+
+def page_data(content: ReportContent) -> dict[str, Any]:
+    """Return the data of the page as plain values for JSON."""
+    maps = metric_maps(content.metrics)
+    mean_scale = illuminance_scale(maps[0].values)
+    metrics = {
+        metric.key: {
+            "texts": [
+                f"{metric.title}: {Figure(float(v), float(e), metric.unit)}"
+                for v, e in zip(metric.values, metric.errors, strict=True)
+            ]
+        }
+        for metric in maps
+    }
+    return {
+        "names": list(content.sensors.names),
+        "grids": {
+            frame.identifier: _grid_data(frame, members)
+            for frame, members in grid_frames(content).values()
+        },
+        "metrics": metrics,
+        "year": _year_data(content),
+        "view": room_view(content, means=maps[0].values, scale=mean_scale),
+    }
+
+
+def grid_frames(
+    content: ReportContent,
+) -> dict[str, tuple[PlanFrame, Int[np.ndarray, " member"]]]:
+    """Return the frame of the plan of each grid and the sensors in it, by grid."""
+    return {
+        name: (plan_frame(content, members, identifier=f"plan-{k}"), members)
+        for k, (name, members) in enumerate(content.sensors.by_grid().items())
+    }
+
+
+def series_names(content: ReportContent) -> list[tuple[str, int | None]]:
+    """Return names of the hourly series, each with its sensor unless it is a mean."""
+    names: list[tuple[str, int | None]] = [
+        (f"Mean of {grid} ({len(members)} sensors)", None)
+        for grid, members in content.sensors.by_grid().items()
+    ]
+    count = min(len(content.sensors), max(1, _MOST_VALUES // len(content.times)))
+    chosen = np.unique(
+        np.linspace(0, len(content.sensors) - 1, count).round().astype(int)
+    )
+    return names + [(content.sensors.names[k], int(k)) for k in chosen]
+
+
+def _grid_data(frame: PlanFrame, members: Int[np.ndarray, " member"]) -> dict[str, Any]:
+    place = frame.place(frame.points)
+    cells = frame.place(frame.cells)
+    reach = float(np.linalg.norm(cells - place[:, None], axis=2).max())
+    return {
+        "sensors": members.tolist(),
+        "x": place[:, 0].round(1).tolist(),
+        "y": place[:, 1].round(1).tolist(),
+        "reach": round(1.05 * reach, 1),
+    }
+
+
+def _year_data(content: ReportContent) -> dict[str, Any]:
+    grid = day_hour_grid(content.times)
+    scale = illuminance_scale(content.illuminance, low=DARKEST_LUX)
+    means = iter(content.sensors.by_grid().values())
+    series = []
+    for name, sensor in series_names(content):
+        lux = (
+            content.illuminance[next(means)].mean(axis=0)
+            if sensor is None
+            else content.illuminance[sensor]
+        )
+        codes = packed(illuminance_codes(lux))
+        series.append({"name": name, "sensor": sensor, "codes": codes})
+    first = grid.first_day.astype(object)
+    return {
+        "first": [first.year, first.month - 1, first.day],
+        "days": grid.days,
+        "bins": grid.bins,
+        "cell": packed(grid.cell.astype(np.uint32)),
+        "code_step": code_step(),
+        "low": scale.low,
+        "high": scale.high,
+        "colours": scale.table().tolist(),
+        "series": series,
+    }

@@ -1,0 +1,167 @@
+"""The year as a picture: days from left to right, the hours of a day upwards.
+
+Each time step fills the cell it belongs to. Steps may be shorter than an hour,
+days may be missing, and several years lie on top of each other.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.report.markup import Markup, element, join
+
+_WIDTH, _HEIGHT = 1000, 240
+_LEFT, _TOP, _RIGHT, _BOTTOM = 46, 8, 12, 26
+_SHORTEST_MINUTES = 5
+
+# Where the colours of the year begin: below, it is as good as night
+DARKEST_LUX = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class DayHourGrid:
+    """The cells of a day × hour picture.
+
+    Attributes
+    ----------
+    first_day : the leftmost day
+    days, bins : how many cells there are across and up
+    cell : number of the cell of each time step, day by day
+    """
+
+    first_day: np.datetime64
+    days: int
+    bins: int
+    cell: Int[np.ndarray, " time"]
+
+    def fill(self, values: Float[np.ndarray, " time"]) -> Float[np.ndarray, "bin day"]:
+        """Mean of the values in each cell, NaN where there are none; hour 0 first."""
+        size = self.days * self.bins
+        count = np.bincount(self.cell, minlength=size)
+        total = np.bincount(self.cell, weights=values, minlength=size)
+        with np.errstate(invalid="ignore"):
+            return (total / count).reshape(self.days, self.bins).T
+
+
+def day_hour_grid(times: np.ndarray) -> DayHourGrid:
+    """Return the cells for some time steps, each named by the middle of its step.
+
+    Examples
+    --------
+    >>> hours = np.arange(8760) * np.timedelta64(1, "h")
+    >>> year = np.datetime64("2023-01-01T00:30") + hours
+    >>> grid = day_hour_grid(year)
+    >>> grid.days, grid.bins, int(grid.cell[25])
+    (365, 24, 25)
+    """
+    times = np.asarray(times).astype("datetime64[s]")
+    day = times.astype("datetime64[D]")
+    second = (times - day).astype(int)
+
+    # Lay years on top of each other, in a leap year so that every day has a place
+    if (day.max() - day.min()).astype(int) > 366:
+        month = day.astype("datetime64[M]")
+        within = (day - month.astype("datetime64[D]")).astype(int)
+        folded = np.datetime64("2024-01") + month.astype(int) % 12
+        day = folded.astype("datetime64[D]") + within
+    first = day.min()
+    days = int((day.max() - first).astype(int)) + 1
+
+    # The most frequent gap within a day is the step
+    gaps = np.diff(np.unique(times)).astype(int) / 60
+    gaps = gaps[gaps < 120]
+    minutes = float(np.median(gaps)) if len(gaps) else 60.0
+    minutes = min(60.0, max(float(_SHORTEST_MINUTES), minutes))
+    bins = round(24 * 60 / minutes)
+    within_day = np.minimum(second * bins // 86400, bins - 1)
+    return DayHourGrid(first, days, bins, (day - first).astype(int) * bins + within_day)
+
+
+def heat_map(
+    grid: DayHourGrid,
+    *,
+    image: str,
+    occupied: Bool[np.ndarray, " time"],
+    label: str,
+) -> Markup:
+    """Return the drawing: axes around a picture given as a data address."""
+    picture = element(
+        "image",
+        href=image,
+        x=_LEFT,
+        y=_TOP,
+        width=_WIDTH,
+        height=_HEIGHT,
+        preserveAspectRatio="none",
+        class_="pixels",
+    )
+    ground = element(
+        "rect", x=_LEFT, y=_TOP, width=_WIDTH, height=_HEIGHT, class_="no-data"
+    )
+    return element(
+        "svg",
+        element("title", label),
+        ground,
+        picture,
+        _schedule(grid, occupied),
+        _hours(),
+        _days(grid),
+        viewBox=f"0 0 {_LEFT + _WIDTH + _RIGHT} {_TOP + _HEIGHT + _BOTTOM}",
+        role="img",
+        aria_label=label,
+        class_="heat-map",
+        id="heat-map",
+        data_left=_LEFT,
+        data_top=_TOP,
+        data_width=_WIDTH,
+        data_height=_HEIGHT,
+    )
+
+
+def _hours() -> Markup:
+    marks = []
+    for hour in range(0, 25, 6):
+        y = _TOP + _HEIGHT * (1 - hour / 24)
+        marks.append(element("path", d=f"M{_LEFT - 4},{y:.1f}h4"))
+        text = element("text", f"{hour:02d}:00", x=_LEFT - 8, y=f"{y + 4:.1f}")
+        marks.append(text)
+    return element("g", *marks, class_="axis hours")
+
+
+def _schedule(grid: DayHourGrid, occupied: Bool[np.ndarray, " time"]) -> Markup:
+    # A line where hours begin or cease to count on most days
+    with np.errstate(invalid="ignore"):
+        usual = np.nanmean(grid.fill(occupied.astype(float)), axis=1) > 0.5
+    edges = np.flatnonzero(np.diff(usual.astype(int))) + 1
+    lines = (
+        element(
+            "path", d=f"M{_LEFT},{_TOP + _HEIGHT * (1 - e / grid.bins):.1f}h{_WIDTH}"
+        )
+        for e in edges.tolist()
+    )
+    return element("g", *lines, class_="schedule")
+
+
+def _days(grid: DayHourGrid) -> Markup:
+    # Mark the months of a long span, some of the days of a short one
+    day = grid.first_day + np.arange(grid.days)
+    month = day.astype("datetime64[M]")
+    if grid.days > 62:
+        of_month = (day - month.astype("datetime64[D]")).astype(int)
+        marked = np.flatnonzero(of_month == 0)
+        names = [f"{m:%b}" for m in month[marked].astype(object)]
+        middles = marked + 15.0
+    else:
+        marked = np.arange(0, grid.days, max(1, grid.days // 8))
+        names = [f"{d.day} {d:%b}" for d in day[marked].astype(object)]
+        middles = marked + 0.5
+    marks = []
+    for start, middle, name in zip(marked, middles, names, strict=True):
+        if middle > grid.days:
+            continue
+        x, centre = (_LEFT + _WIDTH * d / grid.days for d in (start, middle))
+        marks.append(element("path", d=f"M{x:.1f},{_TOP + _HEIGHT}v5"))
+        text = element("text", name, x=f"{centre:.1f}", y=_TOP + _HEIGHT + 18)
+        marks.append(text)
+    return join(element("g", *marks, class_="axis days"))

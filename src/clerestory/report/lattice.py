@@ -1,0 +1,77 @@
+"""The patch of a plan that each sensor stands for.
+
+Sensors on a regular grid, turned or not, share the floor in equal rectangles;
+scattered ones get a disc as wide as the distance to their neighbour.
+"""
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import cKDTree
+
+_LONELY_SIZE = 0.5
+_DISC_CORNERS = 16
+
+
+def sensor_cells(
+    points: Float[np.ndarray, "sensor 2"],
+) -> Float[np.ndarray, "sensor corner 2"]:
+    """Corners of the cell of each sensor in the plan [m].
+
+    Examples
+    --------
+    >>> row = np.array([[0.0, 0.0], [2.0, 0.0]])
+    >>> sensor_cells(row)[1].round(6).tolist()
+    [[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]]
+    """
+    places = np.unique(points.round(4), axis=0)
+    if len(places) == 1:
+        return _rectangles(points, size=(_LONELY_SIZE, _LONELY_SIZE), turn=0.0)
+    distance, neighbour = cKDTree(places).query(places, k=2)
+    spacing = float(np.median(distance[:, 1]))
+
+    # A grid has one direction, up to quarter turns
+    towards = places[neighbour[:, 1]] - places
+    phase = np.mean(np.exp(4j * np.arctan2(towards[:, 1], towards[:, 0])))
+    turn = float(np.angle(phase)) / 4
+    if abs(phase) > 0.9:
+        straight = places @ _rotation(turn)
+        columns = _lines(straight[:, 0], tolerance=0.1 * spacing)
+        rows = _lines(straight[:, 1], tolerance=0.1 * spacing)
+        if len(places) > 0.25 * len(columns) * len(rows):
+            size = (_step(columns, spacing), _step(rows, spacing))
+            return _rectangles(points, size=size, turn=turn)
+    return _discs(points, radius=0.45 * spacing)
+
+
+def _rotation(turn: float) -> Float[np.ndarray, "2 2"]:
+    # points @ _rotation(a) turns them by −a
+    cos, sin = np.cos(turn), np.sin(turn)
+    return np.array([[cos, -sin], [sin, cos]])
+
+
+def _lines(
+    coordinate: Float[np.ndarray, " sensor"], *, tolerance: float
+) -> Float[np.ndarray, " line"]:
+    # Coordinates of the rows or columns of a grid
+    ordered = np.sort(coordinate)
+    starts = np.flatnonzero(np.diff(ordered, prepend=-np.inf) > tolerance)
+    return ordered[starts]
+
+
+def _step(lines: Float[np.ndarray, " line"], spacing: float) -> float:
+    return float(np.median(np.diff(lines))) if len(lines) > 1 else spacing
+
+
+def _rectangles(
+    points: Float[np.ndarray, "sensor 2"], *, size: tuple[float, float], turn: float
+) -> Float[np.ndarray, "sensor 4 2"]:
+    corner = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * size
+    return np.asarray(points[:, None, :] + corner @ _rotation(turn).T)
+
+
+def _discs(
+    points: Float[np.ndarray, "sensor 2"], *, radius: float
+) -> Float[np.ndarray, "sensor corner 2"]:
+    angle = np.arange(_DISC_CORNERS) * 2 * np.pi / _DISC_CORNERS
+    rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return points[:, None, :] + rim

@@ -1,0 +1,90 @@
+"""The page as a whole: what stands where, in which words.
+
+The page asks nothing of the network: style, scripts, pictures and data are in
+it, and its content policy forbids everything else, scripts that came in with a
+name or a path included.
+"""
+
+import base64
+import hashlib
+from importlib import resources
+from pathlib import Path
+from string import Template
+
+import clerestory
+from clerestory.files import write_text
+from clerestory.report.adapter import from_results
+from clerestory.report.appendix import (
+    accuracy_section,
+    making_section,
+    words_section,
+)
+from clerestory.report.content import ReportContent
+from clerestory.report.data import page_data
+from clerestory.report.headline import headline, warnings_box
+from clerestory.report.markup import Markup, element, embedded_json, join
+from clerestory.report.sections import plans_section, room_section, year_section
+from clerestory.study.results import Results
+
+_SCRIPTS = (
+    "raster.js",
+    "solids.js",
+    "plan.js",
+    "year.js",
+    "view.js",
+    "start.js",
+)
+
+
+def write_report(results: Results, path: str | Path) -> None:
+    """Write the report of a run as one HTML file that opens anywhere, offline.
+
+    Raises
+    ------
+    InputError : the results hold values that are not numbers
+    OutputError : the file cannot be written
+    """
+    write_text(path, report_page(from_results(results)))
+
+
+def report_page(content: ReportContent) -> str:
+    """Return the report as HTML."""
+    body = join(
+        headline(content),
+        warnings_box(content),
+        plans_section(content),
+        year_section(content),
+        room_section(content),
+        accuracy_section(content),
+        making_section(content),
+        words_section(content),
+        element(
+            "footer",
+            f"Made by Clerestory {clerestory.__version__}. This file is complete: it"
+            " opens without a network and loads nothing.",
+        ),
+        element("div", id="tip", aria_hidden="true"),
+    )
+    script = Markup("\n".join(_asset(name) for name in _SCRIPTS))
+    return Template(_asset("page.html")).substitute(
+        version=clerestory.__version__,
+        policy=_policy(script),
+        title=join(content.title, " · daylight report"),
+        style=_asset("style.css"),
+        body=body,
+        data=embedded_json("data", page_data(content)),
+        script=script,
+    )
+
+
+def _asset(name: str) -> str:
+    folder = resources.files("clerestory.report") / "assets"
+    return (folder / name).read_text(encoding="utf-8")
+
+
+def _policy(script: str) -> str:
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return (
+        "default-src 'none'; style-src 'unsafe-inline'; img-src data:;"
+        f" script-src 'sha256-{digest}'"
+    )

@@ -1,0 +1,36 @@
+"""The time steps in words: which days, how many, how long."""
+
+import numpy as np
+from jaxtyping import Bool
+
+from clerestory.report.heatmap import day_hour_grid
+
+
+def step_minutes(times: np.ndarray) -> float:
+    """Return the length of a step [min]."""
+    return 24 * 60 / day_hour_grid(times).bins
+
+
+def hours_in(times: np.ndarray, counted: Bool[np.ndarray, " time"]) -> float:
+    """Return how many hours the counted steps last."""
+    return float(np.count_nonzero(counted)) * step_minutes(times) / 60
+
+
+def period_words(times: np.ndarray) -> str:
+    """Return the span of the steps in words.
+
+    >>> hours = np.arange(8760) * np.timedelta64(1, "h")
+    >>> year = np.datetime64("2023-01-01T00:30") + hours
+    >>> period_words(year)
+    '1 January to 31 December, 8,760 steps of 60 minutes'
+    """
+    days = np.asarray(times).astype("datetime64[D]")
+    first, last = _date(days.min()), _date(days.max())
+    span = first if first == last else f"{first} to {last}"
+    steps = f"{len(times):,} step" + ("s" if len(times) > 1 else "")
+    return f"{span}, {steps} of {step_minutes(times):g} minutes"
+
+
+def _date(day: np.datetime64) -> str:
+    date = day.astype(object)
+    return f"{date.day} {date:%B}"

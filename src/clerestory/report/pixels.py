@@ -1,0 +1,50 @@
+"""Numbers and pictures as text that a page can carry."""
+
+import base64
+import gzip
+import io
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.image import imsave
+
+from clerestory.report.colour import ColourScale
+
+# Brighter than any daylight on a plane [lux]
+_BRIGHTEST = 200_000.0
+_CODES = 65_535
+
+
+def packed(values: np.ndarray) -> str:
+    """Return an array as base64 of gzip of its little-endian bytes.
+
+    The bytes are the same in every run: the archive carries no clock time.
+    """
+    little = np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<"))
+    return base64.b64encode(gzip.compress(little.tobytes(), 6, mtime=0)).decode()
+
+
+def illuminance_codes(lux: Float[np.ndarray, "*batch"]) -> np.ndarray:
+    """Illuminance as 16-bit codes, even in the logarithm of 1 + lux.
+
+    The page decodes them to a relative precision of 0.02 %.
+    """
+    step = np.log1p(_BRIGHTEST) / _CODES
+    codes = np.round(np.log1p(np.clip(lux, 0, _BRIGHTEST)) / step)
+    return np.asarray(codes, dtype=np.uint16)
+
+
+def code_step() -> float:
+    """Return the step of `log(1 + lux)` between two codes."""
+    return float(np.log1p(_BRIGHTEST) / _CODES)
+
+
+def picture(values: Float[np.ndarray, "bin day"], scale: ColourScale) -> str:
+    """Return values in false colour as a data address; row 0 is lowest, NaN clear."""
+    known = np.isfinite(values)
+    rgba = np.zeros((*values.shape, 4), dtype=np.uint8)
+    rgba[..., :3] = scale.colours(np.where(known, values, scale.low))
+    rgba[..., 3] = 255 * known
+    stream = io.BytesIO()
+    imsave(stream, rgba[::-1], format="png", metadata={"Software": ""})
+    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()

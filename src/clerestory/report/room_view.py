@@ -1,0 +1,128 @@
+"""The scene as the page's 3-D view needs it: triangles, edges, arrows, a frame.
+
+The view draws in the browser without a graphics card, so it gets the largest
+triangles of a scene, up to a limit, and the edges between surfaces.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.report.colour import ColourScale
+from clerestory.report.content import ReportContent
+from clerestory.report.pixels import packed
+from clerestory.report.section import horizontal_section, visible_extent
+
+MOST_TRIANGLES = 40_000
+_CREASE = np.cos(np.radians(15))
+
+
+def room_view(
+    content: ReportContent, *, means: Float[np.ndarray, " sensor"], scale: ColourScale
+) -> dict[str, Any]:
+    """Return the data of the 3-D view as plain values.
+
+    Parameters
+    ----------
+    means : the illuminance whose colour each sensor takes [lux]
+    """
+    chosen = largest_triangles(content.room.corners)
+    corners = content.room.corners[chosen]
+    vertices, faces = weld(corners)
+    low, high = framed_box(content)
+    windows = [
+        {
+            "name": window.name,
+            "corners": window.corners.reshape(-1).round(4).tolist(),
+            "centre": window.centre.round(4).tolist(),
+            "normal": window.normal.round(5).tolist(),
+            "up": window.up.round(5).tolist(),
+            "size": float(np.sqrt(max(window.area, 1e-4)).round(4)),
+        }
+        for window in content.windows
+    ]
+    return {
+        "vertices": packed(vertices.astype(np.float32)),
+        "faces": packed(faces.astype(np.uint32)),
+        "colours": packed(np.round(255 * content.room.colour[chosen]).astype(np.uint8)),
+        "edges": packed(feature_edges(vertices, faces).astype(np.uint32)),
+        "windows": windows,
+        "sensors": {
+            "position": content.sensors.position.round(3).reshape(-1).tolist(),
+            "direction": content.sensors.direction.round(4).reshape(-1).tolist(),
+            "colour": scale.hexadecimal(means),
+        },
+        "low": low.round(3).tolist(),
+        "high": high.round(3).tolist(),
+        "north": content.north,
+        "left_out": len(content.room.corners) - len(chosen),
+    }
+
+
+def largest_triangles(
+    corners: Float[np.ndarray, "triangle 3 3"],
+) -> Int[np.ndarray, " kept"]:
+    """Numbers of the triangles to draw, in their order."""
+    sides = corners[:, 1:] - corners[:, :1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    kept = np.argsort(-area, kind="stable")[:MOST_TRIANGLES]
+    return np.sort(kept[area[kept] > 0])
+
+
+def weld(
+    corners: Float[np.ndarray, "triangle 3 3"],
+) -> tuple[Float[np.ndarray, "vertex 3"], Int[np.ndarray, "triangle 3"]]:
+    """Return shared vertices, joined within 0.1 mm, and the faces between them."""
+    points = corners.reshape(-1, 3).round(4)
+    vertices, inverse = np.unique(points, axis=0, return_inverse=True)
+    return vertices, inverse.reshape(-1, 3)
+
+
+def feature_edges(
+    vertices: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]
+) -> Int[np.ndarray, "edge 4"]:
+    """Edges where surfaces end or turn: two vertices and the two faces beside each.
+
+    An edge of one face names that face twice.
+    """
+    if not len(faces):
+        return np.zeros((0, 4), dtype=int)
+    normal = np.cross(
+        vertices[faces[:, 1]] - vertices[faces[:, 0]],
+        vertices[faces[:, 2]] - vertices[faces[:, 0]],
+    )
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+
+    # Bring the sides that share two vertices together
+    sides = np.sort(
+        np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    )
+    owner = np.tile(np.arange(len(faces)), 3)
+    order = np.lexsort((sides[:, 1], sides[:, 0]))
+    sides, owner = sides[order], owner[order]
+    _, first, count = np.unique(sides, axis=0, return_index=True, return_counts=True)
+    one, other = owner[first], owner[first + count - 1]
+    flat = np.abs(np.sum(normal[one] * normal[other], axis=1)) > _CREASE
+    kept = (count != 2) | ~flat
+    return np.asarray(np.column_stack([sides[first], one, other])[kept])
+
+
+def framed_box(
+    content: ReportContent,
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+    """Low and high corner [m] of the room around the sensors, with its windows."""
+    position = content.sensors.position
+    segments = horizontal_section(
+        content.room.corners, height=float(np.median(position[:, 2]))
+    )
+    low, high = visible_extent(segments, position[:, :2])
+    corners = content.room.corners.reshape(-1, 3)
+    inside = np.all(
+        (corners[:, :2] > low - 0.05) & (corners[:, :2] < high + 0.05), axis=1
+    )
+    near = np.abs(corners[:, 2] - position[:, 2].mean()) < 15
+    points = [corners[inside & near], position]
+    points += [window.corners.reshape(-1, 3) for window in content.windows]
+    box = np.concatenate(points)
+    return box.min(axis=0), box.max(axis=0)

@@ -1,0 +1,128 @@
+"""The few figures that stand for a grid of sensors, with cautious error bars.
+
+The sensors of a grid share the traced daylight matrix, so their errors are taken
+as fully correlated: the error of a mean is the mean of the errors.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, Int
+
+from clerestory.metrics.useful import BANDS, LIMITS_LUX
+from clerestory.report.content import ReportContent
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number and its standard error, both in the unit shown."""
+
+    value: float
+    error: float
+    unit: str
+
+    def __str__(self) -> str:
+        """Value and error, rounded to what the error allows.
+
+        >>> str(Figure(612.34, 4.2, "lux")), str(Figure(57.96, 0.3, "%"))
+        ('612 ± 4 lux', '58.0 ± 0.3 %')
+        """
+        if self.error <= 0:
+            shown = f"{self.value:.1f}" if self.unit == "%" else number(self.value)
+            return f"{shown} {self.unit}"
+        digits = 0 if self.error >= 0.95 else 1
+        value, error = f"{self.value:,.{digits}f}", f"{self.error:,.{digits}f}"
+        if float(error.replace(",", "")) == 0:
+            error = "0.1"
+            return f"{value} ± <{error} {self.unit}"
+        return f"{value} ± {error} {self.unit}"
+
+
+@dataclass(frozen=True, eq=False)
+class MetricMap:
+    """One metric over the sensors, ready to be drawn.
+
+    Attributes
+    ----------
+    key : short name for the page
+    title, note : what it is, in words
+    values, errors : per sensor, in the unit shown
+    unit : lux or %
+    """
+
+    key: str
+    title: str
+    note: str
+    values: Float[np.ndarray, " sensor"]
+    errors: Float[np.ndarray, " sensor"]
+    unit: str
+
+    def mean(self, members: Int[np.ndarray, " member"]) -> Figure:
+        """Mean over some sensors."""
+        return Figure(
+            float(self.values[members].mean()),
+            float(self.errors[members].mean()),
+            self.unit,
+        )
+
+
+def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
+    """Return what a plan can show: the mean, the autonomy, the four useful bands."""
+    target = float(metrics.attrs.get("target_lux", 300.0))
+    low, middle, high = (f"{limit:,.0f}" for limit in LIMITS_LUX)
+    notes = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")
+    maps = [
+        MetricMap(
+            "mean",
+            "Mean illuminance",
+            "over the occupied hours",
+            _values(metrics, "mean_illuminance"),
+            _values(metrics, "mean_illuminance_error"),
+            "lux",
+        ),
+        MetricMap(
+            "autonomy",
+            "Daylight autonomy",
+            f"hours with {target:,.0f} lux or more",
+            100 * _values(metrics, "daylight_autonomy"),
+            100 * _values(metrics, "daylight_autonomy_error"),
+            "%",
+        ),
+    ]
+    for band, note in zip(BANDS, (*notes, f"{high} lux or more"), strict=True):
+        shares = 100 * metrics["useful_bands"].sel(band=band).values.astype(float)
+        title = f"Useful illuminance: {band}"
+        maps.append(
+            MetricMap(band.replace(" ", "-"), title, note, shares, 0 * shares, "%")
+        )
+    return tuple(maps)
+
+
+def useful_share(metrics: xr.Dataset, members: Int[np.ndarray, " member"]) -> Figure:
+    """Return the mean share of hours in the useful range [%]."""
+    value = 100 * _values(metrics, "useful")[members].mean()
+    error = 100 * _values(metrics, "useful_error")[members].mean()
+    return Figure(float(value), float(error), "%")
+
+
+def relative_errors(content: ReportContent, *, above: float) -> Float[np.ndarray, " n"]:
+    """Relative standard errors [%] of all hourly values above a limit [lux]."""
+    counted = content.illuminance > above
+    lux, error = content.illuminance[counted], content.standard_error[counted]
+    return np.asarray(100 * error / lux)
+
+
+def number(value: float) -> str:
+    """Return a number with three digits or so, as people write it.
+
+    >>> [number(x) for x in (12345.6, 345.67, 7.891, 0.04567, 0.0)]
+    ['12,346', '346', '7.89', '0.0457', '0']
+    """
+    if abs(value) >= 100:
+        return f"{value:,.0f}"
+    return f"{value:.3g}"
+
+
+def _values(metrics: xr.Dataset, name: str) -> Float[np.ndarray, " sensor"]:
+    return np.asarray(metrics[name].values, dtype=float)
