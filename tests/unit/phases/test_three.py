@@ -1,0 +1,182 @@
+"""The equation I = V T D S on matrices whose product is known."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_array
+
+from clerestory.errors import MatrixError
+from clerestory.hemisphere.klems import klems
+from clerestory.hemisphere.reinhart import reinhart
+from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.three import (
+    WindowPhases,
+    sky_coefficients,
+    three_phase,
+    three_phase_sum,
+)
+from clerestory.phases.two import two_phase
+from clerestory.sky.matrix import SkyMatrix
+
+KLEMS, SKY = klems("quarter"), reinhart(1)
+SENSORS, STEPS = 70, 3
+LUX = 179.0
+
+
+def uniform_sky(radiance=(1.0, 2.0, 0.0)):
+    """A white sky, uniform at each step; no ground light, no sun."""
+    dome = np.ones((len(SKY), 1), np.float32)
+    return SkyMatrix(
+        partition=SKY,
+        times=np.datetime64("2023-03-21T10:30") + np.arange(3) * np.timedelta64(1, "h"),
+        diffuse=np.asarray(dome * radiance, dtype=np.float32),
+        colour=np.ones((3, len(SKY))),
+        sun=csc_array((len(SKY), STEPS), dtype=np.float32),
+        sun_colour=np.ones(3),
+        attributes={},
+    )
+
+
+def view(window, *, rng=None, count=0, share=1.0):
+    """Sensors that see the whole hemisphere of the window: rows sum to π."""
+    lam = share * KLEMS.projected_solid_angles()
+    values = np.tile(lam, (3, SENSORS, 1))
+    components = None
+    if count:
+        components = rng.normal(size=(count, *values.shape)) * 0.01
+    rows, columns = sensor_axis(SENSORS), window_axis("interior", KLEMS, window)
+    return TransferMatrix(values, rows, columns, components)
+
+
+def transmission(tau):
+    """A pane that lets the share tau pass, unscattered."""
+    rows, columns = window_axis("interior", KLEMS), window_axis("exterior", KLEMS)
+    return TransferMatrix(tau * np.eye(len(KLEMS))[None], rows, columns)
+
+
+def daylight(window, *, rng=None, count=0):
+    """Every patch sees all the sky alike: rows sum to one."""
+    values = np.full((3, len(KLEMS), len(SKY)), 1 / len(SKY))
+    components = None
+    if count:
+        components = rng.normal(size=(count, *values.shape)) * 0.001
+    rows = window_axis("exterior", KLEMS, window)
+    return TransferMatrix(values, rows, sky_axis(SKY), components)
+
+
+def test_a_clear_window_under_a_uniform_sky_gives_pi_times_its_transmittance():
+    result = three_phase(view("w"), transmission(0.5), daylight("w"), uniform_sky())
+    expected = np.pi * 0.5 * LUX * np.array([1, 2, 0])
+    assert result["illuminance"].dtype == np.float32
+    np.testing.assert_allclose(
+        result["illuminance"], np.tile(expected, (SENSORS, 1)), rtol=5e-6
+    )
+    assert np.all(result["standard_error"] == 0)
+
+
+def test_windows_add_up():
+    windows = [
+        WindowPhases(view(name, share=share), transmission(tau), daylight(name))
+        for name, share, tau in (("a", 0.25, 0.8), ("b", 0.5, 0.1))
+    ]
+    result = three_phase_sum(windows, uniform_sky())
+    expected = np.pi * LUX * (0.25 * 0.8 + 0.5 * 0.1)
+    np.testing.assert_allclose(result["illuminance"][:, 0], expected, rtol=5e-6)
+
+
+def test_errors_of_views_traced_together_add_before_they_are_squared():
+    """Two windows with opposite errors in every batch cancel exactly."""
+    rng = np.random.default_rng(3)
+    one = view("a", rng=rng, count=5)
+    mirrored = TransferMatrix(
+        one.values, one.rows, window_axis("interior", KLEMS, "b"), -one.components
+    )
+    pairs = ((one, "a"), (mirrored, "b"))
+    windows = [WindowPhases(v, transmission(1.0), daylight(n)) for v, n in pairs]
+    result = three_phase_sum(windows, uniform_sky())
+    np.testing.assert_allclose(result["standard_error"], 0, atol=1e-4)
+
+    doubled = [
+        WindowPhases(one, transmission(1.0), daylight("a")),
+        WindowPhases(
+            TransferMatrix(one.values, one.rows, mirrored.columns, one.components),
+            transmission(1.0),
+            daylight("b"),
+        ),
+    ]
+    single = three_phase(one, transmission(1.0), daylight("a"), uniform_sky())
+    np.testing.assert_allclose(
+        three_phase_sum(doubled, uniform_sky())["standard_error"],
+        2 * single["standard_error"],
+        rtol=1e-5,
+    )
+
+
+def test_errors_of_daylight_matrices_are_independent():
+    """Two windows alike: their errors add in squares, so √2 times one window's."""
+    rng = np.random.default_rng(4)
+    bright = daylight("a", rng=rng, count=6)
+    windows = [
+        WindowPhases(
+            view(name),
+            transmission(1.0),
+            TransferMatrix(
+                bright.values,
+                window_axis("exterior", KLEMS, name),
+                bright.columns,
+                bright.components,
+            ),
+        )
+        for name in ("a", "b")
+    ]
+    one = three_phase_sum(windows[:1], uniform_sky())["standard_error"]
+    both = three_phase_sum(windows, uniform_sky())["standard_error"]
+    np.testing.assert_allclose(both, np.sqrt(2) * one, rtol=1e-5)
+
+
+def test_blocks_of_sensors_give_what_the_whole_gives():
+    rng = np.random.default_rng(5)
+    seen = view("w", rng=rng, count=3)
+    window = WindowPhases(seen, transmission(0.7), daylight("w", rng=rng, count=4))
+    whole = sky_coefficients([window], slice(None))
+    result = three_phase_sum([window], uniform_sky())
+    expected = (whole @ uniform_sky()).illuminance()
+    np.testing.assert_allclose(
+        result["illuminance"], expected["illuminance"], rtol=5e-6
+    )
+    np.testing.assert_allclose(
+        result["standard_error"], expected["standard_error"], rtol=1e-5
+    )
+    assert whole.components.shape[0] == 7
+
+
+def test_two_phase_is_the_plain_product():
+    values = np.full((3, SENSORS, len(SKY)), np.pi / len(SKY))
+    coefficients = TransferMatrix(values, sensor_axis(SENSORS), sky_axis(SKY))
+    result = two_phase(coefficients, uniform_sky())
+    np.testing.assert_allclose(result["illuminance"][:, 1], 2 * np.pi * LUX, rtol=5e-6)
+
+
+def test_matrices_of_different_windows_are_refused():
+    with pytest.raises(MatrixError, match="window 'b'"):
+        three_phase(view("a"), transmission(1.0), daylight("b"), uniform_sky())
+
+
+def test_a_forgotten_bsdf_is_named():
+    with pytest.raises(MatrixError, match="transmission matrix of a BSDF"):
+        _ = view("a") @ daylight("a")
+
+
+def test_views_of_different_sensors_are_refused():
+    short = view("b").select_rows(slice(0, 3))
+    windows = [
+        WindowPhases(view("a"), transmission(1.0), daylight("a")),
+        WindowPhases(short, transmission(1.0), daylight("b")),
+    ]
+    with pytest.raises(MatrixError, match="same sensors expected"):
+        three_phase_sum(windows, uniform_sky())
+
+
+def test_no_window_at_all_is_refused():
+    with pytest.raises(MatrixError, match="no window"):
+        three_phase_sum([], uniform_sky())
