@@ -11,6 +11,8 @@ from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 
 pyradiance = pytest.importorskip("pyradiance")
+# The weather is random, and one file of the world has light at night
+pytestmark = pytest.mark.filterwarnings("ignore::clerestory.errors.ClerestoryWarning")
 BIN = Path(pyradiance.__file__).parent / "bin"
 
 # Days in which sun and sky differ; longitude 8.5° E, one row per hour.

@@ -3,13 +3,14 @@
 Skies as matrices and as functions of direction both start from here.
 """
 
+import warnings
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.sky.sky_state import (
     DEFAULT_DEW_POINT_C,
     SkyState,
@@ -23,6 +24,9 @@ Spectrum = Literal["visible", "solar"]
 
 # Irradiance below which it is night [W/m²], as in gendaymtx
 _NIGHT = 1e-4
+
+# Direct irradiance that cannot be an error of the instrument [W/m²]
+_BRIGHT = 20.0
 
 # Dew points outside this range [°C] do not occur
 _DEW_POINTS = (-60.0, 35.0)
@@ -96,6 +100,8 @@ def sky_conditions(
     )
     sun = SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
 
+    _warn_of_light_at_night(weather, sun)
+
     # Turn irradiance into the state of the sky and visible light
     direct, diffuse = weather.direct_normal, weather.diffuse_horizontal
     state = sky_state(
@@ -110,6 +116,22 @@ def sky_conditions(
     return SkyConditions(
         sun, state, np.where(night, 0, direct), np.where(night, 0, diffuse)
     )
+
+
+def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:
+    # The sun climbs by at most 15° an hour: half a step may bring it up
+    reach = np.radians(15 * weather.step_minutes / 60 / 2 + 1)
+    odd = (weather.direct_normal > _BRIGHT) & (sun.altitude < -reach)
+    if np.any(odd):
+        first = weather.times[np.argmax(odd)]
+        warnings.warn(
+            f"{weather.source or weather.place}: direct sun in"
+            f" {np.count_nonzero(odd)} steps with the sun more than"
+            f" {np.degrees(reach):.1f}° below the horizon (first: {first}): are time"
+            " zone and longitude right?",
+            ClerestoryWarning,
+            stacklevel=4,
+        )
 
 
 def _dew_point(weather: Weather, fixed: float | None) -> Float[np.ndarray, " time"]:

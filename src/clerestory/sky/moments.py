@@ -58,11 +58,12 @@ def moments(
     minute = 60 * np.round(seconds / 60)
     seconds = np.where(np.abs(seconds - minute) <= 2, minute, seconds).astype(int)
     times = date.astype("datetime64[s]") + seconds
-    _require_growth(times, file=file, lines=lines)
+    require_growth(times, file=file, lines=lines)
     return np.asarray(times)
 
 
-def _require_growth(times: np.ndarray, *, file: str | Path, lines: np.ndarray) -> None:
+def require_growth(times: np.ndarray, *, file: str | Path, lines: np.ndarray) -> None:
+    """Refuse moments that do not grow, naming the first line to blame."""
     late = np.diff(times) <= np.timedelta64(0)
     if np.any(late):
         i = int(np.argmax(late)) + 1

@@ -5,13 +5,14 @@ from pathlib import Path
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.epw import read_epw
+from clerestory.sky.tmy2 import looks_like_tmy2, read_tmy2
 from clerestory.sky.tmy3 import read_tmy3
 from clerestory.sky.wea import read_wea
 from clerestory.sky.weather import Weather
 
 
 def read_weather(path: str | Path) -> Weather:
-    """Return the weather in an EPW, WEA or TMY3 file.
+    """Return the weather in an EPW, WEA, TMY2 or TMY3 file.
 
     The first lines tell which it is; the suffix does not matter. Dates are
     written in the year 2023 (2024 where the file has a 29 February).
@@ -28,8 +29,10 @@ def read_weather(path: str | Path) -> Weather:
         return read_wea(path)
     if len(head) > 1 and head[1].startswith("Date (MM/DD/YYYY)"):
         return read_tmy3(path)
+    if head and looks_like_tmy2(head[0]):
+        return read_tmy2(path)
     raise InputError(
-        "unknown kind of weather file; EPW, WEA or TMY3 expected",
+        "unknown kind of weather file; EPW, WEA, TMY2 or TMY3 expected",
         file=path,
         line=1,
     )

@@ -98,7 +98,7 @@ def sky_state(
     clearness = np.minimum((1 + ratio + bend) / (1 + bend), _MAX_CLEARNESS)
 
     # Brightness
-    extraterrestrial = SOLAR_CONSTANT * _orbit_factor(day_of_year)
+    extraterrestrial = SOLAR_CONSTANT * orbit_factor(day_of_year)
     brightness = diffuse_horizontal * _air_mass(zenith) / extraterrestrial
     brightness = np.clip(brightness, *_BRIGHTNESS_LIMITS)
     category = np.searchsorted(_CLEARNESS_LIMITS, clearness, side="right")
@@ -131,8 +131,8 @@ def visible_irradiance(
     return direct / LUMINOUS_EFFICACY, diffuse / LUMINOUS_EFFICACY
 
 
-def _orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
-    # Squared ratio of mean to actual distance from the sun (Spencer 1971)
+def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
+    """Squared ratio of the mean to the actual distance from the sun (Spencer 1971)."""
     angle = 2 * np.pi / 365 * (day_of_year - 1)
     factor = 1.00011 + 0.034221 * np.cos(angle) + 0.00128 * np.sin(angle)
     return np.asarray(

@@ -69,6 +69,44 @@ def test_tmy3_agrees_with_pvlib():
     np.testing.assert_array_equal(ends[:-1], local[:-1])
 
 
+def test_tmy2_agrees_with_pvlib():
+    """pvlib's own reader of the same file is the independent program."""
+    iotools = pytest.importorskip("pvlib.iotools")
+    path = importlib.resources.files("pvlib") / "data" / "12839.tm2"
+    weather = read_weather(str(path))
+    table, site = iotools.read_tmy2(str(path))
+    np.testing.assert_array_equal(weather.direct_normal, table["DNI"])
+    np.testing.assert_array_equal(weather.diffuse_horizontal, table["DHI"])
+    np.testing.assert_allclose(weather.dew_point_c, table["DewPoint"] / 10)
+    assert site["latitude"] == weather.latitude_deg
+    assert site["longitude"] == weather.longitude_deg
+    assert str(weather.times[0]) == "2023-01-01T00:30:00"
+
+
+TMY2_FAULTS = {
+    "hour 25": (2, 7, "25", "hour 24.5"),
+    "month 13": (2, 3, "13", "month 13"),
+    "not a number": (3, 23, "12x4", "direct normal irradiance is '12x4'"),
+    "time goes back": (3, 7, "01", "time goes back"),
+    "latitude is text": (1, 39, "no", "latitude .* is 'no'"),
+}
+
+
+@pytest.mark.parametrize("fault", TMY2_FAULTS)
+def test_a_faulty_tmy2_is_named_with_its_line(tmp_path, fault):
+    line, start, text, message = TMY2_FAULTS[fault]
+    whole = importlib.resources.files("pvlib") / "data" / "12839.tm2"
+    lines = whole.read_text().splitlines()[:5]
+    lines[line - 1] = (
+        lines[line - 1][:start] + text + lines[line - 1][start + len(text) :]
+    )
+    path = tmp_path / "bad.tm2"
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=message) as caught:
+        read_weather(path)
+    assert str(caught.value).startswith(f"{path}:{line}: ")
+
+
 def test_sub_hourly_epw_steps_are_centred(write_epw):
     header = write_epw().read_text().split("DATA PERIODS")[0]
     rows = [row(h, minute=m) for h in (11, 12) for m in (15, 30, 45, 60)]
@@ -245,7 +283,7 @@ def test_a_faulty_tmy3_is_named_with_its_line(write_tmy3, fault):
 def test_a_file_of_another_kind_is_refused(tmp_path, text):
     path = tmp_path / "thing.epw"
     path.write_text(text)
-    with pytest.raises(InputError, match="EPW, WEA or TMY3"):
+    with pytest.raises(InputError, match="EPW, WEA, TMY2 or TMY3"):
         read_weather(path)
 
 

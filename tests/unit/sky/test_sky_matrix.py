@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clerestory.constants import SUN_DIAMETER
-from clerestory.errors import InputError, MatrixError
+from clerestory.errors import ClerestoryWarning, InputError, MatrixError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.sky.conditions import sky_conditions
 from clerestory.sky.direct import sun_radiance
@@ -127,6 +127,13 @@ def test_blocks_selections_and_the_whole_agree(spring_day):
     np.testing.assert_array_equal(sky.to_transfer_matrix().values, sky.values)
 
 
+def test_sun_at_night_is_doubted(spring_day):
+    """Eight hours of a wrong time zone bring the noon sun below the horizon."""
+    wrong = replace(spring_day, utc_offset_hours=9.0)
+    with pytest.warns(ClerestoryWarning, match="are time zone and longitude right"):
+        sky_matrix(wrong, subdivision=1)
+
+
 def test_a_night_is_black(spring_day):
     dark = replace(
         spring_day,
@@ -141,6 +148,7 @@ irradiance = st.one_of(
 )
 
 
+@pytest.mark.filterwarnings("ignore::clerestory.errors.ClerestoryWarning")
 @settings(max_examples=60, deadline=None)
 @given(
     rows=st.lists(
