@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, element
-from clerestory.report.summary import number, relative_errors
+from clerestory.report.summary import relative_errors
 
 # Below this, an error in per cent says nothing about daylight [lux]
 LIT_LUX = 10.0
@@ -23,7 +23,7 @@ def error_words(content: ReportContent) -> str:
         return f"No sensor receives more than {LIT_LUX:.0f} lux in any time step."
     if not errors.any():
         return "The results carry no statistical error: nothing in them was sampled."
-    middle, most = (number(float(np.quantile(errors, q))) for q in (0.5, 0.95))
+    middle, most = (f"{float(np.quantile(errors, q)):.2g}" for q in (0.5, 0.95))
     return (
         "Every hour’s illuminance carries a standard error: half of them are below"
         f" {middle} %, 95 % below {most} %."
@@ -89,7 +89,7 @@ def error_table(content: ReportContent) -> Markup:
         )
         cells = (
             f"{np.count_nonzero(within):,}",
-            *(f"{number(float(np.quantile(relative, q)))} %" for q in (0.5, 0.95)),
+            *(f"{float(np.quantile(relative, q)):.2g} %" for q in (0.5, 0.95)),
         )
         row = (element("th", name, scope="row"), *(element("td", c) for c in cells))
         rows.append(element("tr", *row))

@@ -3,12 +3,16 @@
 import json
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Bool
 
-from clerestory.metrics.summary import sensor_metrics
+from clerestory.metrics.autonomy import TARGET_LUX, daylight_autonomy
+from clerestory.metrics.summary import metric_error, sensor_metrics
+from clerestory.metrics.useful import BANDS, LIMITS_LUX
 from clerestory.report.content import (
     FactTable,
     ReportContent,
@@ -127,6 +131,7 @@ def _rows(values: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
 
 def _label(key: str) -> str:
     words = key.replace("_deg", " [°]").replace("_lux", " [lux]").replace("_", " ")
+    words = words.replace("bsdf", "BSDF")
     return words[:1].upper() + words[1:]
 
 
@@ -144,11 +149,20 @@ def _one_line(value: Any) -> str:
     return str(value)
 
 
-def _metrics(data: xr.Dataset, occupied: np.ndarray) -> xr.Dataset:
-    if all(name in data for name in _METRICS):
-        return data
-    target = float(data.attrs.get("target_lux", 300.0))
-    return sensor_metrics(data, occupied, target_lux=target)
+def _metrics(data: xr.Dataset, occupied: Bool[np.ndarray, " time"]) -> xr.Dataset:
+    # The metrics of the run, or fresh ones; the bands get their errors here
+    metrics = data
+    if not all(name in data for name in _METRICS):
+        target = float(data.attrs.get("target_lux", TARGET_LUX))
+        metrics = sensor_metrics(data, occupied, target_lux=target)
+    reached = [
+        metric_error(partial(daylight_autonomy, hours=occupied, target_lux=limit), data)
+        for limit in LIMITS_LUX
+    ]
+    low, middle, high = reached
+    errors = [low, low + middle, middle + high, high]
+    band = xr.DataArray(list(BANDS), dims="band", name="band")
+    return metrics.assign(useful_bands_error=xr.concat(errors, dim=band))
 
 
 def _room(data: xr.Dataset) -> Room:

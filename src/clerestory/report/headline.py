@@ -25,6 +25,7 @@ def headline(content: ReportContent) -> Markup:
         element("p", _METHODS.get(content.method, content.method), class_="where"),
         element("p", " · ".join(filter(None, places)), class_="where"),
         element("p", lead_words(content), class_="lead"),
+        warnings_box(content),
         _key_figures(content, maps),
         element(
             "p",

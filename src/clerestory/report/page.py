@@ -21,7 +21,7 @@ from clerestory.report.appendix import (
 )
 from clerestory.report.content import ReportContent
 from clerestory.report.data import page_data
-from clerestory.report.headline import headline, warnings_box
+from clerestory.report.headline import headline
 from clerestory.report.markup import Markup, element, embedded_json, join
 from clerestory.report.sections import plans_section, room_section, year_section
 from clerestory.study.results import Results
@@ -51,7 +51,6 @@ def report_page(content: ReportContent) -> str:
     """Return the report as HTML."""
     body = join(
         headline(content),
-        warnings_box(content),
         plans_section(content),
         year_section(content),
         room_section(content),

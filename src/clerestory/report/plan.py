@@ -4,7 +4,6 @@ Walls are the cut through the scene at the height of the sensors. Sensors that
 face up or down colour their share of the floor, others are arrows.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +13,7 @@ from clerestory.report.colour import ColourScale, nice_step
 from clerestory.report.content import ReportContent, WindowSurface
 from clerestory.report.lattice import sensor_cells
 from clerestory.report.markup import Markup, element, join
+from clerestory.report.orientation import orientation
 from clerestory.report.section import horizontal_section, visible_extent
 from clerestory.report.summary import MetricMap
 
@@ -99,8 +99,7 @@ def plan(
     members: Int[np.ndarray, " member"],
     *,
     scale: ColourScale,
-    windows: Sequence[WindowSurface],
-    north: float,
+    content: ReportContent,
     label: str,
 ) -> Markup:
     """Return the drawing of one metric over some sensors."""
@@ -124,10 +123,13 @@ def plan(
         element("g", *painted, class_="cells"),
         element("use", href=f"#{frame.identifier}", class_="halo"),
         element("use", href=f"#{frame.identifier}", class_="walls"),
-        *(_window(frame, window) for window in windows),
+        *(
+            _window(frame, window, doubt=bool(orientation(window, content).doubt))
+            for window in content.windows
+        ),
         element("circle", class_="chosen", r=5, cx=-99, cy=-99),
         _scale_bar(frame),
-        _north_arrow(frame, north),
+        _north_arrow(frame, content.north),
         viewBox=f"0 0 {width:.0f} {height:.0f}",
         role="img",
         aria_label=label,
@@ -220,7 +222,7 @@ def _paths(outlines: Float[np.ndarray, "outline corner 2"]) -> str:
     )
 
 
-def _window(frame: PlanFrame, window: WindowSurface) -> Markup:
+def _window(frame: PlanFrame, window: WindowSurface, *, doubt: bool) -> Markup:
     glass = element(
         "path", d=_paths(frame.place(window.corners[:, :, :2])), class_="window"
     )
@@ -230,7 +232,7 @@ def _window(frame: PlanFrame, window: WindowSurface) -> Markup:
     tail, tip = frame.place(
         np.stack([window.centre[:2], window.centre[:2] + flat * 22 / frame.scale])
     )
-    return join(glass, _arrow(tail, tip, "normal"))
+    return join(glass, _arrow(tail, tip, "normal wrong" if doubt else "normal"))
 
 
 def _arrow(

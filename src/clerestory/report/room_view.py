@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 
 from clerestory.report.colour import ColourScale
 from clerestory.report.content import ReportContent
+from clerestory.report.orientation import orientation
 from clerestory.report.pixels import packed
 from clerestory.report.section import horizontal_section, visible_extent
 
@@ -38,6 +39,7 @@ def room_view(
             "centre": window.centre.round(4).tolist(),
             "normal": window.normal.round(5).tolist(),
             "up": window.up.round(5).tolist(),
+            "doubt": bool(orientation(window, content).doubt),
             "size": float(np.sqrt(max(window.area, 1e-4)).round(4)),
         }
         for window in content.windows
@@ -56,7 +58,6 @@ def room_view(
         "low": low.round(3).tolist(),
         "high": high.round(3).tolist(),
         "north": content.north,
-        "left_out": len(content.room.corners) - len(chosen),
     }
 
 

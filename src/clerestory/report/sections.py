@@ -10,6 +10,7 @@ from clerestory.report.markup import Markup, element
 from clerestory.report.orientation import orientation, orientation_table
 from clerestory.report.pixels import picture
 from clerestory.report.plan import legend, plan, walls_definition
+from clerestory.report.room_view import MOST_TRIANGLES
 from clerestory.report.summary import MetricMap, metric_maps
 from clerestory.report.tables import sensor_table
 
@@ -30,8 +31,8 @@ def plans_section(content: ReportContent) -> Markup:
     intro = (
         "Each sensor’s share of the plan takes the colour of its value. Walls are cut"
         " at the height of the sensors; windows are blue, and the green arrow shows"
-        " their front, which must point into the room. Point at a sensor for its value; choose"
-        " one to see its year below."
+        " their front, which must point into the room. Point at a sensor for its"
+        " value; choose one to see its year below."
     )
     blocks = [
         element("h2", "Where the light falls"),
@@ -50,8 +51,7 @@ def plans_section(content: ReportContent) -> Markup:
                 metric,
                 members,
                 scale=scale,
-                windows=content.windows,
-                north=content.north,
+                content=content,
                 label=f"Plan of {name}: {metric.title}, {metric.note},"
                 f" {mean} on average",
             )
@@ -101,11 +101,20 @@ def year_section(content: ReportContent) -> Markup:
         "section",
         element("h2", "Through the year"),
         element("p", intro, class_="note"),
-        element("div", *chooser, class_="chooser"),
+        element("div", *chooser, _carried(content), class_="chooser"),
         element("div", drawing, class_="year-scroll"),
         legend(scale),
         id="year",
     )
+
+
+def _carried(content: ReportContent) -> Markup:
+    # Say so where the page could not hold the hours of every sensor
+    carried = sum(sensor is not None for _, sensor in series_names(content))
+    if carried == len(content.sensors):
+        return Markup("")
+    text = f"with {carried:,} of the {len(content.sensors):,} sensors, evenly chosen"
+    return element("span", text, class_="note")
 
 
 def room_section(content: ReportContent) -> Markup:
@@ -125,13 +134,16 @@ def room_section(content: ReportContent) -> Markup:
         for colour, text in _KEYS
     )
     intro = (
-        "Drag to turn, or use the arrow keys. A window turned the wrong way round is the"
-        " commonest mistake in studies with BSDFs: from inside the room, it must be"
+        "Drag to turn, or use the arrow keys. A window turned the wrong way round is"
+        " the commonest mistake in studies with BSDFs: seen from the room, it must be"
         " green."
     )
-    table = (
-        element("div", orientation_table(rows), class_="wide") if rows else Markup("")
-    )
+    left_out = len(content.room.corners) - MOST_TRIANGLES
+    if left_out > 0:
+        intro += f" The {left_out:,} smallest triangles of the scene are not drawn."
+    table = Markup("")
+    if rows:
+        table = element("div", orientation_table(rows), class_="wide")
     return element(
         "section",
         element("h2", "The room, and which way its windows face"),

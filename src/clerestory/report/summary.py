@@ -31,12 +31,9 @@ class Figure:
         if self.error <= 0:
             shown = f"{self.value:.1f}" if self.unit == "%" else number(self.value)
             return f"{shown} {self.unit}"
-        digits = 0 if self.error >= 0.95 else 1
-        value, error = f"{self.value:,.{digits}f}", f"{self.error:,.{digits}f}"
-        if float(error.replace(",", "")) == 0:
-            error = "0.1"
-            return f"{value} ± <{error} {self.unit}"
-        return f"{value} ± {error} {self.unit}"
+        digits = next((k for k in (0, 1) if self.error >= 0.95 / 10**k), 2)
+        error = f"{self.error:,.{digits}f}" if self.error >= 0.005 else "<0.01"
+        return f"{self.value:,.{digits}f} ± {error} {self.unit}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +88,12 @@ def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
         ),
     ]
     for band, note in zip(BANDS, (*notes, f"{high} lux or more"), strict=True):
-        shares = 100 * metrics["useful_bands"].sel(band=band).values.astype(float)
-        title = f"Useful illuminance: {band}"
-        maps.append(
-            MetricMap(band.replace(" ", "-"), title, note, shares, 0 * shares, "%")
+        shares, errors = (
+            100 * np.asarray(metrics[name].sel(band=band).values, dtype=float)
+            for name in ("useful_bands", "useful_bands_error")
         )
+        title = f"Useful illuminance: {band}"
+        maps.append(MetricMap(band.replace(" ", "-"), title, note, shares, errors, "%"))
     return tuple(maps)
 
 

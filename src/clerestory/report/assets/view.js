@@ -11,6 +11,7 @@ class RoomView {
     this.centre = scene.low.map((low, k) => (low + scene.high[k]) / 2);
     this.radius = Math.max(0.5, Math.hypot(...sub(scene.high, scene.low)) / 2);
     this.cutaway = true;
+    this.makeFaces();
     this.solids = this.makeSolids();
     this.marks = this.makeMarks();
     this.lookFrom("outside");
@@ -41,9 +42,9 @@ class RoomView {
   }
 
   makeMarks() {
-    const mark = (text, at) => {
+    const mark = (text, at, doubt = false) => {
       const span = document.createElement("span");
-      span.className = "mark";
+      span.className = doubt ? "mark doubt" : "mark";
       span.textContent = text;
       this.stage.append(span);
       return { span, at };
@@ -51,7 +52,8 @@ class RoomView {
     const size = 0.05 * this.radius, marks = [mark("N", this.northTip)];
     for (const window of this.scene.windows) {
       const length = Math.min(Math.max(0.45 * window.size, 4 * size), 9 * size);
-      marks.push(mark(`${window.name}: into the room`, add(window.centre, window.normal, length + 1.6 * size)));
+      const tip = add(window.centre, window.normal, length + 1.6 * size);
+      marks.push(mark(`front of ${window.name}${window.doubt ? ": wrong way?" : ""}`, tip, window.doubt));
       marks.push(mark("up", add(window.centre, window.up, 0.8 * length + size)));
     }
     return marks;
@@ -69,7 +71,7 @@ class RoomView {
   }
 
   eye() {
-    const distance = 3.1 * this.radius / this.zoom;
+    const distance = 3.4 * this.radius / this.zoom;
     const back = [Math.cos(this.tilt) * Math.cos(this.turn), Math.cos(this.tilt) * Math.sin(this.turn), Math.sin(this.tilt)];
     const right = [-Math.sin(this.turn), Math.cos(this.turn), 0];
     return { at: add(this.centre, back, distance), back, right, up: cross(back, right) };
@@ -77,63 +79,76 @@ class RoomView {
 
   draw(quick = false) {
     const width = this.stage.clientWidth, height = this.stage.clientHeight;
-    if (!width || !height || !this.scene.ready) return;
+    if (!width || !height) return;
     const sharp = quick ? 1 : 2, W = Math.round(width * sharp), H = Math.round(height * sharp);
     if (!this.raster || this.raster.width !== W || this.raster.height !== H) this.raster = new Raster(W, H);
-    const raster = this.raster, eye = this.eye(), focus = 1.45 * Math.min(W * 0.8, H);
-    const near = 0.02 * this.radius;
+    const raster = this.raster, eye = this.eye(), focus = 1.9 * Math.min(W * 0.8, H);
     raster.clear(rgb(255, 255, 255));
 
-    const toEye = p => { const d = sub(p, eye.at); return [dot(d, eye.right), dot(d, eye.up), -dot(d, eye.back)]; };
-    const toScreen = p => [W / 2 + focus * p[0] / p[2], H / 2 - focus * p[1] / p[2], 1 / p[2]];
-    this.paintSurfaces(raster, eye, { toEye, toScreen, near });
-    this.paintEdges(raster, { toEye, toScreen, near, width: sharp });
-    this.paintWindows(raster, eye, { toEye, toScreen, near });
-    for (const { corners, colour } of this.solids) this.paintSolid(raster, corners, colour, { toEye, toScreen, near });
+    // Camera space: right, up, distance ahead
+    const lens = {
+      near: 0.02 * this.radius,
+      toEye: p => { const d = sub(p, eye.at); return [dot(d, eye.right), dot(d, eye.up), -dot(d, eye.back)]; },
+      toScreen: p => [W / 2 + focus * p[0] / p[2], H / 2 - focus * p[1] / p[2], 1 / p[2]],
+    };
+    const seen = this.place(lens);
+    this.paintSurfaces(raster, eye, lens, seen);
+    this.paintEdges(raster, lens, seen, sharp);
+    this.paintWindows(raster, eye, lens);
+    for (const { corners, colour } of this.solids) this.paintSolid(raster, corners, colour, lens);
     this.show(raster, width, height);
     for (const { span, at } of this.marks) {
-      const p = toEye(at), s = toScreen(p);
+      const p = lens.toEye(at), s = lens.toScreen(p);
       span.style.left = s[0] / sharp + "px";
       span.style.top = s[1] / sharp + "px";
-      span.hidden = p[2] < near;
+      span.hidden = p[2] < lens.near;
+    }
+  }
+
+  // Every vertex once, in camera space
+  place(lens) {
+    const { vertices } = this.scene, seen = [];
+    for (let k = 0; k < vertices.length; k += 3) seen.push(lens.toEye([vertices[k], vertices[k + 1], vertices[k + 2]]));
+    return seen;
+  }
+
+  // A plane and a tone for each face: ground and neighbours are there, but pale
+  makeFaces() {
+    const { vertices, faces, colours, low, high } = this.scene;
+    const vertex = k => [vertices[3 * k], vertices[3 * k + 1], vertices[3 * k + 2]];
+    this.faces = [];
+    for (let f = 0; f < faces.length; f += 3) {
+      const corners = [faces[f], faces[f + 1], faces[f + 2]], [a, b, c] = corners.map(vertex);
+      const normal = unit(cross(sub(b, a), sub(c, a)));
+      const pale = [0, 1, 2].some(k => {
+        const middle = (a[k] + b[k] + c[k]) / 3;
+        return middle < low[k] - 0.05 || middle > high[k] + 0.05;
+      });
+      const light = 0.92 + 0.08 * Math.abs(normal[2]) - 0.05 * Math.abs(normal[0]);
+      const tone = k => Math.min(255, Math.round((pale ? 240 : 200 + 0.2 * colours[f + k]) * light));
+      this.faces.push({ corners, normal, offset: dot(normal, a), pale, colour: rgb(tone(0), tone(1), tone(2)), visible: true });
     }
   }
 
   // What stands between the eye and the middle of the room is left out
-  paintSurfaces(raster, eye, { toEye, toScreen, near }) {
-    const { vertices, faces, colours } = this.scene, n = faces.length / 3;
-    const vertex = k => vertices.subarray(3 * k, 3 * k + 3);
-    if (!this.visible || this.visible.length !== n) this.visible = new Uint8Array(n);
-    for (let f = 0; f < n; f++) {
-      const a = vertex(faces[3 * f]), b = vertex(faces[3 * f + 1]), c = vertex(faces[3 * f + 2]);
-      const normal = unit(cross(sub(b, a), sub(c, a)));
-      const facing = dot(normal, sub(eye.at, a)), homeward = dot(normal, sub(this.centre, a));
-      this.visible[f] = this.cutaway && facing * homeward < 0 ? 0 : 1;
-      if (!this.visible[f]) continue;
-      const light = 0.92 + 0.08 * Math.abs(normal[2]) - 0.05 * Math.abs(normal[0]);
-      const base = this.outside(a, b, c) ? 238 : 196;
-      const shade = k => Math.round((base + (base > 200 ? 0.05 : 0.22) * colours[3 * f + k]) * light);
-      raster.polygon(clip([toEye(a), toEye(b), toEye(c)], near).map(toScreen), rgb(shade(0), shade(1), shade(2)));
+  paintSurfaces(raster, eye, lens, seen) {
+    for (const face of this.faces) {
+      const facing = dot(face.normal, eye.at) - face.offset, homeward = dot(face.normal, this.centre) - face.offset;
+      face.visible = !(this.cutaway && facing * homeward < 0);
+      if (!face.visible) continue;
+      const points = clip(face.corners.map(k => seen[k]), lens.near).map(lens.toScreen);
+      raster.polygon(points, face.colour);
     }
   }
 
-  // Ground and neighbours are there, but pale
-  outside(a, b, c) {
-    const { low, high } = this.scene;
-    return [0, 1, 2].some(k => {
-      const middle = (a[k] + b[k] + c[k]) / 3;
-      return middle < low[k] - 0.05 || middle > high[k] + 0.05;
-    });
-  }
-
-  paintEdges(raster, { toEye, toScreen, near, width }) {
-    const { vertices, edges } = this.scene;
-    const vertex = k => vertices.subarray(3 * k, 3 * k + 3);
+  paintEdges(raster, lens, seen, width) {
+    const { edges } = this.scene;
     for (let e = 0; e < edges.length; e += 4) {
-      const ends = clipLine(toEye(vertex(edges[e])), toEye(vertex(edges[e + 1])), near);
+      const ends = clipLine(seen[edges[e]], seen[edges[e + 1]], lens.near);
       if (!ends) continue;
-      const seen = this.visible[edges[e + 2]] || this.visible[edges[e + 3]];
-      raster.line(toScreen(ends[0]), toScreen(ends[1]), seen ? EDGE : PALE_EDGE, width);
+      const beside = [this.faces[edges[e + 2]], this.faces[edges[e + 3]]];
+      const strong = beside.some(face => face.visible && !face.pale);
+      raster.line(lens.toScreen(ends[0]), lens.toScreen(ends[1]), strong ? EDGE : PALE_EDGE, width);
     }
   }
 
@@ -236,6 +251,5 @@ async function startView(scene) {
   scene.faces = new Uint32Array(await unpack(scene.faces));
   scene.colours = new Uint8Array(await unpack(scene.colours));
   scene.edges = new Uint32Array(await unpack(scene.edges));
-  scene.ready = true;
   new RoomView(stage, scene);
 }
