@@ -13,8 +13,13 @@ from clerestory.scene.window import Window
 
 
 def room_drawing(scene: Scene) -> xr.Dataset:
-    """Return the surfaces as triangles [m] with the colour of their material, 0…1."""
-    corners, colours, names = [np.zeros((0, 3, 3))], [np.zeros((0, 3))], []
+    """Return the surfaces as triangles [m] with the colour of their material, 0…1.
+
+    A scene without surfaces gives nothing.
+    """
+    if not scene.surfaces:
+        return xr.Dataset()
+    corners, colours, names = [], [], []
     for mesh in meshes(scene):
         corners.append(mesh.vertices[mesh.faces])
         colours.append(np.tile(_colour(mesh.material), (len(mesh.faces), 1)))
@@ -29,7 +34,12 @@ def room_drawing(scene: Scene) -> xr.Dataset:
 
 
 def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
-    """Return the windows as triangles [m] with their centre, normal and up vector."""
+    """Return the windows as triangles [m] with their centre, normal and up vector.
+
+    No windows give nothing.
+    """
+    if not windows:
+        return xr.Dataset()
     parts = [_window_corners(window) for window in windows]
     index = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     centres = [_centroid(part) for part in parts]
@@ -38,11 +48,11 @@ def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
     corner_axes = ("window_triangle", "corner", "xyz")
     return xr.Dataset(
         {
-            "window_triangle": (corner_axes, _single([np.zeros((0, 3, 3)), *parts])),
+            "window_triangle": (corner_axes, _single(parts)),
             "window_index": ("window_triangle", index.astype(np.int32)),
-            "window_centre": (("window", "xyz"), np.reshape(centres, (-1, 3))),
-            "window_normal": (("window", "xyz"), np.reshape(normals, (-1, 3))),
-            "window_up": (("window", "xyz"), np.reshape(ups, (-1, 3))),
+            "window_centre": (("window", "xyz"), np.stack(centres)),
+            "window_normal": (("window", "xyz"), np.stack(normals)),
+            "window_up": (("window", "xyz"), np.stack(ups)),
         },
         coords={"window": np.array([window.name for window in windows], dtype=str)},
     )

@@ -1,0 +1,282 @@
+"""A wrong study file is answered by its line and the valid choices."""
+
+import re
+
+import pytest
+
+from clerestory.errors import InputError
+from clerestory.study.config import Study, read_study
+
+
+def change(study_file, old, new):
+    text = study_file.read_text()
+    assert text.count(old) >= 1
+    study_file.write_text(text.replace(old, new, 1))
+
+
+def line_of(study_file, words):
+    lines = study_file.read_text().splitlines()
+    return next(n for n, line in enumerate(lines, 1) if words in line)
+
+
+def complaint(study_file):
+    with pytest.raises(InputError) as caught:
+        read_study(study_file)
+    assert "\n" not in str(caught.value)
+    assert caught.value.exit_status == 2
+    return caught.value
+
+
+def test_a_good_study_is_read_with_its_defaults(study_file):
+    study = read_study(study_file)
+    assert study.title == "Test room"
+    assert study.scene.files == [study_file.parent / "room.rad"]
+    assert [table.label for table in study.sensors] == ["desk", "eye"]
+    assert study.trace.goal() == {"samples": 256}
+    assert study.trace.bounces is None
+    assert study.schedule.from_hour == 8
+    assert study.sky.ground_reflectance == 0.2
+
+
+def test_paths_are_relative_to_the_study_file(study_file, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert read_study("study/study.toml").scene.files[0].is_file()
+
+
+def test_the_title_of_an_untitled_study_is_the_name_of_its_file(study_file):
+    change(study_file, 'title = "Test room"\n', "")
+    assert read_study(study_file).title == "study"
+
+
+def test_facts_name_files_relative_to_the_study(study_file):
+    facts = read_study(study_file).facts()
+    assert facts["window"][0]["bsdf"] == "diffuser.xml"
+    assert str(study_file.parent) not in read_study(study_file).to_json()
+
+
+# What is replaced, by what, words on the line complained of, words of the message
+WRONG = {
+    "text for a number": (
+        "samples = 256",
+        'samples = "many"',
+        "samples",
+        'key "trace.samples": got "many"; a whole number expected',
+    ),
+    "fraction of a sample": (
+        "samples = 256",
+        "samples = 2.5",
+        "samples",
+        "got 2.5; a whole number expected",
+    ),
+    "no samples": (
+        "samples = 256",
+        "samples = 0",
+        "samples",
+        "a number of at least 1 expected",
+    ),
+    "true for a number": (
+        "samples = 256",
+        "samples = true",
+        "samples",
+        "got true; a whole number expected",
+    ),
+    "both goals": (
+        "samples = 256",
+        "samples = 256\nrelative_error = 0.1",
+        "[trace]",
+        'both "samples" and "relative_error"; one of them expected',
+    ),
+    "error of nothing": (
+        "samples = 256",
+        "relative_error = 0",
+        "relative_error",
+        "a number above 0 expected",
+    ),
+    "error not a number": (
+        "samples = 256",
+        "relative_error = nan",
+        "relative_error",
+        "a number expected",
+    ),
+    "negative seed": ("seed = 7", "seed = -1", "seed", "a number of at least 0"),
+    "unknown key": (
+        "seed = 7",
+        "sead = 7",
+        "sead",
+        'unknown key "trace.sead"; one of relative_error, samples, bounces, seed',
+    ),
+    "unknown table": (
+        "[trace]",
+        "[trase]",
+        "[trase]",
+        'unknown key "trase"; one of title, method, scene, window',
+    ),
+    "unknown method": (
+        '"3-phase"',
+        '"4-phase"',
+        "method",
+        'key "method": got "4-phase"; "2-phase" or "3-phase" expected',
+    ),
+    "planned method": (
+        '"3-phase"',
+        '"5-phase"',
+        "method",
+        '("5-phase" comes in a later version)',
+    ),
+    "two-phase with a window": (
+        '"3-phase"',
+        '"2-phase"',
+        "",
+        "no table [[window]] expected",
+    ),
+    "unknown device": (
+        "seed = 7",
+        'device = "gpu"',
+        "device",
+        '"auto", "cpu" or "cuda" expected',
+    ),
+    "sky too fine": (
+        "subdivision = 1",
+        "subdivision = 7",
+        "subdivision",
+        "1, 2, 3, 4, 5 or 6 expected",
+    ),
+    "ground too bright": (
+        "subdivision = 1",
+        "ground_reflectance = 1.2",
+        "ground_reflectance",
+        "a number of at most 1 expected",
+    ),
+    "scene not a list": (
+        '["room.rad"]',
+        '"room.rad"',
+        "files",
+        "a list in [ ] expected",
+    ),
+    "scene empty": ('["room.rad"]', "[]", "files", "at least one expected"),
+    "number for a file": (
+        '["room.rad"]',
+        "[7]",
+        "files",
+        "got 7; the name of a file in quotes expected",
+    ),
+    "missing scene file": (
+        '["room.rad"]',
+        '[\n  "room.rad",\n  "wall.rad"\n]',
+        "files",
+        'got "wall.rad"; the name of a file that exists expected',
+    ),
+    "missing weather": (
+        '"two_days.wea"',
+        '"oslo.epw"',
+        "oslo",
+        'key "weather.file": got "oslo.epw"',
+    ),
+    "window without BSDF": (
+        'bsdf = "diffuser.xml"\n',
+        "",
+        "[[window]]",
+        'key "window.bsdf" is missing; a BSDF file (.xml) expected',
+    ),
+    "window without file": (
+        'file = "window.rad"\n',
+        "",
+        "[[window]]",
+        'key "window.file" is missing',
+    ),
+    "no sensors": (
+        '[[sensors]]\nfile = "desk.pts"\n\n[[sensors]]\nfile = "eye.pts"',
+        "",
+        "",
+        'key "sensors" is missing; at least one table [[sensors]] expected',
+    ),
+    "sensors as one table": (
+        '[[sensors]]\nfile = "desk.pts"\n\n[[sensors]]\nfile = "eye.pts"',
+        '[sensors]\nfile = "desk.pts"',
+        "[sensors]",
+        "a list in [ ] expected",
+    ),
+    "two grids of one name": (
+        'file = "eye.pts"',
+        'file = "desk.pts"',
+        "",
+        'two are named "desk"; different names expected',
+    ),
+    "name with a slash": (
+        'name = "south"',
+        'name = "so/uth"',
+        "name",
+        "letters, digits, spaces, dots and dashes expected",
+    ),
+    "schedule backwards": (
+        "[output]",
+        "[schedule]\nfrom_hour = 18\nto_hour = 8\n[output]",
+        "[schedule]",
+        '"from_hour" is not before "to_hour"',
+    ),
+    "no such day": (
+        'file = "two_days.wea"',
+        'file = "two_days.wea"\nfrom = "13-01"',
+        "from",
+        'a day of the year as "MM-DD" expected',
+    ),
+    "not TOML": (
+        "seed = 7",
+        "seed = = 7",
+        "seed",
+        "not valid TOML: Invalid value",
+    ),
+    "table not closed": ("[trace]", "[trace", "[trace", "not valid TOML"),
+    "key given twice": (
+        "seed = 7",
+        "seed = 7\nseed = 8",
+        "seed = 8",
+        "not valid TOML: Cannot overwrite a value",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_study_is_told_line_and_choices(study_file, case):
+    old, new, place, words = WRONG[case]
+    change(study_file, old, new)
+    error = complaint(study_file)
+    assert words in str(error)
+    if place:
+        assert error.line == line_of(study_file, place)
+        assert re.match(rf".*study\.toml:{error.line}: ", str(error))
+
+
+def test_a_truncated_study_is_told_at_its_end(study_file):
+    text = study_file.read_text()
+    study_file.write_text(text[: text.index("phase")])
+    error = complaint(study_file)
+    assert "not valid TOML" in str(error)
+    assert error.line == 2
+
+
+def test_a_missing_study_is_told():
+    with pytest.raises(InputError, match="No such file"):
+        read_study("no_such_study.toml")
+
+
+def test_an_empty_study_is_told_what_it_lacks(study_file):
+    study_file.write_text("")
+    assert "is missing" in str(complaint(study_file))
+
+
+def test_several_faults_are_told_one_by_one(study_file):
+    change(study_file, "samples = 256", "samples = 0")
+    change(study_file, "subdivision = 1", "subdivision = 9")
+    message = str(complaint(study_file))
+    assert "sky.subdivision" in message
+    assert message.endswith("(and 1 more)")
+
+
+def test_seed_and_device_can_be_replaced(study_file):
+    study = read_study(study_file)
+    other = study.with_trace(seed=9, device="cpu")
+    assert (other.trace.seed, other.trace.device) == (9, "cpu")
+    assert study.with_trace().trace == study.trace
+    assert isinstance(other, Study)
+    assert other.facts()["scene"] == study.facts()["scene"]
