@@ -1,0 +1,88 @@
+"""Writing BSDF files and reading them back."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clerestory.bsdf.analytic import lambertian, thin_pane
+from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.product import Product
+from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.errors import InputError, OutputError
+from clerestory.hemisphere.klems import klems
+
+DATA = Path(__file__).parents[2] / "data"
+
+
+def assert_same(left, right):
+    assert list(left.functions) == list(right.functions)
+    for key, part in left.functions.items():
+        other = right.functions[key]
+        np.testing.assert_array_equal(part.values, other.values)
+        assert part.exits.matches(other.exits)
+        assert part.incidents.matches(other.incidents)
+    assert left.product == right.product
+
+
+def test_file_by_hand_survives_a_round_trip(tmp_path):
+    original = read_bsdf(DATA / "five_patches.xml")
+    write_bsdf(tmp_path / "copy.xml", original, comment="a copy")
+    assert_same(original, read_bsdf(tmp_path / "copy.xml"))
+    assert original.product.thickness == pytest.approx(0.0254)
+    assert original.product.emissivity_front == 0.84
+
+
+@pytest.mark.parametrize("basis", ["full", "half", "quarter"])
+def test_every_number_survives_a_round_trip(tmp_path, basis):
+    partition = klems(basis)
+    rng = np.random.default_rng(1)
+    n = len(partition)
+    part = ScatteringMatrix(rng.random((n, n)) * 0.3, partition, partition)
+    product = Product("Ünsäglich <&>", "Nobody's", "Other", 0.1, 1 / 3, 2.0, 0.9, 0.8)
+    functions = {
+        ("visible", "transmission_back"): part,
+        ("nir", "reflection_front"): part,
+    }
+    bsdf = Bsdf(functions, product)
+    write_bsdf(tmp_path / "a.xml", bsdf)
+    assert_same(bsdf, read_bsdf(tmp_path / "a.xml"))
+
+
+def test_digits_bound_the_error(tmp_path):
+    pane = thin_pane(0.9, klems("full"))
+    write_bsdf(tmp_path / "a.xml", pane, digits=4)
+    copy = read_bsdf(tmp_path / "a.xml")
+    values = pane.function("transmission_front").values
+    np.testing.assert_allclose(
+        copy.function("transmission_front").values, values, rtol=5e-4
+    )
+    assert (tmp_path / "a.xml").stat().st_size < 180_000
+
+
+def test_same_bsdf_gives_the_same_bytes(tmp_path):
+    for name in ("a.xml", "b.xml"):
+        write_bsdf(tmp_path / name, lambertian(0.5, klems("quarter")))
+    assert (tmp_path / "a.xml").read_bytes() == (tmp_path / "b.xml").read_bytes()
+
+
+def test_one_name_for_two_partitions_is_refused(tmp_path):
+    other = klems("quarter")
+    full = klems("full")
+    renamed = type(other)(full.name, other.count, other.theta, other.azimuth)
+    part = ScatteringMatrix(np.zeros((41, 145)), renamed, full)
+    with pytest.raises(InputError, match="different names expected"):
+        write_bsdf(tmp_path / "a.xml", Bsdf({("visible", "transmission_front"): part}))
+
+
+def test_text_that_xml_cannot_hold_is_refused(tmp_path):
+    layer = lambertian(0.5, klems("quarter"))
+    with pytest.raises(InputError, match="XML"):
+        write_bsdf(tmp_path / "a.xml", Bsdf(layer.functions, Product(name="\0")))
+    assert not (tmp_path / "a.xml").exists()
+
+
+def test_missing_folder_is_an_output_error(tmp_path):
+    with pytest.raises(OutputError):
+        write_bsdf(tmp_path / "none" / "a.xml", lambertian(0.5, klems("quarter")))
