@@ -1,5 +1,6 @@
 """Inline commands of .rad files: xform and cat, read natively; no shell is involved."""
 
+import math
 import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from clerestory.scene.placement import Placement
 from clerestory.scene.xform import parse_transform
 
 # More copies than this in one command is a slip of the pen
-_MOST_COPIES = 1_000_000
+_MOST_COPIES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,16 +132,26 @@ def _copies(
             )
     elif "-a" in words:
         at = words.index("-a")
+        for i in range(_array_count(words)):
+            inner = [*words[:at], "-i", str(i), *words[at + 2 :]]
+            yield from _copies(_numbered(inner, f"a{i}", i, slice(None)), find, reading)
+    else:
+        yield words
+
+
+def _array_count(words: list[str]) -> int:
+    # The count of the first -a, if all counts together make sense
+    counts = []
+    for at in (i for i, word in enumerate(words) if word == "-a"):
         count = "".join(words[at + 1 : at + 2])
         if not (count.isascii() and count.isdecimal() and int(count) > 0):
             raise InputError(
                 f'xform -a is followed by "{count}"; a count above 0 expected'
             )
-        for i in range(int(count)):
-            inner = [*words[:at], "-i", str(i), *words[at + 2 :]]
-            yield from _copies(_numbered(inner, f"a{i}", i, slice(None)), find, reading)
-    else:
-        yield words
+        counts.append(int(count))
+    if math.prod(counts) > _MOST_COPIES:
+        raise InputError(f"xform makes more than {_MOST_COPIES} copies")
+    return counts[0]
 
 
 def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:

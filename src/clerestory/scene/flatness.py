@@ -6,8 +6,9 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.errors import ClerestoryWarning
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.scene.statements import PolygonRun
+from clerestory.scene.xform import LARGEST
 
 # Distance of a vertex from its polygon's plane that passes as rounding: as a share of
 # the polygon's size, and for coordinates printed with six decimals [m]
@@ -22,7 +23,12 @@ def checked(run: PolygonRun, *, file: str) -> PolygonRun:
 
     Warns of polygons without area, which Radiance ignores too, and of those that
     are not flat, with the distance of the farthest vertex from the mean plane.
+
+    Raises
+    ------
+    InputError : coordinates beyond all measure
     """
+    _refuse_beyond_measure(run, file)
     run = _without_closing_vertex(run)
     normal = area_vectors(run.vertices, run.first)
     area = np.linalg.norm(normal, axis=1)
@@ -61,6 +67,14 @@ def area_vectors(
     following[first[1:] - 1] = local[first[:-1]]
     crossed = np.cross(local, following) / 2
     return np.add.reduceat(crossed, first[:-1], axis=0)
+
+
+def _refuse_beyond_measure(run: PolygonRun, file: str) -> None:
+    beyond = np.flatnonzero(np.abs(run.vertices).max(axis=1) > LARGEST)
+    if len(beyond):
+        i = int(np.searchsorted(run.first, beyond[0], side="right")) - 1
+        message = f'polygon "{run.name[i]}": a number beyond {LARGEST:.0e}'
+        raise InputError(message, file=file, line=run.line[i])
 
 
 def _without_closing_vertex(run: PolygonRun) -> PolygonRun:

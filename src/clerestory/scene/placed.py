@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.scene.command import Inclusion, parse_command
@@ -85,11 +87,15 @@ class _Walk:
         placement: Placement,
         within: tuple[Path, ...],
     ) -> Iterator[Placed]:
-        for inner_path, inner in self._inclusion(command, path, within):
-            yield from self.items(inner_path, inner.then(placement), (*within, path))
+        for found, inner in self._inclusion(command, path, placement, within):
+            yield from self.items(found, inner, (*within, path))
 
     def _inclusion(
-        self, command: Command, path: Path, within: tuple[Path, ...]
+        self,
+        command: Command,
+        path: Path,
+        placement: Placement,
+        within: tuple[Path, ...],
     ) -> list[tuple[Path, Placement]]:
         # Paths and placements that a command stands for, in order
         try:
@@ -99,11 +105,12 @@ class _Walk:
             files = [self._find(name, path) for name in inclusion.files]
             for found in files:
                 _refuse_recursion(found, (*within, path))
+            placements = [inner.then(placement) for inner in inclusion.placements]
         except InputError as error:
             if error.file is not None:
                 raise
             raise InputError(error.message, file=path, line=command.line) from error
-        return [(found, place) for place in inclusion.placements for found in files]
+        return [(found, place) for place in placements for found in files]
 
     def _find(self, name: str, path: Path) -> Path:
         folders = dict.fromkeys([self.top, path.parent, Path()])
@@ -129,6 +136,8 @@ def _load(path: Path) -> tuple[Item | Command, ...]:
         match statement:
             case PolygonRun():
                 items.append(checked(statement, file=file))
+            case Primitive(kind="polygon") if _is_outline(statement):
+                items.append(checked(_run(statement), file=file))
             case Primitive(kind="polygon"):
                 raise InputError(
                     f'polygon "{statement.name}" has {len(statement.reals)} numbers'
@@ -143,3 +152,15 @@ def _load(path: Path) -> tuple[Item | Command, ...]:
             case _:
                 items.append(statement)
     return tuple(items)
+
+
+def _is_outline(item: Primitive) -> bool:
+    count = len(item.reals)
+    return not item.strings and count >= 9 and count % 3 == 0
+
+
+def _run(item: Primitive) -> PolygonRun:
+    # A single polygon, read word by word
+    vertices = np.array(item.reals).reshape(-1, 3)
+    first = np.array([0, len(vertices)])
+    return PolygonRun([item.modifier], [item.name], [item.line], first, vertices)

@@ -25,6 +25,7 @@ from clerestory.scene.model import (
     Sphere,
 )
 from clerestory.scene.statements import Primitive
+from clerestory.scene.xform import LARGEST
 
 # Radiance's FTINY: what is shorter has no length
 _TINY = 1e-6
@@ -182,7 +183,10 @@ def _reals(item: Primitive, file: str, *counts: int) -> Float[np.ndarray, " numb
         raise _error(item, file, f"{len(item.strings)} string arguments; none expected")
     if len(item.reals) not in counts:
         raise _error(item, file, f"{len(item.reals)} numbers; {expected} expected")
-    return np.array(item.reals)
+    value = np.array(item.reals)
+    if np.abs(value).max() > LARGEST:
+        raise _error(item, file, f"a number beyond {LARGEST:.0e}")
+    return value
 
 
 def _share(

@@ -13,6 +13,9 @@ from clerestory.errors import InputError
 
 _AXES = "xyz"
 
+# Coordinates [m] and factors beyond this are slips, and would overflow when squared
+LARGEST = 1e15
+
 
 @dataclass(frozen=True, eq=False)
 class Transform:
@@ -50,21 +53,23 @@ class Transform:
         return turned
 
     def then(self, outer: "Transform") -> "Transform":
-        """Return this transform followed by another."""
-        return Transform(
+        """Return this transform followed by another.
+
+        Raises
+        ------
+        InputError : both together leave the range of lengths that make sense
+        """
+        both = Transform(
             self.matrix @ outer.matrix,
             self.scale * outer.scale,
             self.mirrored != outer.mirrored,
         )
-
-    def repeated(self, count: int) -> "Transform":
-        """Return the transform applied `count` times; none if not positive."""
-        count = max(count, 0)
-        return Transform(
-            np.linalg.matrix_power(self.matrix, count),
-            self.scale**count,
-            self.mirrored and count % 2 == 1,
-        )
+        if np.abs(both.matrix).max() > LARGEST or both.scale < 1 / LARGEST:
+            raise InputError(
+                f"the xform options scale or shift beyond {LARGEST:.0e};"
+                " a transform within human measure expected"
+            )
+        return both
 
 
 def parse_transform(words: list[str]) -> tuple[Transform, int]:
@@ -75,7 +80,7 @@ def parse_transform(words: list[str]) -> tuple[Transform, int]:
 
     Raises
     ------
-    InputError : an option lacks a number, scales by zero or leaves the finite
+    InputError : an option lacks a number, scales by zero or leads out of all measure
     """
     total, part, count = Transform(), Transform(), 1
     at = 0
@@ -90,12 +95,7 @@ def parse_transform(words: list[str]) -> tuple[Transform, int]:
                 break
             part = part.then(_step(option, _numbers(words, at, taken)))
         at += 1 + taken
-    total = total.then(_repeat(part, count))
-    if not (np.isfinite(total.matrix).all() and 0 < total.scale < math.inf):
-        raise InputError(
-            "the xform options lead to numbers that are not finite or to size zero"
-        )
-    return total, at
+    return total.then(_repeat(part, count)), at
 
 
 _ARGUMENTS = (
@@ -130,11 +130,13 @@ def _step(option: str, value: list[float]) -> Transform:
 
 
 def _repeat(part: Transform, count: int) -> Transform:
-    with np.errstate(over="ignore", invalid="ignore"):
-        try:
-            return part.repeated(count)
-        except OverflowError:
-            return Transform(np.full((4, 4), np.inf))
+    # Apply a transform `count` times; squaring it as often as that takes
+    result = Transform()
+    while count > 0:
+        result = result.then(part) if count % 2 else result
+        count //= 2
+        part = part.then(part) if count else part
+    return result
 
 
 def _numbers(words: list[str], at: int, count: int) -> list[float]:
