@@ -82,12 +82,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.showwarning = _show_warning
         try:
             status = app(words, prog_name="clerestory", standalone_mode=False)
-            return status if isinstance(status, int) else 0
+            return _interrupted() if status == INTERRUPTED else int(status or 0)
         except ClerestoryError as error:
             return _fail(str(error), error.exit_status, error)
         except (KeyboardInterrupt, typer.Abort):
-            typer.echo("interrupted; run again to resume", err=True)
-            return INTERRUPTED
+            return _interrupted()
         except _UsageError as error:
             return _usage(error)
         except Exception as error:  # the last line of defence
@@ -132,6 +131,11 @@ def _fail(text: str, status: int, error: BaseException) -> int:
         traceback.print_exception(error)
     typer.echo(f"error: {_one_line(text)}", err=True)
     return status
+
+
+def _interrupted() -> int:
+    typer.echo("interrupted; run again to resume", err=True)
+    return INTERRUPTED
 
 
 def _one_line(text: str) -> str:

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.radiance_format import Encoding, read_matrix, write_matrix
@@ -22,8 +24,13 @@ def read_any_matrix(path: Path) -> TransferMatrix:
 def write_any_matrix(
     path: Path, matrix: TransferMatrix, *, encoding: Encoding, command: str
 ) -> None:
-    """Write a matrix; `.nc` keeps labels and errors, Radiance's format does not."""
+    """Write a matrix; `.nc` keeps labels and errors, Radiance's format does not.
+
+    Radiance's programs expect three channels, so a grey matrix is written three times.
+    """
     if path.suffix.lower() == ".nc":
         write_netcdf(path, matrix)
-    else:
-        write_matrix(path, matrix, encoding=encoding, command=command)
+        return
+    values = np.broadcast_to(matrix.values, (3, *matrix.values.shape[1:]))
+    colour = TransferMatrix(values, matrix.rows, matrix.columns)
+    write_matrix(path, colour, encoding=encoding, command=command)

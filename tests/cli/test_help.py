@@ -1,0 +1,65 @@
+"""What the program says about itself."""
+
+import subprocess
+import sys
+
+import pytest
+
+import clerestory
+
+COMMANDS = [
+    "run",
+    "demo",
+    "report",
+    "doctor",
+    "multiply",
+    "trace view",
+    "trace daylight",
+    "trace coefficients",
+    "sky matrix",
+    "sky sun",
+    "sky describe",
+    "bsdf info",
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help_with_an_example(call, command):
+    outcome = call(*command.split(), "--help")
+    assert outcome.status == 0
+    assert f"Example: clerestory {command}" in " ".join(outcome.out.split())
+
+
+@pytest.mark.parametrize("command", [[], ["trace"], ["sky"], ["bsdf"]])
+def test_a_bare_group_lists_its_commands(call, command):
+    outcome = call(*command)
+    assert "Commands" in outcome.out + outcome.err
+    assert outcome.status == 2
+
+
+def test_the_version_is_told(call):
+    outcome = call("--version")
+    assert outcome.out == f"clerestory {clerestory.__version__}\n"
+    assert outcome.status == 0
+
+
+def test_the_command_line_starts_without_mitsuba():
+    code = (
+        "import sys, clerestory.cli.main;"
+        "print([m for m in ('mitsuba', 'drjit') if m in sys.modules])"
+    )
+    child = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert child.stdout.strip() == "[]"
+
+
+def test_doctor_fails_when_something_is_broken(call, monkeypatch):
+    finding = clerestory.engine.device.Finding
+    findings = [finding("LLVM", "libLLVM.so.23: works", True)]
+    monkeypatch.setattr("clerestory.cli.doctor.describe", lambda: findings)
+    assert call("doctor").status == 0
+    findings.append(finding("CUDA", "driver too old", False))
+    outcome = call("doctor")
+    assert outcome.status == 1
+    assert "FAIL  CUDA  driver too old" in outcome.out
