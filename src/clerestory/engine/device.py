@@ -1,0 +1,187 @@
+"""Choice of the compute device, and of the LLVM library behind the CPU.
+
+Dr.Jit compiles its kernels with an LLVM library that it loads at run time. Some
+versions are refused, others *abort the process* while they compile (Debian's
+LLVM 15 does). So a library that did not come with this package is first tried
+in a child process, and Mitsuba is imported only after one was found good.
+"""
+
+import ctypes.util
+import importlib
+import importlib.metadata
+import os
+import platform
+import subprocess
+import sys
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Literal, get_args
+
+from clerestory.errors import DeviceError, InputError
+
+Device = Literal["auto", "cpu", "cuda"]
+
+_VARIANT = {"cpu": "llvm_ad_rgb", "cuda": "cuda_ad_rgb"}
+_LIBRARY = "DRJIT_LIBLLVM_PATH"
+
+_ADVICE = {
+    "Linux": "pip install karellen-llvm-core (x86-64), or conda install llvmdev",
+    "Darwin": "brew install llvm",
+    "Windows": "the installer of https://github.com/llvm/llvm-project/releases",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of `clerestory doctor`."""
+
+    name: str
+    value: str
+    good: bool
+
+
+def load(device: Device = "auto") -> ModuleType:
+    """Start the device and return the module of tracing functions that run on it.
+
+    Raises
+    ------
+    InputError : not one of auto, cpu, cuda
+    DeviceError : the device, or an LLVM library that works, is not there
+    """
+    if device not in get_args(Device):
+        raise InputError(f"unknown device {device!r}; one of auto, cpu, cuda expected")
+    chosen = _choose(device)
+    mitsuba = importlib.import_module("mitsuba")
+    if mitsuba.variant() != _VARIANT[chosen]:
+        mitsuba.set_variant(_VARIANT[chosen])
+    return importlib.import_module("clerestory.engine.estimate")
+
+
+@cache
+def _choose(device: Device) -> str:
+    # A GPU when there is one, else the CPU; what was asked for by name must work
+    if device in ("auto", "cuda") and _cuda_driver() is not None:
+        error = _probe(_VARIANT["cuda"], {})
+        if error is None:
+            return "cuda"
+        if device == "cuda":
+            raise DeviceError(f"the NVIDIA GPU does not run Dr.Jit's kernels: {error}")
+    elif device == "cuda":
+        raise DeviceError("no NVIDIA driver was found; use --device cpu")
+    _start_llvm()
+    return "cpu"
+
+
+def _start_llvm() -> None:
+    # Point Dr.Jit to a library that is known, or was seen, to work
+    if os.environ.get(_LIBRARY):
+        library = os.environ[_LIBRARY]
+    elif "drjit" in sys.modules:
+        # Too late to choose: find out whether the one that Dr.Jit chose works
+        error = _probe(_VARIANT["cpu"], {})
+        if error is not None:
+            raise DeviceError(
+                f"Dr.Jit was imported first and chose an LLVM library that fails ({error});"
+                f" set {_LIBRARY}={_bundled_llvm() or '…'} before Python starts"
+            )
+        return
+    elif (bundled := _bundled_llvm()) is not None:
+        os.environ[_LIBRARY] = str(bundled)
+        return
+    else:
+        library = _system_llvm() or ""
+    error = (
+        _probe(_VARIANT["cpu"], {_LIBRARY: library}) if library else "none was found"
+    )
+    if error is not None:
+        raise DeviceError(
+            f"no LLVM library that works ({library or 'LLVM'}: {error});"
+            f" install one: {_ADVICE.get(platform.system(), 'LLVM 16 or newer')}"
+        )
+    os.environ[_LIBRARY] = library
+
+
+def _bundled_llvm() -> Path | None:
+    # The wheel karellen-llvm-core puts its library under the environment's lib/
+    try:
+        files = importlib.metadata.files("karellen-llvm-core") or []
+    except importlib.metadata.PackageNotFoundError:
+        return None
+    names = [f for f in files if f.name.startswith("libLLVM.so.")]
+    paths = [Path(str(name.locate())).resolve() for name in names]
+    return next((path for path in paths if path.is_file()), None)
+
+
+def _system_llvm() -> str | None:
+    # Newest first; Homebrew does not link its library where loaders look
+    for version in ("", *(f"-{n}" for n in range(30, 15, -1))):
+        found = ctypes.util.find_library(f"LLVM{version}")
+        if found:
+            return found
+    brew = [
+        Path(root) / "opt/llvm/lib/libLLVM.dylib"
+        for root in ("/opt/homebrew", "/usr/local")
+    ]
+    return next((str(path) for path in brew if path.is_file()), None)
+
+
+def _cuda_driver() -> str | None:
+    return ctypes.util.find_library(
+        "nvcuda" if platform.system() == "Windows" else "cuda"
+    )
+
+
+def _probe(variant: str, environment: dict[str, str]) -> str | None:
+    # None when a kernel compiles and runs in a child process, else why not
+    script = Path(__file__).with_name("probe.py")
+    try:
+        child = subprocess.run(
+            [sys.executable, str(script), variant],
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return "a test kernel did not finish in 120 s"
+    if child.returncode == 0 and "works" in child.stdout:
+        return None
+    if child.returncode < 0:
+        return f"it aborts the process (signal {-child.returncode})"
+    lines = [line for line in child.stderr.strip().splitlines() if line.strip()]
+    return lines[-1].strip() if lines else f"exit status {child.returncode}"
+
+
+def describe() -> list[Finding]:
+    """Findings about the devices and libraries, for `clerestory doctor`."""
+    findings = [
+        Finding("platform", f"{platform.system()} {platform.machine()}", True),
+        Finding("python", platform.python_version(), sys.version_info >= (3, 11)),
+    ]
+    for package in ("clerestory", "mitsuba", "drjit", "numpy"):
+        try:
+            findings.append(Finding(package, importlib.metadata.version(package), True))
+        except importlib.metadata.PackageNotFoundError:
+            findings.append(Finding(package, "not installed", False))
+
+    # Probe the CPU's compiler, whichever library would be used
+    library = os.environ.get(_LIBRARY) or str(_bundled_llvm() or _system_llvm() or "")
+    error = (
+        _probe(_VARIANT["cpu"], {_LIBRARY: library}) if library else "none was found"
+    )
+    verdict = (
+        "works" if error is None else f"{error}; {_ADVICE.get(platform.system(), '')}"
+    )
+    findings.append(Finding("LLVM", f"{library or '-'}: {verdict}", error is None))
+
+    # Probe the GPU, if there is a driver
+    if _cuda_driver() is None:
+        findings.append(Finding("CUDA", "no NVIDIA driver; the CPU is used", True))
+    else:
+        error = _probe(_VARIANT["cuda"], {})
+        findings.append(Finding("CUDA", error or "works", error is None))
+    findings.append(Finding("processors", str(os.cpu_count()), True))
+    return findings

@@ -1,0 +1,137 @@
+"""Tables of hemisphere partitions, looked up in kernels.
+
+The same rings and counts that NumPy uses (`hemisphere.partition`) drive these
+look-ups; a test compares both over random directions.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from clerestory.hemisphere.partition import RingPartition
+
+
+@dataclass
+class PatchTable:
+    """A ring partition for kernels.
+
+    Attributes
+    ----------
+    inner : sin² of the polar angle at the limits between rings, growing
+    count, first : patches in each ring and the number of its first, from the pole out
+    low, high : sin² of the polar angle at the limits of each patch
+    phi, width : azimuth of the middle of each patch and its extent [rad]
+    compass : whether azimuth counts from +y towards +x, else from +x towards +y
+    """
+
+    inner: list[float]
+    count: mi.UInt32
+    first: mi.UInt32
+    low: mi.Float
+    high: mi.Float
+    phi: mi.Float
+    width: mi.Float
+    compass: bool
+
+    @classmethod
+    def of(cls, partition: RingPartition) -> "PatchTable":
+        """Return the kernel's table of a partition."""
+        outwards = partition.theta[0] < partition.theta[-1]
+        order = slice(None) if outwards else slice(None, None, -1)
+        count, first = partition.count[order], partition.first[order]
+        limits = np.sin(np.sort(partition.theta)) ** 2
+        ring = np.repeat(np.arange(len(partition.count)), partition.count)
+        edges = np.sin(partition.theta) ** 2
+        near = np.minimum(edges[ring], edges[ring + 1])
+        far = np.maximum(edges[ring], edges[ring + 1])
+        width = 2 * np.pi / partition.count[ring]
+        return cls(
+            inner=[float(limit) for limit in limits[1:-1]],
+            count=mi.UInt32(count.astype(np.uint32)),
+            first=mi.UInt32(first.astype(np.uint32)),
+            low=mi.Float(near.astype(np.float32)),
+            high=mi.Float(far.astype(np.float32)),
+            phi=mi.Float(
+                ((np.arange(len(ring)) - partition.first[ring]) * width).astype("f4")
+            ),
+            width=mi.Float(width.astype(np.float32)),
+            compass=partition.azimuth == "compass",
+        )
+
+    def find(self, direction):
+        """Return the patch of a direction of the upper hemisphere, in its frame."""
+        # Count the limits that the direction lies beyond; few rings: compare, many: search
+        sin2 = dr.square(direction.x) + dr.square(direction.y)
+        ring = mi.UInt32(0)
+        for limit in self.inner:
+            ring += dr.select(sin2 > limit, mi.UInt32(1), mi.UInt32(0))
+        count = dr.gather(mi.UInt32, self.count, ring)
+        first = dr.gather(mi.UInt32, self.first, ring)
+        along, across = direction.x, direction.y
+        if self.compass:
+            along, across = across, along
+        turn = dr.atan2(across, along) * (0.5 * dr.inv_pi)
+        within = mi.Int32(dr.floor(turn * mi.Float(count) + 0.5))
+        within = dr.select(within < 0, within + mi.Int32(count), within)
+        within = dr.select(within >= mi.Int32(count), 0, within)
+        return first + mi.UInt32(within)
+
+    def sample(self, patch, u, v):
+        """Return a direction within a patch, distributed like the cosine."""
+        low, high = (
+            dr.gather(mi.Float, self.low, patch),
+            dr.gather(mi.Float, self.high, patch),
+        )
+        sin2 = low + (high - low) * u
+        phi = dr.gather(mi.Float, self.phi, patch)
+        phi += (v - 0.5) * dr.gather(mi.Float, self.width, patch)
+        sine, cosine = dr.sincos(phi)
+        flat = dr.sqrt(sin2)
+        x, y = flat * cosine, flat * sine
+        if self.compass:
+            x, y = y, x
+        return mi.Vector3f(x, y, dr.safe_sqrt(1 - sin2))
+
+
+@dataclass
+class SkyTable:
+    """The patches of a sky with the ground as patch 0, for kernels.
+
+    Attributes
+    ----------
+    rows : rows of patches, the zenith included
+    count, first : patches in each row and the number of its first, from the horizon up
+    size : all patches, the ground included
+    """
+
+    rows: int
+    count: mi.UInt32
+    first: mi.UInt32
+    size: int
+
+    @classmethod
+    def of(cls, partition) -> "SkyTable":
+        """Return the kernel's table of a `SkyPartition`."""
+        dome = partition.dome
+        return cls(
+            rows=len(dome.count),
+            count=mi.UInt32(dome.count.astype(np.uint32)),
+            first=mi.UInt32((dome.first + 1).astype(np.uint32)),
+            size=len(partition),
+        )
+
+    def find(self, direction):
+        """Return the patch that a direction points to; 0 at and below the horizon."""
+        # All rows but the zenith's half one are equally high
+        altitude = dr.asin(dr.clip(direction.z, -1, 1))
+        row = mi.Int32(dr.floor(altitude * ((2 * self.rows - 1) / dr.pi)))
+        row = mi.UInt32(dr.clip(row, 0, self.rows - 1))
+        count = dr.gather(mi.UInt32, self.count, row)
+        turn = dr.atan2(direction.x, direction.y) * (0.5 * dr.inv_pi)
+        within = mi.Int32(dr.floor(turn * mi.Float(count) + 0.5))
+        within = dr.select(within < 0, within + mi.Int32(count), within)
+        within = dr.select(within >= mi.Int32(count), 0, within)
+        patch = dr.gather(mi.UInt32, self.first, row) + mi.UInt32(within)
+        return dr.select(direction.z > 0, patch, 0)

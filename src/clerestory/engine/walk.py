@@ -1,0 +1,254 @@
+"""The walk of light through a scene, from receivers to windows and sky.
+
+Paths run against the light. At every vertex they are connected to a point of the
+windows (next-event estimation) and continued by the material; both ways to reach
+a window share the work by multiple importance sampling. Paths that leave the
+scene reach the sky. What they carry is summed in 64-bit fixed point: exact,
+independent of the order of additions, reproducible to the bit.
+
+Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation,
+1997, chapter 9 (balance heuristic).
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine import points as sampling
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.patches import SkyTable
+from clerestory.engine.points import Points
+
+# One unit of a sum is 2⁻⁴⁰ of a weight; sums stay exact below 2²⁴. A weight is cut
+# into two whole numbers of twenty bits and more, which processors convert fastest.
+_HALF = float(1 << 20)
+FIXED_POINT = _HALF * _HALF
+
+# Weights are at most a few π; anything beyond this limit would overflow.
+_HEAVIEST = 2000.0
+
+# Paths below this share of their first weight go on only by Russian roulette.
+_ROULETTE = 0.1
+
+# Safety net for unlimited bounces: no path of a physical scene comes near it.
+_MOST_SEGMENTS = 1000
+
+
+@dataclass
+class Target:
+    """Where paths may end, and the sums they are scored into.
+
+    Attributes
+    ----------
+    model : the scene
+    sky : its patches receive escaping paths; None if these are of no interest
+    sums : 64-bit fixed-point sums, one for each (row and batch, column, channel),
+        and a last one that counts the weights too heavy to be summed
+    columns : receiving patches, of all windows or of the sky
+    channels : 3, or 1 when everything is grey
+    """
+
+    model: LoweredScene
+    sky: SkyTable | None
+    sums: mi.UInt64
+    columns: int
+    channels: int
+
+    def score(self, slot, column, weight, active):
+        """Add a weight to a column of a row and batch."""
+        index = (slot * self.columns + column) * self.channels
+        for channel in range(self.channels):
+            scaled = weight[channel] * _HALF
+            whole = mi.UInt32(mi.Int32(scaled))
+            rest = mi.UInt32(mi.Int32((scaled - mi.Float(whole)) * _HALF))
+            amount = (mi.UInt64(whole) << 20) + mi.UInt64(rest)
+            fits = weight[channel] < _HEAVIEST
+            dr.scatter_add(self.sums, amount, index + channel, active & fits)
+            last = dr.width(self.sums) - 1
+            dr.scatter_add(self.sums, mi.UInt64(1), mi.UInt32(last), active & ~fits)
+
+
+@dataclass
+class Connection:
+    """A straight line from a point to a point of a window.
+
+    Attributes
+    ----------
+    direction : unit vector to the window
+    pdf : of the direction, per solid angle [1/sr]
+    column : patch through which the light would come
+    valid : whether the point lies before the window's front
+    distance : to the window [m]
+    """
+
+    direction: mi.Vector3f
+    pdf: mi.Float
+    column: mi.UInt32
+    valid: mi.Bool
+    distance: mi.Float
+
+
+def connect(model: LoweredScene, origin, u, v) -> Connection:
+    """Choose a point of the windows, as seen from `origin`; visibility is not tested."""
+    point, window, spherical = model.windows.aim(origin, u, v)
+    across = point - origin
+    distance2 = dr.squared_norm(across)
+    distance = dr.sqrt(distance2)
+    direction = across / distance
+    cosine = -dr.dot(direction, dr.gather(mi.Vector3f, model.windows.normal, window))
+    valid = (cosine > 1e-6) & (distance2 > 1e-12)
+    by_area = distance2 / (dr.maximum(cosine, 1e-6) * model.windows.area)
+    pdf = dr.select(spherical > 0, spherical, by_area)
+    return Connection(
+        direction, pdf, model.windows.find(window, -direction), valid, distance
+    )
+
+
+@dr.syntax
+def visibility(model: LoweredScene, origin, line: Connection, active: mi.Bool):
+    """Return the share of light that passes along a connection, by channel."""
+    ray = mi.Ray3f(origin, line.direction)
+    ray.maxt = line.distance * (1 - 1e-5)
+    seen = mi.Color3f(1)
+    if dr.hint(model.panes, mode="scalar"):
+        # Look through panes of glass until something opaque stands in the way
+        looking = mi.Bool(active)
+        while looking:
+            hit = model.scene.ray_intersect_preliminary(ray, active=looking)
+            blocked = looking & hit.is_valid()
+            si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, blocked)
+            si.sh_frame = mi.Frame3f(si.n)
+            si.wi = si.to_local(-ray.d)
+            pane = blocked & mi.has_flag(si.bsdf().flags(), mi.BSDFFlags.Null)
+            through = si.bsdf().eval_null_transmission(si, pane)
+            seen = dr.select(blocked, dr.select(pane, seen * through, 0), seen)
+            ray.maxt -= dr.select(pane, si.t, 0)
+            ray.o = dr.select(pane, offset(si, ray.d, ray.d), ray.o)
+            looking &= pane
+    else:
+        seen = dr.select(active & model.scene.ray_test(ray, active), 0, seen)
+    return seen
+
+
+def offset(si, direction, towards):
+    """Return the hit point moved off its surface to the side `direction` goes to.
+
+    A few float32 steps of the coordinates and of the distance travelled: enough to
+    clear the rounding of the intersection, small against millimetre slats.
+    """
+    reach = dr.maximum(dr.max(dr.abs(si.p)), si.t)
+    step = 4e-6 * dr.maximum(reach, 0.05)
+    return si.p + si.n * dr.mulsign(step, dr.dot(si.n, towards))
+
+
+@dr.syntax
+def walk(
+    target: Target,
+    points: Points,
+    ray: mi.Ray3f,
+    weight: mi.Color3f,
+    pdf: mi.Float,
+    slot: mi.UInt32,
+    seed: mi.UInt32,
+    index: mi.UInt32,
+    active: mi.Bool,
+    segments: mi.UInt32,
+):
+    """Follow paths from their first ray until they end, scoring what they reach.
+
+    Parameters
+    ----------
+    ray : first segment of each path
+    weight : what the path contributes per unit radiance met at its end
+    pdf : of the first direction by the start's own sampling [1/sr]; 0: windows
+        met by the first segment are not shared with connections
+    slot : row and batch whose sums the path adds to
+    seed, index : of the row and batch, and of the path's sample points
+    segments : most segments between diffuse reflections
+    """
+    model = target.model
+    scene = model.scene
+    context = mi.BSDFContext()
+
+    # ------------------------------- Loop state -------------------------------
+    origin = mi.Point3f(ray.o)  # last vertex that was connected to the windows
+    start = dr.maximum(dr.max(weight), 1e-20)  # weight that roulette compares with
+    segment = mi.UInt32(1)  # diffuse segments so far, this one included
+    vertex = mi.UInt32(1)  # vertices so far, the start included
+
+    while active:
+        hit = scene.ray_intersect_preliminary(ray, active=active)
+        met = active & hit.is_valid()
+
+        # Score the paths that leave the scene
+        if dr.hint(target.sky is not None, mode="scalar"):
+            target.score(slot, target.sky.find(ray.d), weight, active & ~met)
+
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
+        if dr.hint(model.windows is not None and target.sky is None, mode="scalar"):
+            # Score the paths that meet a window, sharing with the connections
+            shape = dr.reinterpret_array(mi.UInt32, si.shape)
+            role = dr.gather(mi.UInt32, model.window_of_shape, shape, met)
+            at_window = met & (role > 0)
+            window = role - 1
+            normal = dr.gather(mi.Vector3f, model.windows.normal, window, at_window)
+            cosine = -dr.dot(ray.d, normal)
+            front = at_window & (cosine > 1e-6)
+            first = dr.gather(mi.UInt32, model.windows.first_element, window, at_window)
+            element = first + (si.prim_index >> 1)
+            by_area = dr.squared_norm(si.p - origin) / (
+                dr.maximum(cosine, 1e-6) * model.windows.area
+            )
+            seen_from = model.windows.look(origin, element)
+            other = model.windows.spherical_pdf(element, seen_from)
+            other = dr.select(other > 0, other, by_area)
+            share = dr.select(pdf > 0, pdf / (pdf + other), 1)
+            column = model.windows.find(window, -ray.d)
+            target.score(slot, column, weight * share, front)
+            met &= role == 0
+
+        # Prepare the vertex: its frame and its material
+        active = mi.Bool(met)
+        si.sh_frame = mi.Frame3f(si.n)
+        si.wi = si.to_local(-ray.d)
+        bsdf = si.bsdf()
+        lobe = sampling.coordinate(points, seed, index, vertex, sampling.LOBE)
+        u = sampling.coordinate(points, seed, index, vertex, sampling.DIRECTION_U)
+        v = sampling.coordinate(points, seed, index, vertex, sampling.DIRECTION_V)
+        more = active & (segment < segments)
+
+        if dr.hint(model.windows is not None and target.sky is None, mode="scalar"):
+            # Connect the vertex to a window, and continue by the material
+            a = sampling.coordinate(points, seed, index, vertex, sampling.CONNECT_U)
+            b = sampling.coordinate(points, seed, index, vertex, sampling.CONNECT_V)
+            line = connect(model, si.p, a, b)
+            value, pdf_bsdf, sample, factor = bsdf.eval_pdf_sample(
+                context, si, si.to_local(line.direction), lobe, mi.Point2f(u, v), active
+            )
+            lit = more & line.valid & (dr.max(value * weight) > 0)
+            near = offset(si, line.direction, line.direction)
+            seen = visibility(model, near, line, lit)
+            gain = weight * value * seen / (line.pdf + pdf_bsdf)
+            target.score(slot, line.column, gain, lit & (dr.max(seen) > 0))
+        else:
+            sample, factor = bsdf.sample(context, si, lobe, mi.Point2f(u, v), active)
+
+        # Continue the path; panes that it passes straight leave it as it was
+        diffuse = mi.has_flag(sample.sampled_type, mi.BSDFFlags.DiffuseReflection)
+        delta = mi.has_flag(sample.sampled_type, mi.BSDFFlags.DeltaReflection)
+        null = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Null)
+        weight *= factor
+        direction = si.to_world(sample.wo)
+        ray = mi.Ray3f(offset(si, direction, direction), direction)
+        origin = dr.select(null, origin, si.p)
+        pdf = dr.select(null, pdf, dr.select(delta, 0, sample.pdf))
+        segment += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
+        active &= (dr.max(weight) > 0) & (segment <= segments)
+
+        # Let weak paths go on only by chance, then with the weight of those that end
+        survive = dr.minimum(dr.max(weight) / (start * _ROULETTE), 1)
+        chance = sampling.random_number(seed, index + points.first, vertex + 0x10000)
+        weight = dr.select(survive < 1, weight / survive, weight)
+        active &= (chance < survive) & (vertex < _MOST_SEGMENTS)
+        vertex += 1

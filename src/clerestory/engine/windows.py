@@ -1,0 +1,316 @@
+"""Windows as receivers: where to aim at them, and which patch a ray meets.
+
+A window is cut into elements. Rectangles are sampled evenly by the solid angle they
+subtend (C. Ureña, M. Fajardo, A. King, "An area-preserving parametrization for
+spherical rectangles", Computer Graphics Forum 32 (4), 2013), so that points near a
+window are as calm as far ones; from far away, where that loses its digits, and for
+triangles, evenly by area.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.engine.patches import PatchTable
+from clerestory.scene.triangulate import triangulate
+from clerestory.scene.window import Window
+
+# Rectangles that look smaller than this [sr] are sampled by area.
+_SMALL = 0.02
+
+
+@dataclass
+class WindowTable:
+    """Windows for kernels.
+
+    Attributes
+    ----------
+    corner, edge_u, edge_v : of each element [m]
+    rectangle : whether an element is a rectangle, else the triangle with u + v < 1
+    cumulative : share of the area up to and with each element
+    area : of all elements [m²]
+    window : of each element
+    first_element : of each window's shape, whose faces come two by two
+    right, up, normal : frame of each window
+    first : column of each window's first patch
+    tables : the partition of each window
+    columns : patches of all windows
+    """
+
+    corner: mi.Point3f
+    edge_u: mi.Vector3f
+    edge_v: mi.Vector3f
+    rectangle: mi.Bool
+    cumulative: mi.Float
+    area: mi.Float
+    window: mi.UInt32
+    first_element: mi.UInt32
+    right: mi.Vector3f
+    up: mi.Vector3f
+    normal: mi.Vector3f
+    first: mi.UInt32
+    tables: list[PatchTable]
+    columns: int
+
+    def find(self, window, direction):
+        """Return the column of light that leaves a window along a direction."""
+        local = self.to_local(window, direction)
+        patch = self.tables[0].find(local)
+        for number, table in enumerate(self.tables[1:], start=1):
+            if table is not self.tables[0]:
+                patch = dr.select(window == number, table.find(local), patch)
+        return dr.gather(mi.UInt32, self.first, window) + patch
+
+    def to_local(self, window, direction):
+        """Return a direction in the frame of a window."""
+        return mi.Vector3f(
+            dr.dot(dr.gather(mi.Vector3f, self.right, window), direction),
+            dr.dot(dr.gather(mi.Vector3f, self.up, window), direction),
+            dr.dot(dr.gather(mi.Vector3f, self.normal, window), direction),
+        )
+
+    def to_scene(self, window, local):
+        """Return a direction of a window's frame in the scene."""
+        return (
+            dr.gather(mi.Vector3f, self.right, window) * local.x
+            + dr.gather(mi.Vector3f, self.up, window) * local.y
+            + dr.gather(mi.Vector3f, self.normal, window) * local.z
+        )
+
+    def choose(self, u):
+        """Return an element chosen by its area, and what is left of the number u."""
+        last = dr.width(self.cumulative) - 1
+        element = mi.UInt32(
+            dr.binary_search(
+                0, last, lambda i: dr.gather(mi.Float, self.cumulative, i) <= u
+            )
+        )
+        high = dr.gather(mi.Float, self.cumulative, element)
+        low = dr.gather(mi.Float, self.cumulative, element - 1, element > 0)
+        return element, (u - low) / (high - low)
+
+    def sample_point(self, u, v):
+        """Return a point distributed evenly over the area of all windows, and its window."""
+        element, u = self.choose(u)
+        triangle = ~dr.gather(mi.Bool, self.rectangle, element)
+        fold = triangle & (u + v > 1)
+        u, v = dr.select(fold, 1 - u, u), dr.select(fold, 1 - v, v)
+        point = (
+            dr.gather(mi.Point3f, self.corner, element)
+            + dr.gather(mi.Vector3f, self.edge_u, element) * u
+            + dr.gather(mi.Vector3f, self.edge_v, element) * v
+        )
+        return point, dr.gather(mi.UInt32, self.window, element)
+
+    def aim(self, origin, u, v):
+        """Return a point of the windows to connect `origin` with.
+
+        Returns
+        -------
+        point, window : the point and its window
+        spherical : its pdf per solid angle [1/sr] where it was chosen by solid angle,
+            0 where it was chosen by area, with `self.area` as the inverse pdf [m²]
+        """
+        element, rest = self.choose(u)
+        by_area, window = self.sample_point(u, v)
+        view = self.look(origin, element)
+        x, y = view.sample(rest, v)
+        point = origin + view.right * x + view.up * y + view.axis * view.depth
+        point = dr.select(view.usable, point, by_area)
+        return point, window, self.spherical_pdf(element, view)
+
+    def spherical_pdf(self, element, view: "RectangleView"):
+        """Return the pdf of aiming at a point of an element by solid angle, or 0."""
+        low = dr.gather(mi.Float, self.cumulative, element - 1, element > 0)
+        share = dr.gather(mi.Float, self.cumulative, element) - low
+        return dr.select(view.usable, share / view.solid_angle, 0)
+
+    def look(self, origin, element) -> "RectangleView":
+        """Return how an element looks from a point."""
+        corner = dr.gather(mi.Point3f, self.corner, element) - origin
+        edge_u = dr.gather(mi.Vector3f, self.edge_u, element)
+        edge_v = dr.gather(mi.Vector3f, self.edge_v, element)
+        rectangle = dr.gather(mi.Bool, self.rectangle, element)
+        return RectangleView.of(corner, edge_u, edge_v, rectangle)
+
+
+@dataclass
+class RectangleView:
+    """A rectangle as seen from a point, after Ureña et al.; symbols as in the paper.
+
+    Attributes
+    ----------
+    right, up, axis : frame; the axis points from the rectangle towards the point
+    x0, x1, y0, y1 : limits of the rectangle in the frame [m]
+    depth : the paper's z0, negative [m]
+    b0, b1, k : constants of the parametrization
+    solid_angle : [sr]
+    usable : whether to sample by solid angle
+    """
+
+    right: mi.Vector3f
+    up: mi.Vector3f
+    axis: mi.Vector3f
+    x0: mi.Float
+    x1: mi.Float
+    y0: mi.Float
+    y1: mi.Float
+    depth: mi.Float
+    b0: mi.Float
+    b1: mi.Float
+    k: mi.Float
+    solid_angle: mi.Float
+    usable: mi.Bool
+
+    @classmethod
+    def of(cls, corner, edge_u, edge_v, rectangle) -> "RectangleView":
+        """Return the view of a rectangle given by a corner, relative to the point."""
+        width, height = dr.norm(edge_u), dr.norm(edge_v)
+        right, up = edge_u / width, edge_v / height
+        axis = dr.cross(right, up)
+        depth = dr.dot(corner, axis)
+        axis = dr.select(depth > 0, -axis, axis)
+        depth = -dr.abs(depth)
+        x0, y0 = dr.dot(corner, right), dr.dot(corner, up)
+        x1, y1 = x0 + width, y0 + height
+
+        # Inner angles of the spherical rectangle, from the normals of its sides
+        z2 = dr.square(depth)
+        n0 = -y0 * dr.rsqrt(z2 + dr.square(y0))
+        n1 = x1 * dr.rsqrt(z2 + dr.square(x1))
+        n2 = y1 * dr.rsqrt(z2 + dr.square(y1))
+        n3 = -x0 * dr.rsqrt(z2 + dr.square(x0))
+        g0, g1 = dr.acos(-n0 * n1), dr.acos(-n1 * n2)
+        g2, g3 = dr.acos(-n2 * n3), dr.acos(-n3 * n0)
+        k = 2 * dr.pi - g2 - g3
+        solid_angle = g0 + g1 - k
+        usable = rectangle & (solid_angle > _SMALL) & (depth < -1e-4)
+        return cls(
+            right, up, axis, x0, x1, y0, y1, depth, n0, n2, k, solid_angle, usable
+        )
+
+    def sample(self, u, v):
+        """Return the place of a point of the rectangle in its frame [m]."""
+        angle = u * self.solid_angle + self.k
+        sine, cosine = dr.sincos(angle)
+        f = (cosine * self.b0 - self.b1) / sine
+        c = dr.mulsign(dr.rsqrt(dr.square(f) + dr.square(self.b0)), f)
+        x = -c * self.depth * dr.rsqrt(dr.maximum(1 - dr.square(c), 1e-7))
+        x = dr.select(x < self.x0, self.x0, dr.select(x > self.x1, self.x1, x))
+        d2 = dr.square(x) + dr.square(self.depth)
+        h0 = self.y0 * dr.rsqrt(d2 + dr.square(self.y0))
+        h1 = self.y1 * dr.rsqrt(d2 + dr.square(self.y1))
+        h = h0 + v * (h1 - h0)
+        y = h * dr.sqrt(d2) * dr.rsqrt(dr.maximum(1 - dr.square(h), 1e-7))
+        return x, dr.select(y < self.y0, self.y0, dr.select(y > self.y1, self.y1, y))
+
+
+@dataclass
+class _Element:
+    corner: Float[np.ndarray, "3"]
+    edge_u: Float[np.ndarray, "3"]
+    edge_v: Float[np.ndarray, "3"]
+    rectangle: bool
+
+    def faces(self) -> Float[np.ndarray, "2 3 3"]:
+        """Two triangles; the second of a triangle has no area."""
+        a, b, d = self.corner, self.corner + self.edge_u, self.corner + self.edge_v
+        c = b + self.edge_v if self.rectangle else d
+        return np.array([[a, b, c], [a, c, d]])
+
+
+def window_shapes(
+    windows: Sequence[Window], origin: Float[np.ndarray, "3"]
+) -> tuple[
+    WindowTable | None, list[tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]]
+]:
+    """Return the table of some windows, and vertices and faces of each window's shape.
+
+    Two faces belong to each element, in the order of the elements.
+    """
+    if not windows:
+        return None, []
+    elements = [_elements(window) for window in windows]
+    shapes = []
+    for of_window in elements:
+        corners = np.concatenate([e.faces() for e in of_window]) - origin
+        shapes.append(
+            (corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+        )
+    return _table(windows, elements, origin), shapes
+
+
+def _elements(window: Window) -> list[_Element]:
+    # Rectangles stay whole; anything else falls into triangles
+    found = []
+    for polygon in window.polygons:
+        v = polygon.vertices
+        u_edge, v_edge = v[1] - v[0], v[3 % len(v)] - v[0]
+        size = np.linalg.norm(u_edge) * np.linalg.norm(v_edge)
+        if (
+            len(v) == 4
+            and np.allclose(v[0] + v[2], v[1] + v[3], atol=1e-6)
+            and abs(np.dot(u_edge, v_edge)) < 1e-5 * size
+        ):
+            found.append(_Element(v[0], u_edge, v_edge, True))
+            continue
+        filled = triangulate(v)
+        corners = filled.vertices[filled.faces]
+        found.extend(_Element(a, b - a, c - a, False) for a, b, c in corners)
+    return found
+
+
+def _table(
+    windows: Sequence[Window],
+    elements: list[list[_Element]],
+    origin: Float[np.ndarray, "3"],
+) -> WindowTable:
+    flat = [element for of_window in elements for element in of_window]
+    edge_u = np.array([e.edge_u for e in flat])
+    edge_v = np.array([e.edge_v for e in flat])
+    rectangle = np.array([e.rectangle for e in flat])
+    area = np.linalg.norm(np.cross(edge_u, edge_v), axis=1) * np.where(
+        rectangle, 1, 0.5
+    )
+    cumulative = np.cumsum(area) / area.sum()
+    cumulative[-1] = 1
+    per_window = np.array([len(of_window) for of_window in elements])
+    count = np.array([len(w.partition) for w in windows])
+
+    # Windows that share a partition share its table
+    tables: list[PatchTable] = []
+    for number, window in enumerate(windows):
+        like = [
+            k for k in range(number) if windows[k].partition.matches(window.partition)
+        ]
+        tables.append(tables[like[0]] if like else PatchTable.of(window.partition))
+    table = WindowTable(
+        corner=_vectors(mi.Point3f, np.array([e.corner for e in flat]) - origin),
+        edge_u=_vectors(mi.Vector3f, edge_u),
+        edge_v=_vectors(mi.Vector3f, edge_v),
+        rectangle=mi.Bool(rectangle),
+        cumulative=mi.Float(cumulative.astype(np.float32)),
+        area=mi.Float(float(area.sum())),
+        window=mi.UInt32(
+            np.repeat(np.arange(len(windows)), per_window).astype(np.uint32)
+        ),
+        first_element=mi.UInt32((np.cumsum(per_window) - per_window).astype(np.uint32)),
+        right=_vectors(mi.Vector3f, np.array([w.frame.right for w in windows])),
+        up=_vectors(mi.Vector3f, np.array([w.frame.up for w in windows])),
+        normal=_vectors(mi.Vector3f, np.array([w.frame.normal for w in windows])),
+        first=mi.UInt32((np.cumsum(count) - count).astype(np.uint32)),
+        tables=tables,
+        columns=int(count.sum()),
+    )
+    dr.make_opaque(
+        table.area, table.cumulative, table.corner, table.edge_u, table.edge_v
+    )
+    return table
+
+
+def _vectors(kind: type, values: Float[np.ndarray, "n 3"]):
+    return kind(np.ascontiguousarray(values.T.astype(np.float32)))

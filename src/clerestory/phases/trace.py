@@ -1,0 +1,275 @@
+"""Traced transfer matrices: view, daylight, daylight coefficients.
+
+    V  sensors × interior patches     view_matrix
+    D  exterior patches × sky         daylight_matrix
+    C  sensors × sky                  daylight_coefficients (the two-phase method)
+
+Coefficients are irradiance per unit radiance [sr] for sensors, and radiance per
+unit radiance for window patches. `bounces` counts like Radiance's -ab for the same
+job: for an irradiance sensor the first gather is one, for a window patch the first
+ray is none.
+"""
+
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from clerestory.engine import device as devices
+from clerestory.engine.device import Device
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.hemisphere.reinhart import reinhart
+from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, window_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.window import Window
+
+Progress = Callable[[float, str], None]
+
+# Used when neither samples nor an error is asked for.
+DEFAULT_RELATIVE_ERROR = 0.01
+
+
+def view_matrix(
+    scene: Scene,
+    window: Window,
+    *,
+    sensors: Sensors,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> TransferMatrix:
+    """View matrix of one window: irradiance of sensors per radiance of patches [sr].
+
+    The window itself ends the paths; it must not be part of the scene.
+
+    Parameters
+    ----------
+    scene : what light meets on its way from the window to the sensors
+    window : polygons whose front faces the room
+    sensors : points and directions of irradiance sensors
+    samples : paths per sensor
+    relative_error : instead of samples: standard error to reach at every sensor,
+        relative to its irradiance under a window of uniform radiance; sensors
+        darker than 1 % of the mean are judged as if they had that much
+    bounces : most gathers, as Radiance's -ab; no limit by default
+    seed : whole number ≥ 0; the same seed on the same device gives the same bits
+    device : "auto" takes a GPU if there is one
+    progress : called with the share done, 0…1, and a note
+
+    Raises
+    ------
+    InputError : samples and relative_error both given, or a number out of range
+    DeviceError : no usable device
+    """
+    traced = view_matrices(
+        scene,
+        [window],
+        sensors=sensors,
+        samples=samples,
+        relative_error=relative_error,
+        bounces=bounces,
+        seed=seed,
+        device=device,
+        progress=progress,
+    )
+    return traced[window.name]
+
+
+def view_matrices(
+    scene: Scene,
+    windows: Sequence[Window],
+    *,
+    sensors: Sensors,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> dict[str, TransferMatrix]:
+    """View matrices of several windows, traced at once, by window name.
+
+    The windows share their paths: component k of all of them comes from batch k.
+    See `view_matrix` for the parameters.
+    """
+    _check_names(windows)
+    rows = _sensor_rows(sensors)
+    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
+    estimate = engine.trace_view(scene, tuple(windows), sensors, effort)
+    found, first = {}, 0
+    for window in windows:
+        columns = window_axis("interior", window.partition, window.name)
+        part = slice(first, first + columns.size)
+        found[window.name] = _matrix(estimate, rows, columns, part)
+        first += columns.size
+    _warn_if_short(estimate, "view matrix", relative_error)
+    return found
+
+
+def daylight_matrix(
+    scene: Scene,
+    window: Window,
+    *,
+    subdivision: int = 4,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> TransferMatrix:
+    """Daylight matrix of one window: radiance of its patches per radiance of the sky's.
+
+    Rows of a window that sees nothing but sky and ground sum to one.
+
+    Parameters
+    ----------
+    scene : what light meets on its way from the sky to the window
+    subdivision : Reinhart's MF of the sky, 1…6
+    samples : paths per window patch
+    relative_error : instead of samples: standard error to reach for the window's
+        irradiance from one sky patch, as root mean square over the sky, relative to
+        the mean patch
+
+    The other parameters are those of `view_matrix`.
+    """
+    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
+    sky = reinhart(subdivision)
+    estimate = engine.trace_daylight(scene, window, sky, effort)
+    _warn_if_short(estimate, f"daylight matrix of {window.name!r}", relative_error)
+    rows = window_axis("exterior", window.partition, window.name)
+    return _matrix(estimate, rows, sky_axis(sky), slice(None))
+
+
+def daylight_matrices(
+    scene: Scene,
+    windows: Sequence[Window],
+    *,
+    subdivision: int = 4,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> dict[str, TransferMatrix]:
+    """Daylight matrices of several windows by window name; see `daylight_matrix`."""
+    _check_names(windows)
+    found = {}
+    for number, window in enumerate(windows):
+        found[window.name] = daylight_matrix(
+            scene,
+            window,
+            subdivision=subdivision,
+            samples=samples,
+            relative_error=relative_error,
+            bounces=bounces,
+            seed=seed + number,
+            device=device,
+            progress=_part(progress, number, len(windows), window.name),
+        )
+    return found
+
+
+def daylight_coefficients(
+    scene: Scene,
+    *,
+    sensors: Sensors,
+    subdivision: int = 4,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> TransferMatrix:
+    """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr].
+
+    A sensor that sees nothing but sky and ground collects π in all. The error aimed
+    at is that of the irradiance under a uniform sky. See `view_matrix`.
+    """
+    rows = _sensor_rows(sensors)
+    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
+    sky = reinhart(subdivision)
+    estimate = engine.trace_coefficients(scene, sky, sensors, effort)
+    _warn_if_short(estimate, "daylight coefficients", relative_error)
+    return _matrix(estimate, rows, sky_axis(sky), slice(None))
+
+
+def _engine(
+    samples: int | None,
+    relative_error: float | None,
+    bounces: int | None,
+    seed: int,
+    device: Device,
+    progress: Progress | None,
+) -> tuple[Any, Any]:
+    # Check the effort before the device is started, then start it
+    if samples is not None and relative_error is not None:
+        raise InputError("both samples and relative_error given; one of them expected")
+    if samples is not None and not 1 <= samples <= 1 << 28:
+        raise InputError(f"samples = {samples}; a whole number from 1 to 2^28 expected")
+    if samples is None and relative_error is None:
+        relative_error = DEFAULT_RELATIVE_ERROR
+    if relative_error is not None and not 1e-5 <= relative_error < 1:
+        raise InputError(f"relative_error = {relative_error}; 0.00001 to 1 expected")
+    if bounces is not None and bounces < 0:
+        raise InputError(f"bounces = {bounces}; 0 or more expected")
+    if not 0 <= seed < 1 << 32:
+        raise InputError(f"seed = {seed}; a whole number from 0 to 2^32 - 1 expected")
+    engine = devices.load(device)
+    effort = engine.Effort(
+        samples=samples,
+        relative_error=relative_error,
+        bounces=bounces,
+        seed=seed,
+        progress=progress,
+    )
+    return engine, effort
+
+
+def _check_names(windows: Sequence[Window]) -> None:
+    names = [window.name for window in windows]
+    if not names:
+        raise InputError("no window given; at least one expected")
+    double = sorted({name for name in names if names.count(name) > 1})
+    if double:
+        raise InputError(
+            f"several windows are named {double[0]!r}; a name each expected"
+        )
+
+
+def _sensor_rows(sensors: Sensors) -> Axis:
+    if len(sensors.position) == 0:
+        raise InputError("no sensors given; at least one expected")
+    return sensor_axis(len(sensors.position), sensors.names)
+
+
+def _matrix(estimate: Any, rows: Axis, columns: Axis, part: slice) -> TransferMatrix:
+    values = np.ascontiguousarray(estimate.values[:, :, part])
+    components = np.ascontiguousarray(estimate.components[:, :, :, part])
+    return TransferMatrix(values, rows, columns, components)
+
+
+def _warn_if_short(estimate: Any, what: str, relative_error: float | None) -> None:
+    if not estimate.reached:
+        warnings.warn(
+            f"{what}: the relative error {relative_error} was not reached"
+            f" after {estimate.paths:,} paths; look at the standard errors",
+            ClerestoryWarning,
+            stacklevel=3,
+        )
+
+
+def _part(
+    progress: Progress | None, number: int, count: int, name: str
+) -> Progress | None:
+    if progress is None:
+        return None
+    return lambda done, note: progress((number + done) / count, f"{name}: {note}")
