@@ -131,6 +131,8 @@ def _step(option: str, value: list[float]) -> Transform:
 
 def _repeat(part: Transform, count: int) -> Transform:
     # Apply a transform `count` times; squaring it as often as that takes
+    if count == 1:
+        return part
     result = Transform()
     while count > 0:
         result = result.then(part) if count % 2 else result
