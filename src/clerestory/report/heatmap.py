@@ -131,8 +131,9 @@ def _hours() -> Markup:
 
 def _schedule(grid: DayHourGrid, occupied: Bool[np.ndarray, " time"]) -> Markup:
     # A line where hours begin or cease to count on most days
-    with np.errstate(invalid="ignore"):
-        usual = np.nanmean(grid.fill(occupied.astype(float)), axis=1) > 0.5
+    share = grid.fill(occupied.astype(float))
+    known = np.isfinite(share)
+    usual = np.where(known, share, 0).sum(axis=1) > 0.5 * known.sum(axis=1)
     edges = np.flatnonzero(np.diff(usual.astype(int))) + 1
     lines = (
         element(

@@ -157,8 +157,8 @@ def room_section(content: ReportContent) -> Markup:
 
 def _view_controls() -> Markup:
     looks = (
-        ("outside", "From outside"),
         ("inside", "From inside"),
+        ("outside", "From outside"),
         ("above", "From above"),
     )
     buttons = [

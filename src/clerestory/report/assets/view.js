@@ -14,7 +14,7 @@ class RoomView {
     this.makeFaces();
     this.solids = this.makeSolids();
     this.marks = this.makeMarks();
-    this.lookFrom("outside");
+    this.lookFrom("inside");
     new ResizeObserver(() => this.draw()).observe(stage);
     this.listen();
   }
@@ -99,8 +99,8 @@ class RoomView {
     this.show(raster, width, height);
     for (const { span, at } of this.marks) {
       const p = lens.toEye(at), s = lens.toScreen(p);
-      span.style.left = s[0] / sharp + "px";
-      span.style.top = s[1] / sharp + "px";
+      span.style.left = 100 * s[0] / W + "%";
+      span.style.top = 100 * s[1] / H + "%";
       span.hidden = p[2] < lens.near;
     }
   }

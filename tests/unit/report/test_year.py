@@ -1,0 +1,110 @@
+"""The picture of the year: every step in its cell, whatever the steps."""
+
+import base64
+import gzip
+import io
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from clerestory.report.colour import ColourScale, illuminance_scale
+from clerestory.report.heatmap import day_hour_grid
+from clerestory.report.period import hours_in, period_words
+from clerestory.report.pixels import code_step, illuminance_codes, packed, picture
+
+
+@pytest.mark.parametrize(("minutes", "bins"), [(60, 24), (30, 48), (10, 144), (5, 288)])
+def test_each_step_of_a_year_fills_its_own_cell(room, minutes, bins):
+    times = room.year(minutes)
+    grid = day_hour_grid(times)
+    assert (grid.days, grid.bins) == (365, bins)
+    assert np.array_equal(grid.cell, np.arange(365 * bins))
+
+
+def test_minutes_are_averaged_into_cells_of_five(room):
+    grid = day_hour_grid(room.year(1, days=2))
+    values = grid.fill(np.arange(2880.0))
+    assert values.shape == (288, 2)
+    assert values[0, 0] == pytest.approx(2.0)
+
+
+def test_missing_hours_are_empty():
+    times = np.array(["2023-03-01T10:30", "2023-03-01T11:30", "2023-03-04T10:30"])
+    values = day_hour_grid(times.astype("datetime64[s]")).fill(
+        np.array([1.0, 2.0, 3.0])
+    )
+    assert values.shape == (24, 4)
+    assert np.nansum(values) == 6
+    assert np.isfinite(values).sum() == 3
+    assert values[10, 3] == 3
+
+
+def test_several_years_lie_on_top_of_each_other():
+    times = np.array(["2019-07-01T12:30", "2021-07-01T12:30", "2022-02-28T00:30"])
+    grid = day_hour_grid(times.astype("datetime64[s]"))
+    values = grid.fill(np.array([1.0, 3.0, 7.0]))
+    assert values[12, -1] == 2
+    assert values[0, 0] == 7
+    assert grid.days == 125
+
+
+def test_leap_days_keep_their_place():
+    """From 31 January to 1 March of a leap year there are 30 days."""
+    times = np.array(["2016-01-31T12:00", "2020-02-29T12:00", "2021-03-01T12:00"])
+    grid = day_hour_grid(times.astype("datetime64[s]"))
+    assert grid.days == 31
+    assert (grid.cell // grid.bins).tolist() == [0, 29, 30]
+
+
+def test_the_period_is_told_in_words(room):
+    assert period_words(room.year(15, 7, "2023-06-18")) == (
+        "18 June to 24 June, 672 steps of 15 minutes"
+    )
+    noon = np.array(["2023-06-21T12:00"], dtype="datetime64[s]")
+    assert period_words(noon) == "21 June, 1 step of 60 minutes"
+
+
+def test_quarter_hours_count_as_quarters(room):
+    times = room.year(15, 2)
+    assert hours_in(times, np.ones(len(times), dtype=bool)) == pytest.approx(48)
+
+
+def test_codes_keep_illuminance_to_two_parts_in_ten_thousand():
+    lux = np.geomspace(1, 150_000, 999)
+    decoded = np.expm1(illuminance_codes(lux) * code_step())
+    assert np.max(np.abs(decoded / lux - 1)) < 3e-4
+    assert illuminance_codes(np.zeros(1))[0] == 0
+
+
+def test_arrays_survive_packing():
+    values = np.arange(1000, dtype=np.uint16)
+    raw = gzip.decompress(base64.b64decode(packed(values)))
+    assert np.array_equal(np.frombuffer(raw, "<u2"), values)
+
+
+def test_midnight_is_at_the_bottom_and_gaps_are_clear():
+    scale = ColourScale(0, 1, "lux")
+    values = np.full((24, 3), np.nan)
+    values[0] = 0.5
+    address = picture(values, scale)
+    pixels = imread(io.BytesIO(base64.b64decode(address.split(",")[1])), format="png")
+    assert pixels.shape == (24, 3, 4)
+    assert np.all(pixels[-1, :, 3] == 1)
+    assert np.all(pixels[:-1, :, 3] == 0)
+
+
+def test_colours_grow_lighter_with_the_value():
+    scale = illuminance_scale(np.array([50.0, 5000.0]))
+    red, green, blue = scale.colours(np.geomspace(scale.low, scale.high, 20)).T.astype(
+        float
+    )
+    assert np.all(np.diff(0.2126 * red + 0.7152 * green + 0.0722 * blue) > 0)
+
+
+@pytest.mark.parametrize("lux", [np.zeros(5), np.array([7.0]), np.array([3e5, 4e5])])
+def test_scales_of_odd_values_still_span_a_decade(lux):
+    scale = illuminance_scale(lux)
+    assert scale.high >= 10 * scale.low > 0
+    assert np.all(np.isfinite(scale.fraction(lux)))
+    assert scale.ticks()
