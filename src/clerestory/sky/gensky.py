@@ -1,0 +1,130 @@
+"""CIE skies with the levels that Radiance's gensky gives them.
+
+Where no measurement is at hand, the zenith luminance follows from the sun's
+altitude and the turbidity of the air.
+
+Reference: Radiance, gensky; zenith luminance after R. Dogniaux (clear) and
+R. G. Hopkinson (overcast).
+"""
+
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.constants import GROUND_REFLECTANCE
+from clerestory.errors import InputError
+from clerestory.sky.distribution import (
+    Distribution,
+    Intermediate,
+    Overcast,
+    cie_general,
+    horizontal_integral,
+)
+from clerestory.sky.point import PointSky
+
+CieSky = Literal["uniform", "overcast", "intermediate", "clear"]
+
+# Luminous efficacy of sky and sun in gensky [lm/W]
+_SKY_EFFICACY = 203.0
+_SUN_EFFICACY = 208.0
+
+# Solid angle of gensky's sun, half a degree wide [sr]
+_SUN_SOLID_ANGLE = 6e-5
+
+# The clear sky's sun is kept off the zenith [rad]
+_HIGHEST_SUN = np.radians(87.0)
+
+
+def cie_sky(
+    kind: CieSky | int,
+    *,
+    sun_altitude: float,
+    sun_azimuth: float,
+    with_sun: bool = False,
+    turbidity: float = 2.45,
+    diffuse_horizontal: float | None = None,
+    direct_normal: float | None = None,
+    ground_reflectance: float = GROUND_REFLECTANCE,
+) -> PointSky:
+    """Return a CIE sky at one moment.
+
+    Parameters
+    ----------
+    kind : one of gensky's four skies, or the number of a CIE general sky, 1…15
+    sun_altitude, sun_azimuth : of the sun, azimuth clockwise from north [rad]
+    with_sun : whether the sun is part of the sky; the ground is lit by it either
+        way, as in gensky; uniform and overcast skies have none
+    turbidity : Linke's, for the zenith of clear skies
+    diffuse_horizontal : what the sky sends to a level plane [W/m²]; None takes
+        gensky's zenith luminance, needed for the general skies
+    direct_normal : irradiance from the sun [W/m²]; None takes gensky's
+    ground_reflectance : of the ground
+
+    Raises
+    ------
+    InputError : an unknown kind, or a general sky without a level
+    """
+    overcast = kind in ("uniform", "overcast")
+    altitude = sun_altitude if overcast else min(sun_altitude, _HIGHEST_SUN)
+    flat = np.cos(altitude)
+    sun = np.array(
+        [flat * np.sin(sun_azimuth), flat * np.cos(sun_azimuth), np.sin(altitude)]
+    )
+    distribution = _distribution(kind)
+    total = horizontal_integral(distribution, sun=sun)
+    if diffuse_horizontal is not None:
+        scale = diffuse_horizontal / total
+    elif isinstance(kind, int):
+        raise InputError(
+            f"CIE general sky {kind} without a diffuse irradiance; W/m² expected"
+        )
+    else:
+        up = np.array([0.0, 0.0, 1.0])
+        at_zenith = float(distribution.relative(up, sun=sun))
+        scale = _zenith_radiance(kind, sun, turbidity) / at_zenith
+
+    # Light the ground by sky and sun, whether the sun itself is shown or not
+    direct = 0.0
+    if not overcast and sun[2] > 0:
+        direct = _direct_normal(kind, sun) if direct_normal is None else direct_normal
+    level = scale * total + direct * max(float(sun[2]), 0.0)
+    ground = ground_reflectance * level / np.pi
+    return PointSky(distribution, scale, sun, direct if with_sun else 0.0, ground)
+
+
+def _distribution(kind: CieSky | int) -> Distribution:
+    if isinstance(kind, int):
+        return cie_general(kind)
+    named: dict[str, Distribution] = {
+        "uniform": cie_general(5),
+        "overcast": Overcast(),
+        "intermediate": Intermediate(),
+        "clear": cie_general(12),
+    }
+    if kind not in named:
+        raise InputError(
+            f"unknown sky {kind!r}; {', '.join(named)} or 1 to 15 expected"
+        )
+    return named[kind]
+
+
+def _zenith_radiance(
+    kind: CieSky, sun: Float[np.ndarray, "3"], turbidity: float
+) -> float:
+    # kcd/m² to W/(m²·sr)
+    cloudy = 8.6 * sun[2] + 0.123
+    clear = (1.376 * turbidity - 1.81) * sun[2] / np.hypot(sun[0], sun[1]) + 0.38
+    level = {
+        "uniform": cloudy,
+        "overcast": cloudy,
+        "clear": clear,
+        "intermediate": (clear + cloudy) / 2,
+    }[kind]
+    return max(float(level), 0.0) * 1000 / _SKY_EFFICACY
+
+
+def _direct_normal(kind: CieSky | int, sun: Float[np.ndarray, "3"]) -> float:
+    radiance = 1.5e9 / _SUN_EFFICACY * (1.147 - 0.147 / max(float(sun[2]), 0.16))
+    share = 0.15 if kind == "intermediate" else 1.0
+    return radiance * share * _SUN_SOLID_ANGLE
