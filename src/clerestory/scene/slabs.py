@@ -57,18 +57,9 @@ def slab_triangles(
         at_low, at_high = (a[:, 1] + (x - a[:, 0]) * slope for x in (low, high))
         order = np.argsort(at_low + at_high, kind="stable")
         for lower, upper in zip(order[0::2], order[1::2], strict=False):
-            corners.append(
-                np.array(
-                    [
-                        [low, at_low[lower]],
-                        [high, at_high[lower]],
-                        [high, at_high[upper]],
-                        [low, at_low[lower]],
-                        [high, at_high[upper]],
-                        [low, at_low[upper]],
-                    ]
-                )
-            )
+            first, second = (low, at_low[lower]), (high, at_high[lower])
+            third, fourth = (high, at_high[upper]), (low, at_low[upper])
+            corners.append(np.array([first, second, third, first, third, fourth]))
     corner = np.concatenate(corners).reshape(-1, 3, 2)
     u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     doubled = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
