@@ -75,20 +75,21 @@ def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) ->
 
 
 def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
-    # Triangles and convex quadrilaterals together, all others one by one
-    by_corners: dict[int, list[int]] = {3: [], 4: []}
+    # Convex polygons with equally many corners together, all others one by one
+    by_corners: dict[int, list[int]] = {}
     rest: list[int] = []
     for i in chosen:
         surface = surfaces[i]
-        corners = len(surface.vertices) if isinstance(surface, Polygon) else 0
-        by_corners.get(corners, rest).append(i)
-    if by_corners[3]:
-        yield _fans(_corners(surfaces, by_corners[3]), np.array(by_corners[3]))
-    if by_corners[4]:
-        index, corner = np.array(by_corners[4]), _corners(surfaces, by_corners[4])
+        if isinstance(surface, Polygon):
+            by_corners.setdefault(len(surface.vertices), []).append(i)
+        else:
+            rest.append(i)
+    for alike in by_corners.values():
+        index, corner = np.array(alike), _corners(surfaces, alike)
         convex = _convex(corner)
         rest += index[~convex].tolist()
-        yield _fans(corner[convex], index[convex])
+        if convex.any():
+            yield _fans(corner[convex], index[convex])
     for i in rest:
         triangles = _triangles(surfaces[i])
         origin = np.full(len(triangles.faces), i)
@@ -118,12 +119,20 @@ def _fans(
     return _Part(corner.reshape(-1, 3), faces, np.repeat(index, corners - 2))
 
 
-def _convex(corner: Float[np.ndarray, "polygons 4 3"]) -> Bool[np.ndarray, " polygons"]:
-    # Whether every corner turns the way the whole polygon turns
+def _convex(
+    corner: Float[np.ndarray, "polygons corners 3"],
+) -> Bool[np.ndarray, " polygons"]:
+    # Whether every corner turns the way of the whole, and the corners as seen from
+    # the first follow each other within half a turn, so that none winds around twice
+    if corner.shape[1] == 3:
+        return np.ones(len(corner), dtype=bool)
     edge = np.roll(corner, -1, axis=1) - corner
     turn = np.cross(np.roll(edge, 1, axis=1), edge)
-    whole = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
-    share = np.einsum("pcx,px->pc", turn, whole)
+    spoke = corner[:, 1:] - corner[:, :1]
+    fan = np.cross(spoke[:, :-1], spoke[:, 1:])
+    sweep = np.cross(spoke[:, :1], spoke[:, 1:])
+    whole = fan.sum(axis=1)
+    share = np.einsum("pcx,px->pc", np.concatenate([turn, fan, sweep], axis=1), whole)
     size = np.einsum("px,px->p", whole, whole)
     convex: np.ndarray = np.all(share > 1e-9 * size[:, None], axis=1)
     return convex

@@ -45,6 +45,30 @@ def test_a_quadrilateral_that_crosses_itself_is_not_taken_for_convex():
     assert area_by_surface(mesh)[1][0] == pytest.approx(1.8 + 0.8)
 
 
+def test_a_pentagram_is_not_taken_for_convex():
+    """By parity its points are filled and the pentagon between them is open."""
+    angle = np.radians(90 + 144 * np.arange(5))
+    [mesh] = meshes(
+        Scene(
+            {"grey": plastic("grey")},
+            (polygon(np.column_stack([np.cos(angle), np.sin(angle)])),),
+        )
+    )
+    inner = np.sin(np.radians(18)) / np.sin(np.radians(54))
+    outline = 5 * inner * np.sin(np.radians(36))
+    pentagon = 2.5 * inner**2 * np.sin(np.radians(72))
+    assert area_by_surface(mesh)[1][0] == pytest.approx(outline - pentagon)
+
+
+@pytest.mark.parametrize("turns", [1, -1])
+def test_regular_polygons_become_fans(turns):
+    angle = turns * 2 * np.pi * np.arange(12) / 12
+    contour = np.column_stack([np.cos(angle), np.sin(angle)])
+    [mesh] = meshes(Scene({"grey": plastic("grey")}, (polygon(contour),)))
+    assert len(mesh.faces) == 10
+    assert area_by_surface(mesh)[0][0] == pytest.approx(turns * 3)
+
+
 def test_materials_get_a_mesh_each_in_their_order():
     materials = {name: plastic(name) for name in ("a", "b", "unused")}
     surfaces = (polygon(SQUARE, "b"), polygon(TRIANGLE, "a"), polygon(TRIANGLE, "b"))
