@@ -1,6 +1,7 @@
 """Sky matrices against Radiance's gendaymtx, patch by patch."""
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.suns import sun_matrix
 
 pyradiance = pytest.importorskip("pyradiance")
 # The weather is random, and one file of the world has light at night
@@ -33,7 +35,9 @@ def gendaymtx(wea: Path, *options: str) -> np.ndarray:
     output = subprocess.run(
         command, capture_output=True, check=True, env=environment
     ).stdout
-    head, body = output.split(b"\n\n", 1)
+    head, _, body = output.partition(b"\n\n")
+    if not body:
+        return np.empty((3, 0, 0))
     fields = dict(line.split(b"=", 1) for line in head.splitlines() if b"=" in line)
     shape = int(fields[b"NROWS"]), int(fields[b"NCOLS"]), 3
     return np.frombuffer(body, "<f4").reshape(shape).transpose(2, 0, 1)
@@ -89,6 +93,21 @@ def test_options_mean_the_same(wea, options, arguments):
         read_weather(wea), subdivision=2, sun_formula="radiance", **arguments
     )
     assert_same_sky(sky.values, gendaymtx(wea, "-m", "2", *options.split()))
+
+
+def test_exact_suns_equal_the_sources_of_gendaymtx(wea, tmp_path):
+    """gendaymtx -D writes one source a step with the sun up, some of them black."""
+    file = tmp_path / "suns.rad"
+    gendaymtx(wea, "-n", "-D", str(file))
+    text = file.read_text()
+    radiance = np.array(re.findall(r"\n3 (\S+) \S+ \S+\n", text), dtype=float)
+    vectors = re.findall(r"\n4 (\S+) (\S+) (\S+) 0.533", text)
+    bright = radiance > 0
+    suns = sun_matrix(read_weather(wea), sun_formula="radiance", dew_point_c=11)
+    ours = np.asarray(suns.radiance().sum(axis=1)).ravel()
+    np.testing.assert_allclose(ours, radiance[bright], rtol=1e-3)
+    theirs = np.array(vectors, dtype=float)[bright]
+    np.testing.assert_allclose(suns.directions, theirs, atol=2e-6)
 
 
 CLIMATES = [
