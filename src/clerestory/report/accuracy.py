@@ -35,7 +35,7 @@ def error_histogram(content: ReportContent) -> Markup:
     errors = relative_errors(content, above=LIT_LUX)
     if not errors.size or not errors.any():
         return element("p", error_words(content), class_="note")
-    high = float(np.quantile(errors, 0.998)) * 1.05
+    high = 1.25 * float(np.quantile(errors, 0.99))
     share, _ = np.histogram(np.minimum(errors, high), bins=_BARS, range=(0, high))
     share = 100 * share / errors.size
     label = f"Distribution of the relative standard errors. {error_words(content)}"
@@ -61,7 +61,8 @@ def error_histogram(content: ReportContent) -> Markup:
         element("text", "median", x=f"{median + 5:.1f}", y=14, class_="start"),
         element(
             "text",
-            f"relative standard error of an hour above {LIT_LUX:.0f} lux [%]",
+            f"relative standard error of the hours above {LIT_LUX:.0f} lux [%];"
+            " the last bar holds all beyond",
             x=_LEFT + _WIDTH / 2,
             y=_HEIGHT + _FOOT,
         ),

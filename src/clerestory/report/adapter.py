@@ -22,7 +22,8 @@ from clerestory.report.content import (
 )
 from clerestory.study.results import Results
 
-_SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices")
+_SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
+_STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedule")
 _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 
 
@@ -95,14 +96,14 @@ def schedule_words(schedule: Mapping[str, Any]) -> str:
 
 def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
     """Return the study file as tables, one for each of its own."""
-    plain = {k: v for k, v in study.items() if not isinstance(v, dict | list)}
-    tables = [FactTable("Study", _rows(plain))] if plain else []
-    for name, value in study.items():
+    tables = []
+    for name in sorted(study, key=_place_in_study):
+        value = study[name]
         groups = value if isinstance(value, list) else [value]
         for group in groups:
-            if isinstance(group, dict) and group:
+            if isinstance(group, dict) and group and name not in _SHOWN_ELSEWHERE:
                 title = " ".join(filter(None, (name, str(group.get("name") or ""))))
-                shown = {k: v for k, v in group.items() if k != "name"}
+                shown = {_label(k): v for k, v in group.items() if k != "name"}
                 tables.append(FactTable(_label(title), _rows(shown)))
     return tuple(tables)
 
@@ -110,20 +111,35 @@ def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
 def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
     """Return the facts of the run as tables, in the run's own words."""
     shown = {k: v for k, v in run.items() if k not in _SHOWN_ELSEWHERE}
-    plain = {k: v for k, v in shown.items() if not isinstance(v, dict | list)}
+    plain = {_label(k): v for k, v in shown.items() if not isinstance(v, dict | list)}
     tables = [FactTable("Run", _rows(plain))] if plain else []
     for name, value in shown.items():
         if isinstance(value, dict) and value:
             tables.append(FactTable(_label(name), _rows(value)))
-    matrices = {k: _one_line(v) for k, v in dict(run.get("matrices", {})).items()}
+    matrices = {
+        _short_name(str(name)): "kept from an earlier run"
+        if dict(facts).get("found")
+        else "traced in this run"
+        for name, facts in dict(run.get("matrices", {})).items()
+    }
     if matrices:
         tables.append(FactTable("Matrices", _rows(matrices)))
     return tuple(tables)
 
 
+def _place_in_study(name: str) -> int:
+    return _STUDY_ORDER.index(name) if name in _STUDY_ORDER else len(_STUDY_ORDER)
+
+
+def _short_name(file: str) -> str:
+    # Of the hash in the name of a matrix, enough to tell it from others
+    stem, _, digest = file.removesuffix(".nc").rpartition("-")
+    return f"{stem}-{digest[:8]}"
+
+
 def _rows(values: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     return tuple(
-        (_label(str(key)), _one_line(value))
+        (str(key), _one_line(value))
         for key, value in values.items()
         if value is not None
     )

@@ -59,7 +59,7 @@ def grid_frames(
 def series_names(content: ReportContent) -> list[tuple[str, int | None]]:
     """Return names of the hourly series, each with its sensor unless it is a mean."""
     names: list[tuple[str, int | None]] = [
-        (f"Mean of {grid} ({len(members)} sensors)", None)
+        (f"Mean of {grid} ({len(members):,} sensors)", None)
         for grid, members in content.sensors.by_grid().items()
     ]
     count = min(len(content.sensors), max(1, _MOST_VALUES // len(content.times)))

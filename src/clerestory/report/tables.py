@@ -23,10 +23,10 @@ def fact_tables(tables: Sequence[FactTable]) -> Markup:
 
 
 def time_table(seconds: Mapping[str, float]) -> Markup:
-    """Return the run time of each phase, with bars."""
+    """Return the run time of each phase, with bars, the longest first."""
     total = sum(seconds.values())
     rows = []
-    for phase, spent in seconds.items():
+    for phase, spent in sorted(seconds.items(), key=lambda item: -item[1]):
         share = 100 * spent / total if total > 0 else 0.0
         bar = element("span", style=f"width:{share:.1f}%", class_="bar")
         cells = (

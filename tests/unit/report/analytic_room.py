@@ -211,8 +211,6 @@ def analytic_results(
         },
         "error": {"desks": 0.0097, "eyes": 0.0089},
         "warnings": [],
-        "matrices": {
-            "view south": {"file": "view-3f2a.nc", "found": False, "error": 0.0081}
-        },
+        "matrices": {"view-south-3f2a.nc": {"found": False}},
     }
     return Results(data, facts if run is None else run)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from lxml import html
 
 from clerestory.report.accuracy import error_words
 from clerestory.report.adapter import (
@@ -13,7 +14,7 @@ from clerestory.report.adapter import (
 )
 from clerestory.report.markup import element, embedded_json
 from clerestory.report.summary import Figure, metric_maps
-from clerestory.report.tables import duration
+from clerestory.report.tables import duration, time_table
 
 
 @pytest.mark.parametrize(
@@ -74,19 +75,27 @@ def test_no_schedule_means_all_hours():
 
 def test_facts_come_as_tables_whatever_they_are():
     study = {"title": "t", "window": [{"name": "w", "file": "w.rad"}], "sky": {"mf": 4}}
-    assert [table.title for table in study_tables(study)] == [
-        "Study",
-        "Window w",
-        "Sky",
-    ]
+    assert [table.title for table in study_tables(study)] == ["Window w", "Sky"]
     run = {
         "seed": 3,
         "versions": {"numpy": "2"},
-        "matrices": {"V": {"error": 0.0123456}},
+        "matrices": {f"view-south-{'3f2a' * 8}.nc": {"found": True}},
     }
     tables = {table.title: dict(table.rows) for table in run_tables(run)}
     assert tables["Run"] == {"Seed": "3"}
-    assert tables["Matrices"] == {"V": "error 0.01235"}
+    assert tables["Versions"] == {"numpy": "2"}
+    assert tables["Matrices"] == {"view-south-3f2a3f2a": "kept from an earlier run"}
+
+
+def test_the_tables_of_a_study_keep_the_order_of_the_light():
+    study = {"trace": {"seed": 1}, "sky": {"mf": 4}, "scene": {"files": []}}
+    assert [t.title for t in study_tables(study)] == ["Scene", "Sky", "Trace"]
+
+
+def test_the_longest_phase_comes_first():
+    table = html.fromstring(time_table({"read": 0.1, "trace": 7.0, "sky": 2.0}))
+    heads = [th.text for th in table.iter("th")]
+    assert heads == ["trace", "sky", "read", "Total"]
 
 
 def test_durations_are_told_as_people_do():

@@ -71,7 +71,7 @@ class RoomView {
   }
 
   eye() {
-    const distance = 3.4 * this.radius / this.zoom;
+    const distance = 3.7 * this.radius / this.zoom;
     const back = [Math.cos(this.tilt) * Math.cos(this.turn), Math.cos(this.tilt) * Math.sin(this.turn), Math.sin(this.tilt)];
     const right = [-Math.sin(this.turn), Math.cos(this.turn), 0];
     return { at: add(this.centre, back, distance), back, right, up: cross(back, right) };
