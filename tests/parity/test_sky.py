@@ -84,6 +84,7 @@ OPTIONS = [
     ("-O1", {"spectrum": "solar"}),
     ("-d -5 .533", {"include": "sun", "sun": "disc"}),
     ("-5 .533", {"sun": "disc"}),
+    ("-5 6", {"sun": "disc", "sun_diameter_deg": 6.0}),
 ]
 
 

@@ -86,20 +86,7 @@ def sky_conditions(
         raise InputError(
             f"unknown spectrum {spectrum!r}; 'visible' or 'solar' expected"
         )
-    if not np.isfinite(rotation_deg):
-        raise InputError(
-            f"rotation {rotation_deg}; a finite number of degrees expected"
-        )
-    sun = sun_position(
-        weather.times,
-        latitude_deg=weather.latitude_deg,
-        longitude_deg=weather.longitude_deg,
-        utc_offset_hours=weather.utc_offset_hours,
-        elevation=weather.elevation,
-        formula=sun_formula,
-    )
-    sun = SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
-
+    sun = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
     _warn_of_light_at_night(weather, sun)
 
     # Turn irradiance into the state of the sky and visible light
@@ -116,6 +103,36 @@ def sky_conditions(
     return SkyConditions(
         sun, state, np.where(night, 0, direct), np.where(night, 0, diffuse)
     )
+
+
+def sun_over(
+    weather: Weather, *, rotation_deg: float = 0.0, sun_formula: SunFormula = "spa"
+) -> SunPosition:
+    """Return where the sun stands at each step of the weather.
+
+    Parameters
+    ----------
+    rotation_deg : turns the sun counter-clockwise, for scenes whose y axis points
+        that much east of north
+    sun_formula : "spa", or "radiance" for comparisons with Radiance
+
+    Raises
+    ------
+    InputError : a rotation that is not finite, or another formula
+    """
+    if not np.isfinite(rotation_deg):
+        raise InputError(
+            f"rotation {rotation_deg}; a finite number of degrees expected"
+        )
+    sun = sun_position(
+        weather.times,
+        latitude_deg=weather.latitude_deg,
+        longitude_deg=weather.longitude_deg,
+        utc_offset_hours=weather.utc_offset_hours,
+        elevation=weather.elevation,
+        formula=sun_formula,
+    )
+    return SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
 
 
 def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:

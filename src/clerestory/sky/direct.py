@@ -5,6 +5,7 @@ patches nearest to it; methods that treat the direct sun apart want it in one,
 either spread over the patch or at the radiance of its disc.
 """
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,9 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import SkyPartition
 
 SunPlacement = Literal["spread", "patch", "disc"]
+
+SUN_DIAMETER_DEG = math.degrees(SUN_DIAMETER)
+_WIDEST_SUN_DEG = 30.0
 
 # Nearest patches that share the sun, and the softening of their weights, in gendaymtx
 _NEIGHBOURS = 4
@@ -32,6 +36,7 @@ def sun_radiance(
     *,
     partition: SkyPartition,
     placement: SunPlacement = "spread",
+    diameter_deg: float = SUN_DIAMETER_DEG,
 ) -> csc_array:
     """Return the radiance [W/(m²·sr)] the sun adds to each patch at each step.
 
@@ -42,16 +47,21 @@ def sun_radiance(
     partition : the sky
     placement : "spread" over the four nearest patches, weighted by proximity;
         all in the nearest "patch"; in the nearest patch at the radiance of the
-        sun's "disc" of 0.533°, for direct-sun matrices traced with such discs
+        sun's "disc", for direct-sun matrices traced with such discs
+    diameter_deg : apparent diameter of the disc
 
     Raises
     ------
-    InputError : another placement
+    InputError : another placement, a disc without size or wider than 30°
     """
     if placement not in ("spread", "patch", "disc"):
         raise InputError(
             f"unknown placement of the sun {placement!r};"
             " 'spread', 'patch' or 'disc' expected"
+        )
+    if not 0 < diameter_deg <= _WIDEST_SUN_DEG:
+        raise InputError(
+            f"sun of {diameter_deg}°; a diameter up to {_WIDEST_SUN_DEG:g}° expected"
         )
     up = np.flatnonzero(direct > _THRESHOLD)
     count = _NEIGHBOURS if placement == "spread" else 1
@@ -62,7 +72,7 @@ def sun_radiance(
     weight = 1 / (_SOFTENING - 1 + distance**2 / 2)
     weight /= weight.sum(axis=1, keepdims=True)
     if placement == "disc":
-        solid_angle = np.full(near.shape, np.pi * (SUN_DIAMETER / 2) ** 2)
+        solid_angle = np.full(near.shape, np.pi * np.radians(diameter_deg / 2) ** 2)
     else:
         solid_angle = partition.dome.solid_angles()[near]
     radiance = (direct[up, None] * weight / solid_angle).astype(np.float32)

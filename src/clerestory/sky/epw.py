@@ -17,12 +17,18 @@ from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_text
 from clerestory.sky.cells import column, number
 from clerestory.sky.moments import moments
-from clerestory.sky.repair import repair_irradiance, report
-from clerestory.sky.weather import Weather
+from clerestory.sky.repair import repaired_weather
+from clerestory.sky.weather import Site, Weather
 
 _HEADER_LINES = 8
-_MONTH, _DAY, _HOUR, _MINUTE = 1, 2, 3, 4
-_DEW_POINT, _DIRECT_NORMAL, _DIFFUSE_HORIZONTAL = 7, 14, 15
+
+# Fields of a data row, counted from 0
+_TIME = {"month": 1, "day": 2, "hour": 3, "minute": 4}
+_SERIES = {
+    "direct normal irradiance": 14,
+    "diffuse horizontal irradiance": 15,
+    "dew point": 7,
+}
 
 # Codes for missing data: 9999 W/m² and more, 99.9 °C
 _MISSING_IRRADIANCE = 9999.0
@@ -43,7 +49,7 @@ def read_epw(path: str | Path) -> Weather:
         raise InputError(
             "no LOCATION in the first line; an EPW file expected", file=path, line=1
         )
-    place, latitude, longitude, offset, elevation = _location(cells, path)
+    site = _site(cells, path)
     per_hour = _records_per_hour(lines, path)
 
     # Split the data rows
@@ -52,53 +58,35 @@ def read_epw(path: str | Path) -> Weather:
         raise InputError("no data rows after the header", file=path, line=len(lines))
     rows = [lines[i].split(",") for i in numbers]
     at = np.array(numbers) + 1
-    cell = {
-        name: column(rows, index, name=name, file=path, lines=at)
-        for name, index in (
-            ("month", _MONTH),
-            ("day", _DAY),
-            ("hour", _HOUR),
-            ("minute", _MINUTE),
-        )
-    }
+    month, day, hour, minute = (
+        column(rows, index, name=name, file=path, lines=at)
+        for name, index in _TIME.items()
+    )
 
     # Go from the end of each step to its centre
-    end = cell["hour"] if per_hour == 1 else cell["hour"] - 1 + cell["minute"] / 60
+    end = hour if per_hour == 1 else hour - 1 + minute / 60
     centre = end - 0.5 / per_hour
-    times = moments(cell["month"], cell["day"], centre, file=path, lines=at)
+    times = moments(month, day, centre, file=path, lines=at)
 
     # Read the irradiance and the dew point
-    direct, direct_notes = _irradiance(
-        rows, _DIRECT_NORMAL, "direct normal irradiance", path, at, times
+    direct, diffuse, dew_point = (
+        column(rows, index, name=name, file=path, lines=at, may_miss=True)
+        for name, index in _SERIES.items()
     )
-    diffuse, diffuse_notes = _irradiance(
-        rows, _DIFFUSE_HORIZONTAL, "diffuse horizontal irradiance", path, at, times
-    )
-    dew_point = column(
-        rows, _DEW_POINT, name="dew point", file=path, lines=at, may_miss=True
-    )
-    notes = direct_notes + diffuse_notes
-    report(notes, file=path)
     _warn_if_cut_off(times, per_hour, lines, path)
-    return Weather(
-        place=place,
-        latitude_deg=latitude,
-        longitude_deg=longitude,
-        elevation=elevation,
-        utc_offset_hours=offset,
-        times=times,
-        step_minutes=60 / per_hour,
-        direct_normal=direct,
-        diffuse_horizontal=diffuse,
+    return repaired_weather(
+        site,
+        times,
+        direct_normal=np.where(direct >= _MISSING_IRRADIANCE, np.nan, direct),
+        diffuse_horizontal=np.where(diffuse >= _MISSING_IRRADIANCE, np.nan, diffuse),
         dew_point_c=np.where(np.abs(dew_point) < _MISSING_DEW_POINT, dew_point, np.nan),
-        source=str(path),
-        notes=notes,
+        step_minutes=60 / per_hour,
+        file=path,
+        lines=at,
     )
 
 
-def _location(
-    cells: list[str], path: str | Path
-) -> tuple[str, float, float, float, float]:
+def _site(cells: list[str], path: str | Path) -> Site:
     place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
     latitude, longitude, offset, elevation = (
         number(cells, index, name=name, file=path, line=1)
@@ -109,7 +97,7 @@ def _location(
             (9, "elevation"),
         )
     )
-    return place, latitude, longitude, offset, elevation
+    return Site(latitude, longitude, offset, elevation, place)
 
 
 def _records_per_hour(lines: list[str], path: str | Path) -> int:
@@ -128,19 +116,6 @@ def _records_per_hour(lines: list[str], path: str | Path) -> int:
         f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected",
         file=path,
     )
-
-
-def _irradiance(
-    rows: list[list[str]],
-    index: int,
-    name: str,
-    path: str | Path,
-    at: np.ndarray,
-    times: np.ndarray,
-) -> tuple[np.ndarray, tuple[str, ...]]:
-    values = column(rows, index, name=name, file=path, lines=at, may_miss=True)
-    values[values >= _MISSING_IRRADIANCE] = np.nan
-    return repair_irradiance(values, name=name, times=times, file=path, lines=at)
 
 
 def _warn_if_cut_off(

@@ -6,7 +6,7 @@ saving); times without one are local standard time.
 """
 
 import csv
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 from typing import Literal
@@ -21,7 +21,7 @@ from clerestory.sky.closure import Decomposition, split_irradiance
 from clerestory.sky.moments import require_growth, typical_step
 from clerestory.sky.repair import repair_irradiance, report
 from clerestory.sky.sun import sun_position
-from clerestory.sky.weather import Weather
+from clerestory.sky.weather import Site, Weather
 
 StandsFor = Literal["start", "centre", "end"]
 
@@ -46,25 +46,6 @@ class Columns:
     diffuse_horizontal: str | None = None
     direct_normal: str | None = None
     dew_point: str | None = None
-
-
-@dataclass(frozen=True)
-class Site:
-    """Where the measurement was made.
-
-    Attributes
-    ----------
-    latitude_deg, longitude_deg : north- and east-positive [°]
-    utc_offset_hours : how far local standard time is ahead of UTC [h]
-    elevation : above the sea [m]
-    place : its name
-    """
-
-    latitude_deg: float
-    longitude_deg: float
-    utc_offset_hours: float
-    elevation: float = 0.0
-    place: str = ""
 
 
 def read_measured(
@@ -119,11 +100,7 @@ def read_measured(
     if set(series) == {"global_horizontal"}:
         notes += (f"global irradiance split into sun and sky by {decomposition}",)
     return Weather(
-        place=site.place,
-        latitude_deg=site.latitude_deg,
-        longitude_deg=site.longitude_deg,
-        elevation=site.elevation,
-        utc_offset_hours=site.utc_offset_hours,
+        **asdict(site),
         times=times,
         step_minutes=step,
         direct_normal=split.direct_normal,

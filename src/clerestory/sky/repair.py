@@ -10,12 +10,14 @@ one warning.
 """
 
 import warnings
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.sky.weather import Site, Weather
 
 _ZERO_OFFSET = -10.0
 _LARGEST = 1500.0
@@ -71,7 +73,60 @@ def repair_irradiance(
     return filled, tuple(notes)
 
 
+def repaired_weather(
+    site: Site,
+    times: np.ndarray,
+    *,
+    direct_normal: Float[np.ndarray, " time"],
+    diffuse_horizontal: Float[np.ndarray, " time"],
+    dew_point_c: Float[np.ndarray, " time"] | None = None,
+    step_minutes: float,
+    file: str | Path,
+    lines: Int[np.ndarray, " time"],
+) -> Weather:
+    """Return weather from the columns of a file, repaired and reported.
+
+    Parameters
+    ----------
+    site : the place
+    times : centres of the steps
+    direct_normal, diffuse_horizontal : irradiance [W/m²]; NaN where missing
+    dew_point_c : [°C]; NaN where missing
+    step_minutes : length of a step [min]
+    file, lines : where each step stands
+
+    Raises
+    ------
+    InputError : more than a tenth of the irradiance is missing or impossible
+    """
+    direct, notes = repair_irradiance(
+        direct_normal,
+        name="direct normal irradiance",
+        times=times,
+        file=file,
+        lines=lines,
+    )
+    diffuse, more = repair_irradiance(
+        diffuse_horizontal,
+        name="diffuse horizontal irradiance",
+        times=times,
+        file=file,
+        lines=lines,
+    )
+    report(notes + more, file=file)
+    return Weather(
+        **asdict(site),
+        times=times,
+        step_minutes=step_minutes,
+        direct_normal=direct,
+        diffuse_horizontal=diffuse,
+        dew_point_c=dew_point_c,
+        source=str(file),
+        notes=notes + more,
+    )
+
+
 def report(notes: tuple[str, ...], *, file: str | Path) -> None:
     """Warn once about all the repairs made to a file."""
     if notes:
-        warnings.warn(f"{file}: {'; '.join(notes)}", ClerestoryWarning, stacklevel=4)
+        warnings.warn(f"{file}: {'; '.join(notes)}", ClerestoryWarning, stacklevel=5)

@@ -15,7 +15,7 @@ from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
 from clerestory.sky.conditions import SkyConditions, Spectrum, sky_conditions
-from clerestory.sky.direct import SunPlacement, sun_radiance
+from clerestory.sky.direct import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.dome import Quadrature, dome_radiance
 from clerestory.sky.matrix import SkyMatrix, SkyResponse
 from clerestory.sky.perez import perez_sky
@@ -34,6 +34,7 @@ def sky_matrix(
     subdivision: int = 4,
     include: Include = "all",
     sun: SunPlacement = "spread",
+    sun_diameter_deg: float = SUN_DIAMETER_DEG,
     ground_reflectance: float | Sequence[float] = GROUND_REFLECTANCE,
     sky_colour: Sequence[float] = SKY_COLOUR,
     rotation_deg: float = 0.0,
@@ -54,6 +55,7 @@ def sky_matrix(
     include : "all"; "sky" without the direct sun (the ground is still lit by
         it); "sun" alone, without sky and ground
     sun : how the direct sun is put into patches, see `direct.sun_radiance`
+    sun_diameter_deg : apparent diameter of the sun if it is put as a "disc"
     ground_reflectance : one value, or one per channel
     sky_colour : factor of each channel
     rotation_deg : turns sky and sun counter-clockwise, for scenes whose y axis
@@ -73,9 +75,7 @@ def sky_matrix(
     partition = reinhart(subdivision)
     colour = _colours(partition, ground_reflectance, sky_colour)
     if include not in ("all", "sky", "sun"):
-        raise InputError(
-            f"unknown part of the sky {include!r}; 'all', 'sky' or 'sun' expected"
-        )
+        raise InputError(f"unknown part {include!r}; 'all', 'sky' or 'sun' expected")
     if sun_formula == "radiance":
         quadrature = quadrature or "centres"
         dew_point_c = DEFAULT_DEW_POINT_C if dew_point_c is None else dew_point_c
@@ -89,21 +89,23 @@ def sky_matrix(
     )
 
     # Leave out the parts that are not asked for
-    direct = conditions.direct_normal * (include != "sky")
-    directions = conditions.sun.directions()
     diffuse = _sky_and_ground(conditions, partition, quadrature, empty=include == "sun")
+    added = sun_radiance(
+        conditions.direct_normal * (include != "sky"),
+        conditions.sun.directions(),
+        partition=partition,
+        placement=sun,
+        diameter_deg=sun_diameter_deg,
+    )
     return SkyMatrix(
         partition=partition,
         times=weather.times,
         diffuse=diffuse,
         colour=colour,
-        sun=sun_radiance(direct, directions, partition=partition, placement=sun),
+        sun=added,
         sun_colour=np.ones(3),
-        attributes={
-            "place": weather.place,
-            "latitude_deg": weather.latitude_deg,
-            "longitude_deg": weather.longitude_deg,
-            "source": weather.source,
+        attributes=_provenance(weather)
+        | {
             "include": include,
             "sun": sun,
             "sun_formula": sun_formula,
@@ -112,6 +114,15 @@ def sky_matrix(
             "spectrum": spectrum,
         },
     )
+
+
+def _provenance(weather: Weather) -> dict[str, str | float]:
+    return {
+        "place": weather.place,
+        "latitude_deg": weather.latitude_deg,
+        "longitude_deg": weather.longitude_deg,
+        "source": weather.source,
+    }
 
 
 def _sky_and_ground(

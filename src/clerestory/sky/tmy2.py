@@ -14,8 +14,8 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.cells import column, number
 from clerestory.sky.moments import moments, typical_step
-from clerestory.sky.repair import repair_irradiance, report
-from clerestory.sky.weather import Weather
+from clerestory.sky.repair import repaired_weather
+from clerestory.sky.weather import Site, Weather
 
 # Columns of the data, from the first (counted from 0) up to the last
 _DATA = {
@@ -48,27 +48,15 @@ def read_tmy2(path: str | Path) -> Weather:
         column(rows, i, name=name, file=path, lines=at) for i, name in enumerate(_DATA)
     )
     times = moments(month, day, hour - 0.5, file=path, lines=at)
-    direct, notes = repair_irradiance(
-        direct, name="direct normal irradiance", times=times, file=path, lines=at
-    )
-    diffuse, more = repair_irradiance(
-        diffuse, name="diffuse horizontal irradiance", times=times, file=path, lines=at
-    )
-    report(notes + more, file=path)
-    latitude, longitude, offset, elevation = _site(lines[0], path)
-    return Weather(
-        place="_".join(lines[0][7:32].split()),
-        latitude_deg=latitude,
-        longitude_deg=longitude,
-        elevation=elevation,
-        utc_offset_hours=offset,
-        times=times,
-        step_minutes=typical_step(times),
+    return repaired_weather(
+        _site(lines[0], path),
+        times,
         direct_normal=direct,
         diffuse_horizontal=diffuse,
         dew_point_c=np.where(dew_point == _MISSING_DEW_POINT, np.nan, dew_point / 10),
-        source=str(path),
-        notes=notes + more,
+        step_minutes=typical_step(times),
+        file=path,
+        lines=at,
     )
 
 
@@ -77,7 +65,7 @@ def looks_like_tmy2(first_line: str) -> bool:
     return first_line[37:38] in ("N", "S") and first_line[45:46] in ("E", "W")
 
 
-def _site(header: str, path: str | Path) -> tuple[float, float, float, float]:
+def _site(header: str, path: str | Path) -> Site:
     spans = {
         "time zone": (33, 36),
         "latitude [°]": (39, 41),
@@ -92,4 +80,4 @@ def _site(header: str, path: str | Path) -> tuple[float, float, float, float]:
     )
     latitude = (north + north_minute / 60) * (1 if header[37] == "N" else -1)
     longitude = (east + east_minute / 60) * (1 if header[45] == "E" else -1)
-    return latitude, longitude, offset, elevation
+    return Site(latitude, longitude, offset, elevation, "_".join(header[7:32].split()))

@@ -15,14 +15,14 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.cells import column, number
 from clerestory.sky.moments import moments, typical_step
-from clerestory.sky.repair import repair_irradiance, report
-from clerestory.sky.weather import Weather
+from clerestory.sky.repair import repaired_weather
+from clerestory.sky.weather import Site, Weather
 
 _DATE, _TIME = "Date (MM/DD/YYYY)", "Time (HH:MM)"
 _DIRECT, _DIFFUSE, _DEW_POINT = "DNI (W/m^2)", "DHI (W/m^2)", "Dew-point (C)"
 
-# The code for missing data [W/m², °C]
-_MISSING = -9900.0
+# The code for a missing dew point [°C]; missing irradiance is out of range as well
+_MISSING_DEW_POINT = -9900.0
 
 
 def read_tmy3(path: str | Path) -> Weather:
@@ -50,20 +50,32 @@ def read_tmy3(path: str | Path) -> Weather:
     times = moments(month, day, hour - 0.5, file=path, lines=at)
 
     # Read the irradiance and the dew point
-    series = {}
-    notes: tuple[str, ...] = ()
-    for name in (_DIRECT, _DIFFUSE, _DEW_POINT):
-        index = _index(names, name, path)
-        values = column(rows, index, name=name, file=path, lines=at, may_miss=True)
-        series[name] = np.where(values <= _MISSING, np.nan, values)
-    for name in (_DIRECT, _DIFFUSE):
-        series[name], made = repair_irradiance(
-            series[name], name=name, times=times, file=path, lines=at
+    direct, diffuse, dew_point = (
+        column(
+            rows,
+            _index(names, name, path),
+            name=name,
+            file=path,
+            lines=at,
+            may_miss=True,
         )
-        notes += made
-    report(notes, file=path)
+        for name in (_DIRECT, _DIFFUSE, _DEW_POINT)
+    )
+    return repaired_weather(
+        _site(site, path),
+        times,
+        direct_normal=direct,
+        diffuse_horizontal=diffuse,
+        dew_point_c=np.where(dew_point <= _MISSING_DEW_POINT, np.nan, dew_point),
+        step_minutes=typical_step(times),
+        file=path,
+        lines=at,
+    )
+
+
+def _site(cells: list[str], path: str | Path) -> Site:
     latitude, longitude, offset, elevation = (
-        number(site, index, name=name, file=path, line=1)
+        number(cells, index, name=name, file=path, line=1)
         for index, name in (
             (4, "latitude"),
             (5, "longitude"),
@@ -71,20 +83,8 @@ def read_tmy3(path: str | Path) -> Weather:
             (6, "elevation"),
         )
     )
-    return Weather(
-        place="_".join(part.strip() for part in site[1:3]),
-        latitude_deg=latitude,
-        longitude_deg=longitude,
-        elevation=elevation,
-        utc_offset_hours=offset,
-        times=times,
-        step_minutes=typical_step(times),
-        direct_normal=series[_DIRECT],
-        diffuse_horizontal=series[_DIFFUSE],
-        dew_point_c=series[_DEW_POINT],
-        source=str(path),
-        notes=notes,
-    )
+    place = "_".join(part.strip() for part in cells[1:3])
+    return Site(latitude, longitude, offset, elevation, place)
 
 
 def _index(names: list[str], name: str, path: str | Path) -> int:

@@ -12,8 +12,8 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.cells import column, number
 from clerestory.sky.moments import moments, typical_step
-from clerestory.sky.repair import repair_irradiance, report
-from clerestory.sky.weather import Weather
+from clerestory.sky.repair import repaired_weather
+from clerestory.sky.weather import Site, Weather
 
 _KEYS = (
     "place",
@@ -34,14 +34,7 @@ def read_wea(path: str | Path) -> Weather:
         diffuse horizontal irradiance (units 1), or a row is wrong
     """
     lines = read_text(path).splitlines()
-    place, site = _header(lines, path)
-    if site["weather_data_file_units"] != 1:
-        raise InputError(
-            f"weather_data_file_units {site['weather_data_file_units']:g};"
-            " 1 expected, direct normal and diffuse horizontal irradiance",
-            file=path,
-            line=len(_KEYS),
-        )
+    site = _site(lines, path)
 
     # Split the data rows
     numbers = [i for i, text in enumerate(lines) if i >= len(_KEYS) and text.strip()]
@@ -62,30 +55,18 @@ def read_wea(path: str | Path) -> Weather:
         )
     )
     times = moments(month, day, hour, file=path, lines=at)
-    direct, direct_notes = repair_irradiance(
-        direct, name="direct normal irradiance", times=times, file=path, lines=at
-    )
-    diffuse, diffuse_notes = repair_irradiance(
-        diffuse, name="diffuse horizontal irradiance", times=times, file=path, lines=at
-    )
-    notes = direct_notes + diffuse_notes
-    report(notes, file=path)
-    return Weather(
-        place=place,
-        latitude_deg=site["latitude"],
-        longitude_deg=-site["longitude"],
-        elevation=site["site_elevation"],
-        utc_offset_hours=-site["time_zone"] / 15,
-        times=times,
-        step_minutes=typical_step(times),
+    return repaired_weather(
+        site,
+        times,
         direct_normal=direct,
         diffuse_horizontal=diffuse,
-        source=str(path),
-        notes=notes,
+        step_minutes=typical_step(times),
+        file=path,
+        lines=at,
     )
 
 
-def _header(lines: list[str], path: str | Path) -> tuple[str, dict[str, float]]:
+def _site(lines: list[str], path: str | Path) -> Site:
     values = {}
     place = ""
     for i, key in enumerate(_KEYS):
@@ -99,4 +80,18 @@ def _header(lines: list[str], path: str | Path) -> tuple[str, dict[str, float]]:
             place = cells[1].strip() if len(cells) > 1 else ""
         else:
             values[key] = number(cells, 1, name=key, file=path, line=i + 1)
-    return place, values
+    units = values["weather_data_file_units"]
+    if units != 1:
+        raise InputError(
+            f"weather_data_file_units {units:g}; 1 expected, direct normal and"
+            " diffuse horizontal irradiance",
+            file=path,
+            line=len(_KEYS),
+        )
+    return Site(
+        latitude_deg=values["latitude"],
+        longitude_deg=-values["longitude"],
+        utc_offset_hours=-values["time_zone"] / 15,
+        elevation=values["site_elevation"],
+        place=place,
+    )

@@ -17,6 +17,25 @@ TYPICAL_YEAR = 2023
 TYPICAL_LEAP_YEAR = 2024
 
 
+@dataclass(frozen=True)
+class Site:
+    """Where weather was measured or simulated.
+
+    Attributes
+    ----------
+    latitude_deg, longitude_deg : north- and east-positive [°]
+    utc_offset_hours : how far local standard time is ahead of UTC [h]
+    elevation : above the sea [m]
+    place : its name
+    """
+
+    latitude_deg: float
+    longitude_deg: float
+    utc_offset_hours: float
+    elevation: float = 0.0
+    place: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Weather:
     """Irradiance from sun and sky over time at one place.

@@ -5,8 +5,9 @@ import pytest
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.sky.closure import split_irradiance
-from clerestory.sky.measured import Columns, Site, read_measured
+from clerestory.sky.measured import Columns, read_measured
 from clerestory.sky.sun import SunPosition
+from clerestory.sky.weather import Site
 
 SITE = Site(latitude_deg=50.0, longitude_deg=8.5, utc_offset_hours=1.0, place="roof")
 BOTH = Columns("time", global_horizontal="GHI", diffuse_horizontal="DHI")

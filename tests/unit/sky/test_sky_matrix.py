@@ -196,6 +196,7 @@ def test_no_weather_gives_negative_or_undefined_radiance(
         ({"subdivision": 7}, "from 1 to 6"),
         ({"include": "moon"}, "'all', 'sky' or 'sun'"),
         ({"sun": "smeared"}, "'spread', 'patch' or 'disc'"),
+        ({"sun": "disc", "sun_diameter_deg": 0.0}, "a diameter up to 30°"),
         ({"ground_reflectance": 1.5}, "0 to 1 expected"),
         ({"ground_reflectance": (0.1, 0.2)}, "one or three numbers"),
         ({"sky_colour": (1, 1, -1)}, "0 to 100"),
