@@ -82,9 +82,9 @@ class TransferMatrix:
         # Carry the error of either factor through the other one
         parts = []
         if self.components is not None:
-            parts.append(self.components @ right)
+            parts.append(self.components @ right.astype(self.components.dtype))
         if other.components is not None:
-            parts.append(left @ other.components)
+            parts.append(left.astype(other.components.dtype) @ other.components)
         parts = [np.broadcast_to(part, (len(part), *values.shape)) for part in parts]
         components = np.concatenate(parts) if parts else None
 

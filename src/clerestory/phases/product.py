@@ -13,8 +13,8 @@ from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
 from clerestory.sky.sky_matrix import SkyMatrix
 
-# Sensors in a block: 32 components of 3 x 32 x 2306 coefficients take 57 MB
-_BLOCK = 32
+# Sensors in a block: 32 components of 3 x 64 x 2306 coefficients take 57 MB
+_BLOCK = 64
 
 
 def annual_illuminance(
