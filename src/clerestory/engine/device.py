@@ -83,7 +83,7 @@ def _start_llvm() -> None:
         error = _probe(_VARIANT["cpu"], {})
         if error is not None:
             raise DeviceError(
-                f"Dr.Jit was imported first and chose an LLVM library that fails ({error});"
+                f"Dr.Jit was imported first and chose an LLVM that fails ({error});"
                 f" set {_LIBRARY}={_bundled_llvm() or '…'} before Python starts"
             )
         return

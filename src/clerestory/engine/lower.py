@@ -18,7 +18,6 @@ from clerestory.scene.model import Glass, Plastic, Scene
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.window import Window
 
-
 # Shapes that are windows carry this name and their number.
 _WINDOW = "window"
 

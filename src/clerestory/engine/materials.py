@@ -106,7 +106,7 @@ def _define_plastic() -> type:
             return 1 - specular, specular
 
         def lobe(self, wi, wo):
-            """Specular BRDF without its reflectance, and the half vector's pdf for wo."""
+            """Specular BRDF without its reflectance, and the pdf of wo."""
             half = wi + wo
             square, axial2 = dr.squared_norm(half), dr.square(half.z)
             tan2 = dr.maximum(square - axial2, 0) / axial2
@@ -144,7 +144,7 @@ def _define_plastic() -> type:
             side = dr.sign(si.wi.z)
             wi = mi.Vector3f(si.wi)
             wi.z = dr.abs(wi.z)
-            diffuse, specular = self.reflectances(wi.z)
+            _, specular = self.reflectances(wi.z)
             choose = self.mixture(specular)
             shiny = sample1 < choose
 

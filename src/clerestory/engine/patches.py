@@ -62,7 +62,7 @@ class PatchTable:
 
     def find(self, direction):
         """Return the patch of a direction of the upper hemisphere, in its frame."""
-        # Count the limits that the direction lies beyond; few rings: compare, many: search
+        # Count the limits that the direction lies beyond
         sin2 = dr.square(direction.x) + dr.square(direction.y)
         ring = mi.UInt32(0)
         for limit in self.inner:

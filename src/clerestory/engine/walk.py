@@ -90,7 +90,7 @@ class Connection:
 
 
 def connect(model: LoweredScene, origin, u, v) -> Connection:
-    """Choose a point of the windows, as seen from `origin`; visibility is not tested."""
+    """Choose a point of the windows to connect `origin` with, hidden or not."""
     point, window, spherical = model.windows.aim(origin, u, v)
     across = point - origin
     distance2 = dr.squared_norm(across)

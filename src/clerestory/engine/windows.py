@@ -94,7 +94,7 @@ class WindowTable:
         return element, (u - low) / (high - low)
 
     def sample_point(self, u, v):
-        """Return a point distributed evenly over the area of all windows, and its window."""
+        """Return a point spread evenly over the area of all windows, and its window."""
         element, u = self.choose(u)
         triangle = ~dr.gather(mi.Bool, self.rectangle, element)
         fold = triangle & (u + v > 1)
