@@ -94,10 +94,8 @@ def _year_data(content: ReportContent) -> dict[str, Any]:
         )
         codes = packed(illuminance_codes(lux))
         series.append({"name": name, "sensor": sensor, "codes": codes})
-    first = grid.first_day.astype(object)
     return {
-        "first": [first.year, first.month - 1, first.day],
-        "days": grid.days,
+        "dates": grid.dates.astype(int).tolist(),
         "bins": grid.bins,
         "cell": packed(grid.cell.astype(np.uint32)),
         "code_step": code_step(),

@@ -15,6 +15,9 @@ _WIDTH, _HEIGHT = 1000, 240
 _LEFT, _TOP, _RIGHT, _BOTTOM = 46, 8, 12, 26
 _SHORTEST_MINUTES = 5
 
+# Days that fill less of their span than this are drawn without the gaps
+_SPARSE = 0.3
+
 # Where the colours of the year begin: below, it is as good as night
 DARKEST_LUX = 10.0
 
@@ -25,15 +28,19 @@ class DayHourGrid:
 
     Attributes
     ----------
-    first_day : the leftmost day
-    days, bins : how many cells there are across and up
+    dates : the day of each column
+    bins : how many cells a day has
     cell : number of the cell of each time step, day by day
     """
 
-    first_day: np.datetime64
-    days: int
+    dates: np.ndarray
     bins: int
     cell: Int[np.ndarray, " time"]
+
+    @property
+    def days(self) -> int:
+        """How many columns there are."""
+        return len(self.dates)
 
     def fill(self, values: Float[np.ndarray, " time"]) -> Float[np.ndarray, "bin day"]:
         """Mean of the values in each cell, NaN where there are none; hour 0 first."""
@@ -56,26 +63,35 @@ def day_hour_grid(times: np.ndarray) -> DayHourGrid:
     (365, 24, 25)
     """
     times = np.asarray(times).astype("datetime64[s]")
-    day = times.astype("datetime64[D]")
-    second = (times - day).astype(int)
+    day = _folded(times.astype("datetime64[D]"))
+    bins = round(24 * 60 / _step_minutes(times))
 
+    # A few days far apart stand side by side, others at their distance in time
+    dates = np.unique(day)
+    span = int((dates[-1] - dates[0]).astype(int)) + 1
+    if len(dates) > _SPARSE * span:
+        dates = dates[0] + np.arange(span)
+    second = (times - times.astype("datetime64[D]")).astype(int)
+    within_day = np.minimum(second * bins // 86400, bins - 1)
+    return DayHourGrid(dates, bins, np.searchsorted(dates, day) * bins + within_day)
+
+
+def _folded(day: np.ndarray) -> np.ndarray:
     # Lay years on top of each other, in a leap year so that every day has a place
-    if (day.max() - day.min()).astype(int) > 366:
-        month = day.astype("datetime64[M]")
-        within = (day - month.astype("datetime64[D]")).astype(int)
-        folded = np.datetime64("2024-01") + month.astype(int) % 12
-        day = folded.astype("datetime64[D]") + within
-    first = day.min()
-    days = int((day.max() - first).astype(int)) + 1
+    if (day.max() - day.min()).astype(int) <= 366:
+        return day
+    month = day.astype("datetime64[M]")
+    within = (day - month.astype("datetime64[D]")).astype(int)
+    folded = np.datetime64("2024-01") + month.astype(int) % 12
+    return np.asarray(folded.astype("datetime64[D]") + within)
 
+
+def _step_minutes(times: np.ndarray) -> float:
     # The most frequent gap within a day is the step
     gaps = np.diff(np.unique(times)).astype(int) / 60
     gaps = gaps[gaps < 120]
     minutes = float(np.median(gaps)) if len(gaps) else 60.0
-    minutes = min(60.0, max(float(_SHORTEST_MINUTES), minutes))
-    bins = round(24 * 60 / minutes)
-    within_day = np.minimum(second * bins // 86400, bins - 1)
-    return DayHourGrid(first, days, bins, (day - first).astype(int) * bins + within_day)
+    return min(60.0, max(float(_SHORTEST_MINUTES), minutes))
 
 
 def heat_map(
@@ -146,16 +162,17 @@ def _schedule(grid: DayHourGrid, occupied: Bool[np.ndarray, " time"]) -> Markup:
 
 def _days(grid: DayHourGrid) -> Markup:
     # Mark the months of a long span, some of the days of a short one
-    day = grid.first_day + np.arange(grid.days)
-    month = day.astype("datetime64[M]")
-    if grid.days > 62:
-        of_month = (day - month.astype("datetime64[D]")).astype(int)
+    month = grid.dates.astype("datetime64[M]")
+    if grid.days > 62 and grid.dates[-1] - grid.dates[0] < np.timedelta64(
+        grid.days, "D"
+    ):
+        of_month = (grid.dates - month.astype("datetime64[D]")).astype(int)
         marked = np.flatnonzero(of_month == 0)
         names = [f"{m:%b}" for m in month[marked].astype(object)]
         middles = marked + 15.0
     else:
         marked = np.arange(0, grid.days, max(1, grid.days // 8))
-        names = [f"{d.day} {d:%b}" for d in day[marked].astype(object)]
+        names = [f"{d.day} {d:%b}" for d in grid.dates[marked].astype(object)]
         middles = marked + 0.5
     marks = []
     for start, middle, name in zip(marked, middles, names, strict=True):

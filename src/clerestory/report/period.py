@@ -24,9 +24,11 @@ def period_words(times: np.ndarray) -> str:
     >>> period_words(year)
     '1 January to 31 December, 8,760 steps of 60 minutes'
     """
-    days = np.asarray(times).astype("datetime64[D]")
-    first, last = _date(days.min()), _date(days.max())
-    span = first if first == last else f"{first} to {last}"
+    days = np.unique(np.asarray(times).astype("datetime64[D]"))
+    first, last = _date(days[0]), _date(days[-1])
+    span = first if len(days) == 1 else f"{first} to {last}"
+    if len(days) <= (days[-1] - days[0]).astype(int):
+        span = f"{len(days):,} days from {span}"
     steps = f"{len(times):,} step" + ("s" if len(times) > 1 else "")
     return f"{span}, {steps} of {step_minutes(times):g} minutes"
 

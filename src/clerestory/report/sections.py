@@ -87,6 +87,8 @@ def year_section(content: ReportContent) -> Markup:
         " top, in local standard time. The darkest colour is"
         f" {DARKEST_LUX:.0f} lux or less; the dashed lines enclose the occupied hours."
     )
+    if np.any(np.diff(grid.dates) > np.timedelta64(1, "D")):
+        intro += " Days without data are left out."
     drawing = heat_map(
         grid,
         image=picture(grid.fill(lux), scale),

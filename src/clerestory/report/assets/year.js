@@ -37,6 +37,7 @@ function paintYear(year, values) {
 async function startYear(data, onChoose) {
   const svg = document.getElementById("heat-map"), list = document.getElementById("series");
   const year = data.year, picture = svg.querySelector("image");
+  year.days = year.dates.length;
   year.cells = new Uint32Array(await unpack(year.cell));
   let shown = null, name = "";
 
@@ -58,7 +59,7 @@ async function startYear(data, onChoose) {
     const bin = Math.floor((1 - (at.y - box.top) / box.height) * year.bins);
     const inside = day >= 0 && day < year.days && bin >= 0 && bin < year.bins;
     if (!inside) return showTip(event, "");
-    const date = new Date(Date.UTC(...year.first) + day * 864e5);
+    const date = new Date(year.dates[day] * 864e5);
     const when = date.toLocaleDateString("en-GB", { day: "numeric", month: "short", timeZone: "UTC" });
     const clock = minute => `${String(Math.floor(minute / 60)).padStart(2, "0")}:${String(minute % 60).padStart(2, "0")}`;
     const step = 1440 / year.bins, lux = shown[day * year.bins + bin];
