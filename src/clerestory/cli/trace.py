@@ -1,6 +1,8 @@
 """`clerestory trace`: transfer matrices by tracing."""
 
 import time
+import warnings
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +25,7 @@ from clerestory.cli.options import (
 )
 from clerestory.cli.progress import progress_display
 from clerestory.constants import LUMINANCE_WEIGHTS
+from clerestory.errors import ClerestoryWarning
 from clerestory.matrix.radiance_format import Encoding
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.trace import (
@@ -30,9 +33,11 @@ from clerestory.phases.trace import (
     daylight_matrices,
     view_matrices,
 )
+from clerestory.scene.check import check_scene
+from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
-from clerestory.scene.sensors import read_sensors
-from clerestory.scene.window import read_windows
+from clerestory.scene.sensors import Sensors, read_sensors
+from clerestory.scene.window import Window, read_windows
 
 app = typer.Typer(no_args_is_help=True, help="Trace transfer matrices.")
 
@@ -59,11 +64,17 @@ def view(
     Windows of several groups write one file each: V.mtx becomes V-south.mtx.
     """
     begin = time.perf_counter()
+    room, windows, points = (
+        read_rad(*scene),
+        read_windows(*window),
+        read_sensors(sensors),
+    )
+    _warn_of_doubts(room, windows, points)
     with progress_display(quiet=quiet) as display:
         traced = view_matrices(
-            read_rad(*scene),
-            read_windows(*window),
-            sensors=read_sensors(sensors),
+            room,
+            windows,
+            sensors=points,
             samples=samples,
             relative_error=relative_error,
             bounces=bounces,
@@ -96,10 +107,12 @@ def daylight(
     Windows of several groups write one file each: D.mtx becomes D-south.mtx.
     """
     begin = time.perf_counter()
+    room, windows = read_rad(*scene), read_windows(*window)
+    _warn_of_doubts(room, windows)
     with progress_display(quiet=quiet) as display:
         traced = daylight_matrices(
-            read_rad(*scene),
-            read_windows(*window),
+            room,
+            windows,
             subdivision=subdivision,
             samples=samples,
             relative_error=relative_error,
@@ -130,10 +143,12 @@ def coefficients(
 ) -> None:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
     begin = time.perf_counter()
+    room, points = read_rad(*scene), read_sensors(sensors)
+    _warn_of_doubts(room, (), points)
     with progress_display(quiet=quiet) as display:
         traced = daylight_coefficients(
-            read_rad(*scene),
-            sensors=read_sensors(sensors),
+            room,
+            sensors=points,
             subdivision=subdivision,
             samples=samples,
             relative_error=relative_error,
@@ -150,6 +165,13 @@ def coefficients(
         quiet=quiet,
         begin=begin,
     )
+
+
+def _warn_of_doubts(
+    scene: Scene, windows: Sequence[Window], sensors: Sensors | None = None
+) -> None:
+    for doubt in check_scene(scene, windows, sensors):
+        warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
 
 
 def _write(
