@@ -1,5 +1,6 @@
 """Weather files of every kind, told apart by their content."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from clerestory.errors import InputError
@@ -21,16 +22,27 @@ def read_weather(path: str | Path) -> Weather:
     ------
     InputError : the file is none of these, or one of them with a fault in it
     """
+    reader = _reader(path)
+    try:
+        return reader(path)
+    except InputError as error:
+        # Faults that only show in the whole are the file's too
+        if str(error).startswith(f"{path}:"):
+            raise
+        raise InputError(error.message, file=path) from error
+
+
+def _reader(path: str | Path) -> Callable[[str | Path], Weather]:
     head = read_text(path)[:4000].splitlines()
     first = head[0].lstrip().lower() if head else ""
     if first.startswith("location,"):
-        return read_epw(path)
+        return read_epw
     if first.startswith("place"):
-        return read_wea(path)
+        return read_wea
     if len(head) > 1 and head[1].startswith("Date (MM/DD/YYYY)"):
-        return read_tmy3(path)
+        return read_tmy3
     if head and looks_like_tmy2(head[0]):
-        return read_tmy2(path)
+        return read_tmy2
     raise InputError(
         "unknown kind of weather file; EPW, WEA, TMY2 or TMY3 expected",
         file=path,

@@ -83,6 +83,7 @@ def repaired_weather(
     step_minutes: float,
     file: str | Path,
     lines: Int[np.ndarray, " time"],
+    notes: tuple[str, ...] = (),
 ) -> Weather:
     """Return weather from the columns of a file, repaired and reported.
 
@@ -94,26 +95,28 @@ def repaired_weather(
     dew_point_c : [°C]; NaN where missing
     step_minutes : length of a step [min]
     file, lines : where each step stands
+    notes : repairs made before
 
     Raises
     ------
     InputError : more than a tenth of the irradiance is missing or impossible
     """
-    direct, notes = repair_irradiance(
+    direct, first = repair_irradiance(
         direct_normal,
         name="direct normal irradiance",
         times=times,
         file=file,
         lines=lines,
     )
-    diffuse, more = repair_irradiance(
+    diffuse, second = repair_irradiance(
         diffuse_horizontal,
         name="diffuse horizontal irradiance",
         times=times,
         file=file,
         lines=lines,
     )
-    report(notes + more, file=file)
+    notes += first + second
+    report(notes, file=file)
     return Weather(
         **asdict(site),
         times=times,
@@ -122,7 +125,7 @@ def repaired_weather(
         diffuse_horizontal=diffuse,
         dew_point_c=dew_point_c,
         source=str(file),
-        notes=notes + more,
+        notes=notes,
     )
 
 

@@ -7,13 +7,28 @@ are west-positive degrees and end here.
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.cells import column, number
+from clerestory.sky.closure import Irradiance, split_irradiance
 from clerestory.sky.moments import moments, typical_step
 from clerestory.sky.repair import repaired_weather
+from clerestory.sky.sun import sun_position
 from clerestory.sky.weather import Site, Weather
+
+_COLUMNS = (
+    "month",
+    "day",
+    "hour",
+    "direct normal irradiance",
+    "diffuse horizontal irradiance",
+)
+
+# Values of weather_data_file_units
+_DIRECT_IS_NORMAL = 1
+_DIRECT_IS_LEVEL = 2
 
 _KEYS = (
     "place",
@@ -30,11 +45,11 @@ def read_wea(path: str | Path) -> Weather:
 
     Raises
     ------
-    InputError : the header is incomplete, the units are not direct normal and
-        diffuse horizontal irradiance (units 1), or a row is wrong
+    InputError : the header is incomplete, the units are not those of
+        irradiance (1, direct normal; 2, direct horizontal), or a row is wrong
     """
     lines = read_text(path).splitlines()
-    site = _site(lines, path)
+    site, units = _site(lines, path)
 
     # Split the data rows
     numbers = [i for i, text in enumerate(lines) if i >= len(_KEYS) and text.strip()]
@@ -44,29 +59,43 @@ def read_wea(path: str | Path) -> Weather:
     at = np.array(numbers) + 1
     month, day, hour, direct, diffuse = (
         column(rows, index, name=name, file=path, lines=at, may_miss=index > 2)
-        for index, name in enumerate(
-            (
-                "month",
-                "day",
-                "hour",
-                "direct normal irradiance",
-                "diffuse horizontal irradiance",
-            )
-        )
+        for index, name in enumerate(_COLUMNS)
     )
     times = moments(month, day, hour, file=path, lines=at)
+    parts = Irradiance(direct, diffuse)
+    if units == _DIRECT_IS_LEVEL:
+        parts = _from_level(direct, diffuse, site, times)
     return repaired_weather(
         site,
         times,
-        direct_normal=direct,
-        diffuse_horizontal=diffuse,
+        direct_normal=parts.direct_normal,
+        diffuse_horizontal=parts.diffuse_horizontal,
         step_minutes=typical_step(times),
         file=path,
         lines=at,
+        notes=parts.notes,
     )
 
 
-def _site(lines: list[str], path: str | Path) -> Site:
+def _from_level(
+    direct: Float[np.ndarray, " time"],
+    diffuse: Float[np.ndarray, " time"],
+    site: Site,
+    times: np.ndarray,
+) -> Irradiance:
+    sun = sun_position(
+        times,
+        latitude_deg=site.latitude_deg,
+        longitude_deg=site.longitude_deg,
+        utc_offset_hours=site.utc_offset_hours,
+        elevation=site.elevation,
+    )
+    return split_irradiance(
+        times, sun, global_horizontal=direct + diffuse, diffuse_horizontal=diffuse
+    )
+
+
+def _site(lines: list[str], path: str | Path) -> tuple[Site, float]:
     values = {}
     place = ""
     for i, key in enumerate(_KEYS):
@@ -81,17 +110,18 @@ def _site(lines: list[str], path: str | Path) -> Site:
         else:
             values[key] = number(cells, 1, name=key, file=path, line=i + 1)
     units = values["weather_data_file_units"]
-    if units != 1:
+    if units not in (_DIRECT_IS_NORMAL, _DIRECT_IS_LEVEL):
         raise InputError(
-            f"weather_data_file_units {units:g}; 1 expected, direct normal and"
-            " diffuse horizontal irradiance",
+            f"weather_data_file_units {units:g}; 1 or 2 expected, direct irradiance"
+            " normal to the sun or horizontal, and diffuse horizontal irradiance",
             file=path,
             line=len(_KEYS),
         )
-    return Site(
+    site = Site(
         latitude_deg=values["latitude"],
         longitude_deg=-values["longitude"],
         utc_offset_hours=-values["time_zone"] / 15,
         elevation=values["site_elevation"],
         place=place,
     )
+    return site, units

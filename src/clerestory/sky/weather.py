@@ -27,6 +27,10 @@ class Site:
     utc_offset_hours : how far local standard time is ahead of UTC [h]
     elevation : above the sea [m]
     place : its name
+
+    Raises
+    ------
+    InputError : a place outside the globe
     """
 
     latitude_deg: float
@@ -34,6 +38,20 @@ class Site:
     utc_offset_hours: float
     elevation: float = 0.0
     place: str = ""
+
+    def __post_init__(self) -> None:
+        limits = {
+            "latitude": (self.latitude_deg, 90.0),
+            "longitude": (self.longitude_deg, 180.0),
+            "UTC offset": (self.utc_offset_hours, 14.0),
+        }
+        for name, (value, limit) in limits.items():
+            if not abs(value) <= limit:
+                raise InputError(
+                    f"{name} {value}; a number from {-limit} to {limit} expected"
+                )
+        if not -500.0 <= self.elevation <= 9000.0:
+            raise InputError(f"elevation {self.elevation} m; -500 to 9000 expected")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +92,13 @@ class Weather:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        self._check_place()
+        Site(
+            self.latitude_deg,
+            self.longitude_deg,
+            self.utc_offset_hours,
+            self.elevation,
+            self.place,
+        )
         series = {
             "direct normal irradiance": self.direct_normal,
             "diffuse horizontal irradiance": self.diffuse_horizontal,
@@ -103,20 +127,6 @@ class Weather:
             raise InputError(
                 f"steps of {self.step_minutes} minutes; a positive length expected"
             )
-
-    def _check_place(self) -> None:
-        limits = {
-            "latitude": (self.latitude_deg, 90.0),
-            "longitude": (self.longitude_deg, 180.0),
-            "UTC offset": (self.utc_offset_hours, 14.0),
-        }
-        for name, (value, limit) in limits.items():
-            if not abs(value) <= limit:
-                raise InputError(
-                    f"{name} {value}; a number from {-limit} to {limit} expected"
-                )
-        if not -500.0 <= self.elevation <= 9000.0:
-            raise InputError(f"elevation {self.elevation} m; -500 to 9000 expected")
 
     def __len__(self) -> int:
         return len(self.times)

@@ -5,8 +5,11 @@ import re
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.sky.conditions import sun_over
 from clerestory.sky.read import read_weather
 
 
@@ -45,6 +48,23 @@ def test_wea_thirds_of_hours_fall_on_whole_minutes(write_wea):
     )
     assert weather.step_minutes == 10
     assert str(weather.times[-1]) == "2023-01-01T00:20:00"
+
+
+def test_wea_direct_irradiance_may_be_horizontal(write_wea):
+    """Units 2: normal is horizontal over sin h, sin h = cos 50° cos 15.8° at first.
+
+    On the equinox at 11:30, the sun is 26 + 7.5 minutes late: 15.8° before noon.
+    """
+    path = write_wea()
+    normal = read_weather(path)
+    path.write_text(path.read_text().replace("units 1", "units 2"))
+    level = read_weather(path)
+    sine = np.sin(sun_over(level).altitude)
+    assert sine[0] == pytest.approx(
+        np.cos(np.radians(50)) * np.cos(np.radians(15.8)), abs=0.01
+    )
+    np.testing.assert_allclose(level.direct_normal * sine, normal.direct_normal)
+    np.testing.assert_array_equal(level.diffuse_horizontal, normal.diffuse_horizontal)
 
 
 def test_tmy3_hours_end_so_the_sun_is_half_an_hour_earlier(write_tmy3):
@@ -225,8 +245,9 @@ def test_a_faulty_epw_header_is_refused(write_epw, fault):
     old, new, message = HEADER_FAULTS[fault]
     path = write_epw()
     path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match=message) as caught:
         read_weather(path)
+    assert str(caught.value).startswith(f"{path}:")
 
 
 WEA_FAULTS = {
@@ -236,7 +257,7 @@ WEA_FAULTS = {
         4,
         "'site_elevation' in the header; 'time_zone'",
     ),
-    "photometric": ("units 1", "units 3", 6, "units 3; 1 expected"),
+    "photometric": ("units 1", "units 3", 6, "units 3; 1 or 2 expected"),
     "not a number": ("300 120", "3OO 120", 7, "direct normal irradiance is '3OO'"),
     "row cut short": ("310 121", "310", 8, "4 fields; diffuse"),
     "31 April": ("3 21 11.5", "4 31 11.5", 7, "month 4, day 31"),
@@ -290,3 +311,34 @@ def test_a_file_of_another_kind_is_refused(tmp_path, text):
 def test_a_missing_file_is_one_line(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         read_weather(tmp_path / "none.epw")
+
+
+@pytest.mark.filterwarnings("ignore::clerestory.errors.ClerestoryWarning")
+@settings(
+    max_examples=150,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(
+    kind=st.sampled_from(["epw", "wea", "tmy3"]),
+    place=st.floats(0, 1),
+    length=st.integers(0, 12),
+    text=st.text("0123456789.,-+ e\nnaif/:;\x00é", max_size=12),
+)
+def test_any_damage_to_a_file_is_an_input_error_or_none(
+    write_epw, write_wea, write_tmy3, kind, place, length, text
+):
+    path = {"epw": write_epw, "wea": write_wea, "tmy3": write_tmy3}[kind]()
+    whole = path.read_text()
+    start = int(place * len(whole))
+    path.write_text(whole[:start] + text + whole[start + length :])
+    weather, fault = None, ""
+    try:
+        weather = read_weather(path)
+    except InputError as error:
+        fault = str(error)
+    if weather is None:
+        assert fault.startswith(f"{path}:")
+        assert "\n" not in fault
+    else:
+        assert np.all(np.isfinite(weather.direct_normal))
