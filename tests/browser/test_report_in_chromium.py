@@ -154,7 +154,7 @@ def test_a_window_turned_round_is_flagged_in_the_view(browse, room, tmp_path):
     page = tmp_path / "report.html"
     write_report(room.analytic_results(times=room.year(days=5), inward=False), page)
     dom = html.document_fromstring(browse(page, "--dump-dom"))
-    assert "front of south: wrong way?" in dom.xpath("//span/text()")
+    assert "front of south: check" in dom.xpath("//span/text()")
 
 
 def test_a_hostile_title_runs_no_script(browse, room, tmp_path):

@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 
 from clerestory.report.colour import ColourScale, nice_step
 from clerestory.report.content import ReportContent, WindowSurface
+from clerestory.report.edges import feature_edges, weld
 from clerestory.report.lattice import sensor_cells
 from clerestory.report.markup import Markup, element, join
 from clerestory.report.orientation import orientation
@@ -223,9 +224,11 @@ def _paths(outlines: Float[np.ndarray, "outline corner 2"]) -> str:
 
 
 def _window(frame: PlanFrame, window: WindowSurface, *, doubt: bool) -> Markup:
-    glass = element(
-        "path", d=_paths(frame.place(window.corners[:, :, :2])), class_="window"
-    )
+    vertices, faces = weld(window.corners)
+    edges = feature_edges(vertices, faces)
+    outline = frame.place(vertices[edges[:, :2], :2])
+    overhead = " overhead" if abs(window.normal[2]) > 0.7 else ""
+    glass = element("path", d=_paths(outline), class_=f"window{overhead}")
     flat = window.normal[:2]
     if np.linalg.norm(flat) < 0.3:
         return glass

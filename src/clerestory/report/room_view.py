@@ -11,12 +11,12 @@ from jaxtyping import Float, Int
 
 from clerestory.report.colour import ColourScale
 from clerestory.report.content import ReportContent
+from clerestory.report.edges import feature_edges, weld
 from clerestory.report.orientation import orientation
 from clerestory.report.pixels import packed
 from clerestory.report.section import horizontal_section, visible_extent
 
 MOST_TRIANGLES = 40_000
-_CREASE = np.cos(np.radians(15))
 
 
 def room_view(
@@ -69,44 +69,6 @@ def largest_triangles(
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     kept = np.argsort(-area, kind="stable")[:MOST_TRIANGLES]
     return np.sort(kept[area[kept] > 0])
-
-
-def weld(
-    corners: Float[np.ndarray, "triangle 3 3"],
-) -> tuple[Float[np.ndarray, "vertex 3"], Int[np.ndarray, "triangle 3"]]:
-    """Return shared vertices, joined within 0.1 mm, and the faces between them."""
-    points = corners.reshape(-1, 3).round(4)
-    vertices, inverse = np.unique(points, axis=0, return_inverse=True)
-    return vertices, inverse.reshape(-1, 3)
-
-
-def feature_edges(
-    vertices: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]
-) -> Int[np.ndarray, "edge 4"]:
-    """Edges where surfaces end or turn: two vertices and the two faces beside each.
-
-    An edge of one face names that face twice.
-    """
-    if not len(faces):
-        return np.zeros((0, 4), dtype=int)
-    normal = np.cross(
-        vertices[faces[:, 1]] - vertices[faces[:, 0]],
-        vertices[faces[:, 2]] - vertices[faces[:, 0]],
-    )
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-
-    # Bring the sides that share two vertices together
-    sides = np.sort(
-        np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    )
-    owner = np.tile(np.arange(len(faces)), 3)
-    order = np.lexsort((sides[:, 1], sides[:, 0]))
-    sides, owner = sides[order], owner[order]
-    _, first, count = np.unique(sides, axis=0, return_index=True, return_counts=True)
-    one, other = owner[first], owner[first + count - 1]
-    flat = np.abs(np.sum(normal[one] * normal[other], axis=1)) > _CREASE
-    kept = (count != 2) | ~flat
-    return np.asarray(np.column_stack([sides[first], one, other])[kept])
 
 
 def framed_box(

@@ -30,9 +30,9 @@ def plans_section(content: ReportContent) -> Markup:
     """Return the plans of every grid, one for each metric."""
     intro = (
         "Each sensor’s share of the plan takes the colour of its value. Walls are cut"
-        " at the height of the sensors; windows are blue, and the green arrow shows"
-        " their front, which must point into the room. Point at a sensor for its"
-        " value; choose one to see its year below."
+        " at the height of the sensors; windows are blue, dashed where they lie"
+        " overhead, and a green arrow shows their front, which must point into the"
+        " room. Point at a sensor for its value; choose one to see its year below."
     )
     blocks = [
         element("h2", "Where the light falls"),

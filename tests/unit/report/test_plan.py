@@ -1,12 +1,18 @@
 """Plans: the cut through the walls, the cells of the sensors, the frame."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from lxml import html
 
 from clerestory.report.adapter import from_results
+from clerestory.report.colour import percent_scale
+from clerestory.report.content import WindowSurface
 from clerestory.report.lattice import sensor_cells
-from clerestory.report.plan import plan_frame
+from clerestory.report.plan import plan, plan_frame
 from clerestory.report.section import horizontal_section, visible_extent
+from clerestory.report.summary import metric_maps
 
 
 def area(outlines):
@@ -76,3 +82,22 @@ def test_upright_sensors_are_arrows_that_point_where_they_look(room):
     tips = frame.cells[:, 3] - frame.points
     ahead = np.sum(tips * content.sensors.direction[eyes, :2], axis=1)
     assert np.allclose(ahead, np.linalg.norm(tips, axis=1))
+
+
+def test_a_skylight_is_outlined_without_the_seams_of_its_triangles(room):
+    content = from_results(room.analytic_results(times=room.year(days=1)))
+    pane = np.array(room.quad((2, 6, 2.7), (2, 8, 2.7), (4, 8, 2.7), (4, 6, 2.7)))
+    up, down = np.array([0.0, 1, 0]), np.array([0.0, 0, -1])
+    content = replace(content, windows=(WindowSurface("roof", pane, down, up),))
+    members = np.arange(77)
+    metric = metric_maps(content.metrics)[1]
+    drawing = plan(
+        plan_frame(content, members, identifier="p"),
+        metric,
+        members,
+        scale=percent_scale(),
+        content=content,
+        label="plan",
+    )
+    (outline,) = html.fromstring(drawing).xpath("//*[@class='window overhead']/@d")
+    assert outline.count("M") == 4

@@ -7,13 +7,12 @@ import numpy as np
 
 from clerestory.report.adapter import from_results
 from clerestory.report.colour import illuminance_scale
+from clerestory.report.edges import feature_edges, weld
 from clerestory.report.room_view import (
     MOST_TRIANGLES,
-    feature_edges,
     framed_box,
     largest_triangles,
     room_view,
-    weld,
 )
 
 

@@ -53,7 +53,7 @@ class RoomView {
     for (const window of this.scene.windows) {
       const length = Math.min(Math.max(0.45 * window.size, 4 * size), 9 * size);
       const tip = add(window.centre, window.normal, length + 1.6 * size);
-      marks.push(mark(`front of ${window.name}${window.doubt ? ": wrong way?" : ""}`, tip, window.doubt));
+      marks.push(mark(`front of ${window.name}${window.doubt ? ": check" : ""}`, tip, window.doubt));
       marks.push(mark("up", add(window.centre, window.up, 0.8 * length + size)));
     }
     return marks;
