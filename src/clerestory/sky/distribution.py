@@ -10,7 +10,7 @@ Only the traditional overcast and the intermediate sky stand apart.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -21,6 +21,7 @@ from clerestory.errors import InputError
 _LOWEST_COSINE = 1e-3
 
 
+@runtime_checkable
 class Distribution(Protocol):
     """Relative luminance as a function of direction."""
 
