@@ -11,6 +11,7 @@ import typer
 
 from clerestory.cli.matrix_files import read_any_matrix, write_any_matrix
 from clerestory.cli.options import Format, Output, Quiet
+from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError, MatrixError
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
@@ -33,9 +34,15 @@ def multiply(
     """
     if not 2 <= len(factors) <= 4:
         raise InputError(f"{len(factors)} matrices; two to four expected")
-    matrices = [read_any_matrix(path) for path in factors]
-    product = _product(matrices, factors)
-    write_any_matrix(output, product, encoding=encoding, command="clerestory multiply")
+    with progress_display(quiet=quiet) as display:
+        progress = display("multiply")
+        matrices = [read_any_matrix(path) for path in factors]
+        progress(0.3, "multiplying")
+        product = _product(matrices, factors)
+        progress(0.8, "writing")
+        command = "clerestory multiply"
+        write_any_matrix(output, product, encoding=encoding, command=command)
+        progress(1.0, "done")
     if not quiet:
         size = f"{product.rows.describe()} by {product.columns.describe()}"
         typer.echo(f"{output}: {size}")

@@ -1,6 +1,7 @@
 """Progress of anything over two seconds: a bar on a terminal, else a line at times."""
 
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,7 +9,13 @@ from dataclasses import dataclass, field
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 # Work that ends sooner shows nothing [s]
 _PATIENCE = 2.0
@@ -21,7 +28,7 @@ Report = Callable[[float, str], None]
 
 @dataclass
 class _Phase:
-    # One line or bar: when it began, when it was last shown
+    # When it began, when its last line was shown
     name: str
     begin: float = field(default_factory=time.monotonic)
     shown: float = 0.0
@@ -42,10 +49,12 @@ def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Report]]:
             TextColumn("{task.description}"),
             BarColumn(),
             TextColumn("{task.percentage:3.0f} %  {task.fields[note]}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
             TimeRemainingColumn(),
         )
         with Progress(*columns, console=console, transient=True) as bars:
-            yield lambda name: _bar(bars, _Phase(name))
+            yield lambda name: _bar(bars, name)
     else:
         yield lambda name: _lines(_Phase(name))
 
@@ -54,12 +63,18 @@ def _nothing(_share: float, _note: str) -> None:
     pass
 
 
-def _bar(bars: Progress, phase: _Phase) -> Report:
-    task = bars.add_task(phase.name, total=1.0, visible=False, note="")
+def _bar(bars: Progress, name: str) -> Report:
+    # Shown by the clock, so that even work that reports late is seen to go on
+    task = bars.add_task(name, total=1.0, visible=False, note="")
+    timer = threading.Timer(_PATIENCE, lambda: bars.update(task, visible=True))
+    timer.daemon = True
+    timer.start()
 
     def report(share: float, note: str) -> None:
-        late = time.monotonic() - phase.begin > _PATIENCE
-        bars.update(task, completed=share, note=note, visible=late and share < 1)
+        bars.update(task, completed=share, note=note)
+        if share >= 1:
+            timer.cancel()
+            bars.update(task, visible=False)
 
     return report
 

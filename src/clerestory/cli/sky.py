@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from clerestory.cli.matrix_files import write_any_matrix
 from clerestory.cli.options import Format, Output, Quiet
+from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.sky.read import read_weather
@@ -61,20 +62,20 @@ def matrix(
         raise InputError("both --sun-only and --no-direct; one of them expected")
     include: Literal["all", "sky", "sun"] = "sun" if sun_only else "all"
     include = "sky" if no_direct else include
-    sky = sky_matrix(
-        read_weather(weather),
-        subdivision=subdivision,
-        include=include,
-        sun=_placement(sun_size),
-        ground_reflectance=ground_reflectance,
-        rotation_deg=rotation,
-    )
-    write_any_matrix(
-        output,
-        sky.to_transfer_matrix(),
-        encoding=encoding,
-        command="clerestory sky matrix",
-    )
+    with progress_display(quiet=quiet) as display:
+        progress = display("sky matrix")
+        sky = sky_matrix(
+            read_weather(weather),
+            subdivision=subdivision,
+            include=include,
+            sun=_placement(sun_size),
+            ground_reflectance=ground_reflectance,
+            rotation_deg=rotation,
+        )
+        progress(0.2, "writing")
+        dense, command = sky.to_transfer_matrix(), "clerestory sky matrix"
+        write_any_matrix(output, dense, encoding=encoding, command=command)
+        progress(1.0, "done")
     if not quiet:
         typer.echo(f"{output}: {sky.rows.describe()} by {sky.columns.describe()}")
 

@@ -18,7 +18,7 @@ from jaxtyping import Float
 
 from clerestory.errors import MatrixError
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.product import annual_illuminance
+from clerestory.phases.product import Progress, annual_illuminance
 from clerestory.sky.sky_matrix import SkyMatrix
 
 
@@ -53,12 +53,18 @@ def three_phase(
     return three_phase_sum([WindowPhases(view, transmission, daylight)], sky)
 
 
-def three_phase_sum(windows: Sequence[WindowPhases], sky: SkyMatrix) -> xr.Dataset:
+def three_phase_sum(
+    windows: Sequence[WindowPhases],
+    sky: SkyMatrix,
+    *,
+    progress: Progress | None = None,
+) -> xr.Dataset:
     """Illuminance [lux] behind several window groups, with its standard error.
 
     Parameters
     ----------
     windows : their view matrices have the same sensors and were traced together
+    progress : called with the share done, 0…1, and a note
 
     Returns
     -------
@@ -81,7 +87,7 @@ def three_phase_sum(windows: Sequence[WindowPhases], sky: SkyMatrix) -> xr.Datas
     def coefficients(rows: slice) -> TransferMatrix:
         return sky_coefficients(windows, rows)
 
-    return annual_illuminance(coefficients, sky, sensors=sensors)
+    return annual_illuminance(coefficients, sky, sensors=sensors, progress=progress)
 
 
 def sky_coefficients(windows: Sequence[WindowPhases], rows: slice) -> TransferMatrix:

@@ -68,8 +68,8 @@ def run_study(
     ----------
     study : from `read_study`
     out : gets `results.nc`, `run.json`, the tables asked for, and `matrices/`
-    display : starts the display of a phase of tracing, given its name; returns a
-        callable (share done 0…1, note)
+    display : starts the display of a long phase, given its name; returns a callable
+        (share done 0…1, note)
 
     Raises
     ------
@@ -77,8 +77,7 @@ def run_study(
     DeviceError : no usable compute device
     OutputError : the folder cannot be written
     """
-    out = make_folder(out)
-    log = _Log()
+    out, log, display = make_folder(out), _Log(), display or _silent
     with log.phase("read"):
         inputs = read_inputs(study)
     with log.phase("check"):
@@ -88,7 +87,7 @@ def run_study(
             study,
             inputs,
             store=MatrixStore(out / MATRIX_FOLDER),
-            display=display or _silent,
+            display=display,
         )
     with log.phase("sky"):
         sky = sky_matrix(
@@ -98,7 +97,7 @@ def run_study(
             rotation_deg=study.sky.rotation_deg,
         )
     with log.phase("multiply"):
-        hourly = tracing.illuminance(sky)
+        hourly = tracing.illuminance(sky, display=display)
     with log.phase("metrics"):
         data = _data(study, inputs, hourly)
     with log.phase("write"):

@@ -41,11 +41,12 @@ class Tracing:
     coefficients: TransferMatrix | None = None
     found: dict[str, bool] = field(default_factory=dict)
 
-    def illuminance(self, sky: SkyMatrix) -> xr.Dataset:
+    def illuminance(self, sky: SkyMatrix, *, display: Display) -> xr.Dataset:
         """Illuminance [lux] over (sensor, time), with its standard error."""
+        progress = display("multiply")
         if self.coefficients is not None:
-            return two_phase(self.coefficients, sky)
-        return three_phase_sum(self.windows, sky)
+            return two_phase(self.coefficients, sky, progress=progress)
+        return three_phase_sum(self.windows, sky, progress=progress)
 
 
 def trace_study(

@@ -217,6 +217,7 @@ def test_a_display_is_started_for_each_traced_phase(study_file, engine, tmp_path
     assert [phase for phase, _, _ in shown] == [
         "view matrices",
         "daylight matrix of south",
+        "multiply",
     ]
 
 
