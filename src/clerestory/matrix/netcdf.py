@@ -4,8 +4,13 @@ The files are NetCDF-4 for xarray, Panoply or ncdump: a variable `values` (chann
 row, column), a variable `components` (component, channel, row, column) if there is
 a statistical error, and per axis a variable `rows` or `columns` whose attributes say
 what the axis stands for. The same matrix always gives the same bytes.
+
+Behind the NetCDF data, where other programs do not look, stands a SHA-256 sum of
+them: it is checked before the file is opened, since libhdf5 may never come back from
+a damaged one. h5netcdf writes, for the conventions of NetCDF; h5py reads.
 """
 
+import hashlib
 import io
 import math
 from pathlib import Path
@@ -23,6 +28,9 @@ from clerestory.matrix.axis import Axis, Kind
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
 _FORMAT = "Clerestory transfer matrix 1"
+
+# Line end, name and hexadecimal digits of the sum at the end of a file.
+_SEAL_LENGTH = 1 + len("sha256 ") + 64
 
 # Times are kept as whole nanoseconds since 1970, as NumPy does.
 _TIME = "datetime64[ns]"
@@ -63,6 +71,7 @@ def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
         _write_axis(file, "column", matrix.columns)
     with replace_file(path) as stream:
         stream.write(buffer.getvalue())
+        stream.write(_seal(buffer.getbuffer()))
 
 
 def read_netcdf(path: str | Path) -> TransferMatrix:
@@ -73,14 +82,19 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
     InputError : not such a file, or damaged
     """
     data = read_bytes(path)
+    if data[-_SEAL_LENGTH:] != _seal(memoryview(data)[:-_SEAL_LENGTH]):
+        raise InputError(
+            "damaged, or not written by this package; a whole matrix file expected",
+            file=path,
+        )
     try:
-        with h5netcdf.File(io.BytesIO(data), "r", decode_vlen_strings=True) as file:
+        with h5py.File(io.BytesIO(data), "r") as file:
             if file.attrs.get("format") != _FORMAT:
                 raise InputError(f"not a file of the format {_FORMAT!r}")
             values = _read_floats(file, "values", len(data))
             components = (
                 _read_floats(file, "components", len(data))
-                if "components" in file.variables
+                if "components" in file
                 else None
             )
             rows, columns = _read_axis(file, "row"), _read_axis(file, "column")
@@ -93,6 +107,10 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
             f"damaged or not NetCDF-4 ({reason[:120]}); a matrix file expected",
             file=path,
         ) from error
+
+
+def _seal(data: memoryview) -> bytes:
+    return b"\nsha256 " + hashlib.sha256(data).hexdigest().encode()
 
 
 def _add(
@@ -129,9 +147,9 @@ def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
         file.create_variable(f"{side}_names", (side,), dtype=text, data=names)
 
 
-def _read_floats(file: h5netcdf.File, name: str, length: int) -> np.ndarray:
+def _read_floats(file: h5py.File, name: str, length: int) -> np.ndarray:
     # The data lie in the file as they are: more than its length is a lie of the header
-    variable = file.variables[name]
+    variable = file[name]
     if variable.dtype.kind != "f" or variable.dtype.itemsize > 8:
         raise InputError(f"{name} of type {variable.dtype}; floating point expected")
     size = math.prod(variable.shape) * variable.dtype.itemsize
@@ -143,8 +161,8 @@ def _read_floats(file: h5netcdf.File, name: str, length: int) -> np.ndarray:
     return data
 
 
-def _read_axis(file: h5netcdf.File, side: str) -> Axis:
-    variable = file.variables[f"{side}s"]
+def _read_axis(file: h5py.File, side: str) -> Axis:
+    variable = file[f"{side}s"]
     attributes = variable.attrs
     kind: Kind = attributes["kind"]
     if kind not in get_args(Kind):
@@ -160,16 +178,16 @@ def _read_axis(file: h5netcdf.File, side: str) -> Axis:
             azimuth=attributes["azimuth"],
         )
     elif "sky_subdivision" in attributes:
-        partition = reinhart(int(attributes["sky_subdivision"]))
+        partition = reinhart(int(np.ravel(attributes["sky_subdivision"])[0]))
     size = int(variable.shape[0])
     if partition is not None and len(partition) != size:
         raise InputError(f"{size} {side}s of a partition with {len(partition)} patches")
     times = None
-    if f"{side}_times" in file.variables:
-        times = file.variables[f"{side}_times"][...].astype(_TIME)
+    if f"{side}_times" in file:
+        times = file[f"{side}_times"][...].astype(_TIME)
     names = None
-    if f"{side}_names" in file.variables:
-        names = tuple(str(name) for name in file.variables[f"{side}_names"][...])
+    if f"{side}_names" in file:
+        names = tuple(file[f"{side}_names"].asstr()[...].tolist())
     return Axis(
         kind,
         size,

@@ -204,16 +204,8 @@ def _read_binary(body: memoryview, header: _Header, path: str | Path) -> np.ndar
 
 
 def _read_ascii(body: memoryview, header: _Header, path: str | Path) -> np.ndarray:
-    # A value takes two bytes of text at least: refuse absurd counts early
+    # What is read is bounded by the text, whatever the header claims
     row = header.columns * header.channels
-    expected = (header.rows or 1) * row
-    if 2 * expected - 1 > len(body):
-        raise InputError(
-            f"{len(body)} bytes of text cannot hold the {expected} values of"
-            f" {header.rows or 'one or more'} rows of {header.columns} columns and"
-            f" {header.channels} components",
-            file=path,
-        )
     text = str(body, "latin-1")
     try:
         with warnings.catch_warnings():
@@ -221,10 +213,13 @@ def _read_ascii(body: memoryview, header: _Header, path: str | Path) -> np.ndarr
             flat = np.fromstring(text, dtype=float, sep=" ")
     except (DeprecationWarning, ValueError) as error:
         raise _bad_number(text, path) from error
-    if header.rows is None:
-        expected = max(len(flat) // row, 1) * row
+    expected = (header.rows or len(flat) // row or 1) * row
     if len(flat) != expected:
-        raise InputError(f"{len(flat)} values; {expected} expected", file=path)
+        raise InputError(
+            f"{len(flat)} values; {expected} expected for {header.rows or 'whole'} rows"
+            f" of {header.columns} columns and {header.channels} components",
+            file=path,
+        )
     return flat
 
 

@@ -218,7 +218,8 @@ def test_files_outside_are_not_read(bsdf_xml, write, tmp_path):
     secret.write_text(DATA)
     text = bsdf_xml({"data": "&x;"}).replace(
         "<WindowElement ",
-        f'<!DOCTYPE WindowElement [<!ENTITY x SYSTEM "{secret.as_uri()}">]>\n<WindowElement ',
+        f'<!DOCTYPE WindowElement [<!ENTITY x SYSTEM "{secret.as_uri()}">]>\n'
+        "<WindowElement ",
         1,
     )
     with pytest.raises(InputError):
