@@ -47,7 +47,8 @@ def points(first: int, count: int) -> Points:
     sequence = qmc.Sobol(VERTICES * PER_VERTEX, scramble=False, bits=32)
     if first:
         sequence.fast_forward(first)
-    coordinates = np.round(sequence.random(count).T * 2.0**32).astype(np.uint32)
+    full = sequence.random(1 << (count - 1).bit_length())[:count]
+    coordinates = np.round(full.T * 2.0**32).astype(np.uint32)
     table = dr.brev(mi.UInt32(np.ascontiguousarray(coordinates).ravel()))
     dr.eval(table)
     return Points(table, count, first)
