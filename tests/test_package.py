@@ -1,0 +1,77 @@
+"""The package as a whole: its import is fast and light, its names are there."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import clerestory
+
+REPOSITORY = Path(__file__).parents[1]
+
+# What takes long to import, and what needs a device
+HEAVY = ("mitsuba", "drjit", "scipy", "xarray", "pandas", "pvlib", "matplotlib")
+TRACERS = ("mitsuba", "drjit")
+
+# Seconds from the start of the import to its end, in a process of its own
+STOPWATCH = """
+import time
+start = time.perf_counter()
+import clerestory
+print(time.perf_counter() - start)
+"""
+
+
+def run_python(code):
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    return done.stdout
+
+
+def loaded_after(code):
+    """Top-level packages in memory after some code."""
+    code += "\nimport sys; print('loaded:', *{n.split('.')[0] for n in sys.modules})"
+    return set(run_python(code).rpartition("loaded:")[2].split())
+
+
+def test_import_takes_less_than_three_tenths_of_a_second():
+    assert min(float(run_python(STOPWATCH)) for _ in range(3)) < 0.3
+
+
+def test_import_loads_no_heavy_package():
+    assert not loaded_after("import clerestory") & set(HEAVY)
+
+
+def test_public_names_load_no_tracer():
+    """Functions that trace load it when they are called."""
+    look_up = "for name in clerestory.__all__: getattr(clerestory, name)"
+    code = f"import clerestory\n{look_up}"
+    assert not loaded_after(code) & set(TRACERS)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["trace", "view", "--help"]])
+def test_help_needs_no_tracer(arguments):
+    code = f"from clerestory.cli.main import main\nmain({arguments!r})"
+    assert not loaded_after(code) & set(TRACERS)
+
+
+@pytest.mark.parametrize("name", clerestory.__all__)
+def test_public_name_is_there(name):
+    assert getattr(clerestory, name) is not None
+
+
+def test_public_names_are_listed():
+    assert set(dir(clerestory)) == set(clerestory.__all__)
+
+
+def test_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'sky_matrx'"):
+        clerestory.sky_matrx  # noqa: B018 - the look-up is the test
+
+
+def test_version_is_that_of_the_project():
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    assert clerestory.__version__ == project["version"]
