@@ -96,6 +96,11 @@ def test_options_mean_the_same(wea, options, arguments):
     assert_same_sky(sky.values, gendaymtx(wea, "-m", "2", *options.split()))
 
 
+def test_the_mean_sky_equals_gendaymtx(wea):
+    sky = sky_matrix(read_weather(wea), subdivision=2, sun_formula="radiance").mean()
+    assert_same_sky(sky.values, gendaymtx(wea, "-m", "2", "-A"))
+
+
 def test_exact_suns_equal_the_sources_of_gendaymtx(wea, tmp_path):
     """gendaymtx -D writes one source a step with the sun up, some of them black."""
     file = tmp_path / "suns.rad"
@@ -128,6 +133,20 @@ def test_a_year_of_each_climate_equals_gendaymtx(shared_data, tmp_path, climate)
     subprocess.run([BIN / "epw2wea", epw, wea], check=True, capture_output=True)
     sky = sky_matrix(read_weather(wea), subdivision=1, sun_formula="radiance")
     assert_same_sky(sky.values, gendaymtx(wea, "-m", "1"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("subdivision", [2, 3, 4])
+@pytest.mark.parametrize("climate", CLIMATES)
+def test_finer_years_equal_gendaymtx(shared_data, tmp_path, climate, subdivision):
+    epw = shared_data / "weather" / f"{climate}.epw"
+    wea = tmp_path / "year.wea"
+    subprocess.run([BIN / "epw2wea", epw, wea], check=True, capture_output=True)
+    sky = sky_matrix(read_weather(wea), subdivision=subdivision, sun_formula="radiance")
+    theirs = gendaymtx(wea, "-m", str(subdivision))
+    for start in range(0, len(sky.times), 730):
+        part = slice(start, start + 730)
+        assert_same_sky(sky.block(part), theirs[:, :, part])
 
 
 def test_the_epw_itself_gives_the_same_as_its_wea(shared_data, tmp_path):

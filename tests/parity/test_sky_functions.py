@@ -111,7 +111,11 @@ def gendaylit(weather: Weather, day: str, hour: str) -> str:
     return run("gendaylit", month, date, hour, *place, "-W", *levels).decode()
 
 
-@pytest.mark.parametrize("batch", range(4))
+# Two hundred skies in all, thirty-two of them always
+BATCHES = [*range(4), *(pytest.param(i, marks=pytest.mark.slow) for i in range(4, 25))]
+
+
+@pytest.mark.parametrize("batch", BATCHES)
 def test_perez_skies_equal_gendaylit_but_for_its_coarse_normalisation(
     batch, directions, tmp_path
 ):

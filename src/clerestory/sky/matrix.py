@@ -109,6 +109,22 @@ class SkyMatrix:
             sun=self.sun[:, chosen],
         )
 
+    def mean(self) -> "SkyMatrix":
+        """Return the mean over all steps, nights too, as a matrix of one step.
+
+        It is stamped with the first of the times.
+        """
+        share = 1 / len(self.times)
+        weight = np.full((len(self.times), 1), share)
+        return replace(
+            self,
+            times=self.times[:1],
+            diffuse=self.diffuse.mean(axis=1, keepdims=True, dtype=float).astype(
+                np.float32
+            ),
+            sun=csc_array(self.sun @ csc_array(weight)).astype(np.float32),
+        )
+
     def to_transfer_matrix(self) -> TransferMatrix:
         """Return the same as a plain matrix of three channels."""
         return TransferMatrix(self.values, self.rows, self.columns)

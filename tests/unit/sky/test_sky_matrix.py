@@ -134,6 +134,12 @@ def test_sun_at_night_is_doubted(spring_day):
         sky_matrix(wrong, subdivision=1)
 
 
+def test_the_mean_is_that_of_all_steps(spring_day):
+    sky = sky_matrix(spring_day, subdivision=1)
+    expected = sky.values.mean(axis=2, keepdims=True, dtype=float)
+    np.testing.assert_allclose(sky.mean().values, expected, rtol=1e-5, atol=1e-6)
+
+
 def test_a_night_is_black(spring_day):
     dark = replace(
         spring_day,
