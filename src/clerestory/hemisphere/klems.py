@@ -22,7 +22,10 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 
 _RINGS: dict[str, tuple[tuple[float, ...], tuple[int, ...]]] = {
-    "full": ((0, 5, 15, 25, 35, 45, 55, 65, 75, 90), (1, 8, 16, 20, 24, 24, 24, 16, 12)),
+    "full": (
+        (0, 5, 15, 25, 35, 45, 55, 65, 75, 90),
+        (1, 8, 16, 20, 24, 24, 24, 16, 12),
+    ),
     "half": ((0, 6.5, 19.5, 32.5, 45.5, 58.5, 71.5, 90), (1, 8, 12, 16, 20, 12, 8)),
     "quarter": ((0, 9, 27, 45, 63, 90), (1, 8, 12, 12, 8)),
 }
@@ -42,15 +45,22 @@ def klems(basis: str = "full") -> RingPartition:
     (145, 3.14159265359)
     """
     if basis not in _RINGS:
-        raise InputError(f"unknown Klems basis {basis!r}; one of {', '.join(_RINGS)} expected")
+        raise InputError(
+            f"unknown Klems basis {basis!r}; one of {', '.join(_RINGS)} expected"
+        )
     limits_deg, count = _RINGS[basis]
     return from_rings(
-        f"LBNL/Klems {basis.capitalize()}", limits_deg=np.array(limits_deg), count=np.array(count)
+        f"LBNL/Klems {basis.capitalize()}",
+        limits_deg=np.array(limits_deg, dtype=float),
+        count=np.array(count),
     )
 
 
 def from_rings(
-    name: str, *, limits_deg: Float[np.ndarray, " limits"], count: Int[np.ndarray, " rings"]
+    name: str,
+    *,
+    limits_deg: Float[np.ndarray, " limits"],
+    count: Int[np.ndarray, " rings"],
 ) -> RingPartition:
     """Return the partition with the ring limits [°] and patch counts of a file."""
     theta = np.radians(np.asarray(limits_deg, dtype=float))

@@ -7,7 +7,7 @@ expect of it. `docs/study-file.md` explains them all.
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     BaseModel,
@@ -16,7 +16,6 @@ from pydantic import (
     Field,
     PrivateAttr,
     ValidationError,
-    ValidationInfo,
     field_validator,
     model_validator,
 )
@@ -28,8 +27,8 @@ from clerestory.metrics.autonomy import TARGET_LUX
 from clerestory.study.complaint import input_error, parse_toml
 
 
-def _input_file(value: Any, info: ValidationInfo) -> Any:
-    # Files are named relative to the study, and must be there
+def _input_file(value: Any, info: Any) -> Any:
+    # Files are named relative to the study, and must be there; info is ValidationInfo
     if not isinstance(value, str) or not value:
         raise PydanticCustomError("file", "the name of a file in quotes")
     path: Path = (info.context or {}).get("folder", Path()) / value
@@ -113,7 +112,7 @@ class TraceTable(_Table):
     device: Device = "auto"
 
     @model_validator(mode="after")
-    def _one_goal(self) -> Self:
+    def _one_goal(self) -> "TraceTable":
         if self.samples is not None and self.relative_error is not None:
             raise PydanticCustomError(
                 "rule", 'both "samples" and "relative_error"; one of them expected'
@@ -138,7 +137,7 @@ class ScheduleTable(_Table):
     to_hour: float = Field(18.0, ge=0, le=24)
 
     @model_validator(mode="after")
-    def _forwards(self) -> Self:
+    def _forwards(self) -> "ScheduleTable":
         if self.from_hour >= self.to_hour:
             raise PydanticCustomError(
                 "rule", '"from_hour" is not before "to_hour"; the earlier one expected'
@@ -192,7 +191,7 @@ class Study(_Table):
         return tables
 
     @model_validator(mode="after")
-    def _windows_for_the_method(self) -> Self:
+    def _windows_for_the_method(self) -> "Study":
         if self.method == "3-phase" and not self.window:
             raise PydanticCustomError(
                 "rule", 'method "3-phase" without a window; a table [[window]] expected'
