@@ -184,7 +184,7 @@ def test_doubts_are_one_line_each_and_do_not_stop(call):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stop", [signal.SIGKILL, signal.SIGINT])
-@pytest.mark.parametrize("wait", [0.5, 3.0, 4.0, 5.0, 6.0])
+@pytest.mark.parametrize("wait", [3.0, 5.0])
 def test_a_stopped_run_goes_on_to_the_same_bits(room, stop, wait):
     text = Path("study.toml").read_text()
     Path("study.toml").write_text(text.replace("samples = 256", "samples = 20000"))

@@ -9,7 +9,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -50,7 +50,7 @@ app.command(epilog="Example: clerestory multiply V.mtx blind.xml D.mtx S.smx -o 
 )
 
 
-def _show_version(wanted: bool) -> None:
+def _show_version(wanted: bool | None) -> None:
     if wanted:
         typer.echo(f"clerestory {__version__}")
         raise typer.Exit
@@ -58,13 +58,15 @@ def _show_version(wanted: bool) -> None:
 
 @app.callback()
 def clerestory(
-    version: bool = typer.Option(
-        False,
-        "--version",
-        callback=_show_version,
-        is_eager=True,
-        help="Say which version this is.",
-    ),
+    version: Annotated[
+        bool | None,
+        typer.Option(
+            "--version",
+            callback=_show_version,
+            is_eager=True,
+            help="Say which version this is.",
+        ),
+    ] = None,
 ) -> None:
     """Annual daylight behind complex fenestration: BSDFs, matrices, error bars."""
 
