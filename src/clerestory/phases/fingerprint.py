@@ -7,11 +7,14 @@ out, so that a comment added above a wall does not trace the wall again.
 
 import hashlib
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
+
+Feed = Callable[[bytes], None]
 
 _IRRELEVANT_FIELDS = frozenset({"source"})
 
@@ -34,52 +37,55 @@ def fingerprint(*values: Any) -> str:
     (True, False)
     """
     digest = hashlib.sha256()
-    for piece in _pieces(values):
-        digest.update(piece)
+    _feed(values, digest.update)
     return digest.hexdigest()
 
 
-def _pieces(value: Any) -> Iterator[bytes]:
+def _feed(value: Any, feed: Feed) -> None:
     # Every piece opens with its kind and length, so that no two values run together
-    if value is None:
-        yield b"none;"
-    elif isinstance(value, bool | np.bool_):
-        yield b"bool:%d;" % value
-    elif isinstance(value, int | np.integer):
-        yield b"int:%d;" % value
-    elif isinstance(value, float | np.floating):
-        yield b"float:" + struct.pack("<d", float(value) + 0.0)
-    elif isinstance(value, str):
+    if isinstance(value, str):
         text = value.encode("utf-8", "surrogatepass")
-        yield b"text%d:" % len(text) + text
-    elif isinstance(value, bytes):
-        yield b"bytes%d:" % len(value) + value
+        feed(b"text%d:" % len(text) + text)
     elif isinstance(value, np.ndarray):
-        yield from _array_pieces(value)
-    elif isinstance(value, Mapping):
-        yield b"mapping%d:" % len(value)
-        for key in sorted(value):
-            yield from _pieces((key, value[key]))
+        _feed_array(value, feed)
+    elif value is None:
+        feed(b"none;")
+    elif isinstance(value, bool | np.bool_):
+        feed(b"bool:%d;" % value)
+    elif isinstance(value, int | np.integer):
+        feed(b"int:%d;" % value)
+    elif isinstance(value, float | np.floating):
+        feed(b"float:" + struct.pack("<d", float(value) + 0.0))
+    elif isinstance(value, bytes):
+        feed(b"bytes%d:" % len(value) + value)
     elif isinstance(value, tuple | list):
-        yield b"sequence%d:" % len(value)
+        feed(b"sequence%d:" % len(value))
         for item in value:
-            yield from _pieces(item)
+            _feed(item, feed)
+    elif isinstance(value, Mapping):
+        feed(b"mapping%d:" % len(value))
+        for key in sorted(value):
+            _feed((key, value[key]), feed)
     elif is_dataclass(value) and not isinstance(value, type):
-        yield from _record_pieces(value)
+        head, names = _layout(type(value))
+        feed(head)
+        for name in names:
+            _feed(getattr(value, name), feed)
     else:
         raise TypeError(f"a {type(value).__name__} has no fingerprint")
 
 
-def _array_pieces(array: np.ndarray) -> Iterator[bytes]:
+def _feed_array(array: np.ndarray, feed: Feed) -> None:
     if array.dtype.hasobject:
         raise TypeError("an array of objects has no fingerprint")
-    little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-    yield f"array{little.dtype.str}{array.shape}:".encode()
-    yield little.tobytes()
+    if array.dtype.byteorder == ">":
+        array = array.astype(array.dtype.newbyteorder("<"))
+    feed(f"array{array.dtype.str}{array.shape}:".encode())
+    feed(array.tobytes())
 
 
-def _record_pieces(record: Any) -> Iterator[bytes]:
-    yield from _pieces(type(record).__qualname__)
-    for item in fields(record):
-        if item.name not in _IRRELEVANT_FIELDS:
-            yield from _pieces((item.name, getattr(record, item.name)))
+@cache
+def _layout(record: type) -> tuple[bytes, tuple[str, ...]]:
+    # What a record opens with, and its fields that matter
+    names = tuple(f.name for f in fields(record) if f.name not in _IRRELEVANT_FIELDS)
+    return f"record {record.__qualname__}({', '.join(names)}):".encode(), names

@@ -53,97 +53,91 @@ def trace_study(
     study: Study, inputs: Inputs, *, store: MatrixStore, display: Display
 ) -> Tracing:
     """Return the matrices of a study; those of an earlier run are not traced again."""
-    if study.method == "2-phase":
-        return _trace_coefficients(study, inputs, store, display)
-    return _trace_windows(study, inputs, store, display)
+    job = _Job(study, inputs, store, display, fingerprint(__version__, inputs.scene))
+    return _coefficients(job) if study.method == "2-phase" else _windows(job)
 
 
-def _trace_coefficients(
-    study: Study, inputs: Inputs, store: MatrixStore, display: Display
-) -> Tracing:
-    sensors, options = inputs.sensors(), _options(study)
-    subdivision = study.sky.subdivision
-    key = fingerprint(
-        "coefficients", __version__, inputs.scene, sensors, subdivision, options
-    )
-    found = {store.path("coefficients", key).name: store.holds("coefficients", key)}
+@dataclass(frozen=True, eq=False)
+class _Job:
+    # What every matrix of a study needs; `scene` is the scene's fingerprint
+    study: Study
+    inputs: Inputs
+    store: MatrixStore
+    display: Display
+    scene: str
+
+    def options(self, stream: int = 0) -> dict[str, Any]:
+        """How long to trace, and with which random numbers."""
+        trace = self.study.trace
+        return {
+            **trace.goal(),
+            "bounces": trace.bounces,
+            "seed": (trace.seed + stream) % 2**32,
+            "device": trace.device,
+        }
+
+
+def _coefficients(job: _Job) -> Tracing:
+    sensors, options = job.inputs.sensors(), job.options()
+    options["subdivision"] = job.study.sky.subdivision
+    key, name = fingerprint("coefficients", job.scene, sensors, options), "coefficients"
+    found = {job.store.path(name, key).name: job.store.holds(name, key)}
 
     def make() -> TransferMatrix:
+        progress = job.display("daylight coefficients")
         return daylight_coefficients(
-            inputs.scene,
-            sensors=sensors,
-            subdivision=subdivision,
-            progress=display("daylight coefficients"),
-            **options,
+            job.inputs.scene, sensors=sensors, progress=progress, **options
         )
 
-    return Tracing((), store.matrix("coefficients", key, make), found)
+    return Tracing((), job.store.matrix(name, key, make), found)
 
 
-def _trace_windows(
-    study: Study, inputs: Inputs, store: MatrixStore, display: Display
-) -> Tracing:
-    sensors, options = inputs.sensors(), _options(study)
-    inner = [group.inner for group in inputs.groups]
-    key = fingerprint("view", __version__, inputs.scene, inner, sensors, options)
-    names = [f"view-{group.name}" for group in inputs.groups]
-    found = {store.path(name, key).name: store.holds(name, key) for name in names}
-
-    def make() -> dict[str, TransferMatrix]:
-        traced = view_matrices(
-            inputs.scene,
-            inner,
-            sensors=sensors,
-            progress=display("view matrices"),
-            **options,
-        )
-        return {f"view-{name}": matrix for name, matrix in traced.items()}
-
-    views = store.matrices(names, key, make)
+def _windows(job: _Job) -> Tracing:
+    # All views are traced at once, each daylight matrix on its own
+    groups = job.inputs.groups
+    views, found = _views(job)
     windows = []
-    for number, group in enumerate(inputs.groups):
-        daylight = _daylight(study, inputs, group, number, store, display, found)
-        view = views[f"view-{group.name}"]
-        windows.append(WindowPhases(view, group.transmission, daylight))
+    for number, group in enumerate(groups):
+        daylight, known = _daylight(job, group, number)
+        found |= known
+        windows.append(WindowPhases(views[group.name], group.transmission, daylight))
     return Tracing(tuple(windows), None, found)
 
 
-def _daylight(
-    study: Study,
-    inputs: Inputs,
-    group: WindowGroup,
-    number: int,
-    store: MatrixStore,
-    display: Display,
-    found: dict[str, bool],
-) -> TransferMatrix:
-    # Each window has a seed of its own, apart from that of the view matrices
-    options = _options(study, stream=1 + number)
-    subdivision = study.sky.subdivision
-    key = fingerprint(
-        "daylight", __version__, inputs.scene, group.outer, subdivision, options
-    )
-    name = f"daylight-{group.name}"
-    found[store.path(name, key).name] = store.holds(name, key)
+def _views(job: _Job) -> tuple[dict[str, TransferMatrix], dict[str, bool]]:
+    sensors, options = job.inputs.sensors(), job.options()
+    inner = {f"view-{group.name}": group.inner for group in job.inputs.groups}
+    key = fingerprint("view", job.scene, list(inner.values()), sensors, options)
+    found = {job.store.path(n, key).name: job.store.holds(n, key) for n in inner}
 
-    def make() -> TransferMatrix:
-        return daylight_matrix(
-            inputs.scene,
-            group.outer,
-            subdivision=subdivision,
-            progress=display(f"daylight matrix of {group.name}"),
+    def make() -> dict[str, TransferMatrix]:
+        traced = view_matrices(
+            job.inputs.scene,
+            list(inner.values()),
+            sensors=sensors,
+            progress=job.display("view matrices"),
             **options,
         )
+        return {name: traced[window.name] for name, window in inner.items()}
 
-    return store.matrix(name, key, make)
+    kept = job.store.matrices(list(inner), key, make)
+    return {window.name: kept[name] for name, window in inner.items()}, found
 
 
-def _options(study: Study, stream: int = 0) -> dict[str, Any]:
-    # How long and with which random numbers to trace
-    trace = study.trace
-    return {
-        **trace.goal(),
-        "bounces": trace.bounces,
-        "seed": (trace.seed + stream) % 2**32,
-        "device": trace.device,
-    }
+def _daylight(
+    job: _Job, group: WindowGroup, number: int
+) -> tuple[TransferMatrix, dict[str, bool]]:
+    # Each window has a seed of its own, apart from that of the view matrices
+    options = job.options(stream=1 + number)
+    options["subdivision"] = job.study.sky.subdivision
+    key = fingerprint("daylight", job.scene, group.outer, options)
+    name = f"daylight-{group.name}"
+    found = {job.store.path(name, key).name: job.store.holds(name, key)}
+
+    def make() -> TransferMatrix:
+        progress = job.display(f"daylight matrix of {group.name}")
+        return daylight_matrix(
+            job.inputs.scene, group.outer, progress=progress, **options
+        )
+
+    return job.store.matrix(name, key, make), found
