@@ -60,7 +60,10 @@ def demo(
     seed: SeedChoice = None,
     quiet: Quiet = False,
 ) -> None:
-    """Copy the bundled study, a test room behind a venetian blind, and run it."""
+    """Copy the bundled study, a test room behind a venetian blind, and run it.
+
+    Files that are in DIR already stay as they are.
+    """
     chosen = read_study(write_demo(folder)).with_trace(seed=seed, device=device)
     _run(chosen, folder / "results", quiet=quiet)
 

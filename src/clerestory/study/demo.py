@@ -12,6 +12,7 @@ _WEATHER = "723170TYA.CSV"
 def write_demo(folder: str | Path) -> Path:
     """Copy the demo study into a folder, made if need be; return its study file.
 
+    Files that are there already stay as they are, with what the user changed in them.
     The weather is the TMY3 year of Greensboro, North Carolina, that pvlib carries.
 
     Raises
@@ -22,8 +23,9 @@ def write_demo(folder: str | Path) -> Path:
     bundled = importlib.resources.files("clerestory") / "demo"
     weather = importlib.resources.files("pvlib") / "data" / _WEATHER
     for source in (*sorted(bundled.iterdir(), key=_name), weather):
-        if source.is_file() and not source.name.endswith((".py", ".pyc")):
-            with replace_file(folder / source.name) as stream:
+        target = folder / source.name
+        if source.is_file() and not target.exists():
+            with replace_file(target) as stream:
                 stream.write(source.read_bytes())
     return folder / "study.toml"
 
