@@ -154,7 +154,7 @@ def pane_shares(
     for _ in range(panes - 1):
         between = 1 / (1 - all_r * r)
         all_t, all_r = all_t * t * between, r + t**2 * all_r * between
-    return all_t, all_r
+    return np.asarray(all_t), np.asarray(all_r)
 
 
 def _symmetric(

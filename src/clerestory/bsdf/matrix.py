@@ -189,11 +189,11 @@ class Bsdf:
 
     def evaluate(
         self,
-        incident: Float[np.ndarray, "*batch 3"],
-        leaving: Float[np.ndarray, "*batch 3"],
+        incident: Float[np.ndarray, "*incident 3"],
+        leaving: Float[np.ndarray, "*leaving 3"],
         *,
         channel: str = "visible",
-    ) -> Float[np.ndarray, "*batch"]:
+    ) -> Float[np.ndarray, "*pair"]:
         """BSDF [1/sr] for pairs of directions that point away from the layer.
 
         A function the layer does not have is zero.
@@ -201,7 +201,7 @@ class Bsdf:
         incident, leaving = np.broadcast_arrays(incident, leaving)
         from_sky, to_room = incident[..., 2] < 0, leaving[..., 2] > 0
         value = np.zeros(incident.shape[:-1])
-        cases: dict[Function, Bool[np.ndarray, "*batch"]] = {
+        cases: dict[Function, Bool[np.ndarray, "*pair"]] = {
             "transmission_front": from_sky & to_room,
             "transmission_back": ~from_sky & ~to_room,
             "reflection_front": from_sky & ~to_room,

@@ -98,12 +98,12 @@ def _well_known() -> dict[str, tuple[RingPartition, ...]]:
     old = {
         "half": from_rings(
             "LBNL/Klems Half (73)",
-            limits_deg=np.array(_OLD_HALF[0]),
+            limits_deg=np.array(_OLD_HALF[0], dtype=float),
             count=np.array(_OLD_HALF[1]),
         ),
         "quarter": from_rings(
             "LBNL/Klems Quarter (before 2024)",
-            limits_deg=np.array(_OLD_QUARTER[0]),
+            limits_deg=np.array(_OLD_QUARTER[0], dtype=float),
             count=np.array(_OLD_QUARTER[1]),
         ),
     }
