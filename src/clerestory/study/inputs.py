@@ -11,6 +11,7 @@ from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.metrics.hours import occupied_hours
 from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors, read_sensors
@@ -84,12 +85,25 @@ def read_inputs(study: Study) -> Inputs:
         scene=read_rad(*study.scene.files),
         groups=tuple(groups),
         grids={table.label: read_sensors(table.file) for table in study.sensors},
-        weather=_select_days(
-            read_weather(study.weather.file),
-            study.weather.first_day or "01-01",
-            study.weather.last_day or "12-31",
-        ),
+        weather=_weather(study),
     )
+
+
+def _weather(study: Study) -> Weather:
+    # The days asked for, with at least one hour that counts
+    weather = _select_days(
+        read_weather(study.weather.file),
+        study.weather.first_day or "01-01",
+        study.weather.last_day or "12-31",
+    )
+    start, end = study.schedule.from_hour, study.schedule.to_hour
+    if not occupied_hours(weather.times, from_hour=start, to_hour=end).any():
+        raise InputError(
+            f"no time step lies between {start:g} and {end:g} h, the study's schedule;"
+            " at least one expected",
+            file=study.weather.file,
+        )
+    return weather
 
 
 def _window_groups(table: WindowTable) -> list[WindowGroup]:

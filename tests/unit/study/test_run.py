@@ -166,6 +166,14 @@ def test_part_of_the_year_can_be_chosen(study_file, engine, tmp_path):
         run_study(read_study(study_file), out=tmp_path)
 
 
+def test_a_schedule_without_a_time_step_is_told_before_tracing(study_file, engine):
+    text = study_file.read_text()
+    hours = "[schedule]\nfrom_hour = 8.1\nto_hour = 8.4\n[trace]"
+    study_file.write_text(text.replace("[trace]", hours))
+    with pytest.raises(InputError, match=r"no time step lies between 8\.1 and 8\.4 h"):
+        read_inputs(read_study(study_file))
+
+
 def test_several_windows_in_one_file_get_names_of_their_own(study_file):
     path = study_file.with_name("window.rad")
     pane = path.read_text().replace("void polygon pane", "left polygon pane")
