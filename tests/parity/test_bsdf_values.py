@@ -17,6 +17,14 @@ pyradiance = pytest.importorskip("pyradiance")
 library = pytest.importorskip("pyradiance.bsdf")
 HOME = Path(pyradiance.__file__).parent
 
+# Radiance keeps what it loads in a list of its own; Python must not free it meanwhile
+LOADED = []
+
+
+def load(path):
+    LOADED.append(library.load_file(str(path)))
+    return LOADED[-1]
+
 
 def asymmetric_bsdf(partition, functions=FUNCTIONS):
     """Different functions without any symmetry."""
@@ -44,7 +52,7 @@ def assert_values_equal_radiances(path, bsdf):
     incident, leaving = rng.normal(size=(2, 1500, 3))
     incident /= np.linalg.norm(incident, axis=-1, keepdims=True)
     leaving /= np.linalg.norm(leaving, axis=-1, keepdims=True)
-    data = library.load_file(str(path))
+    data = load(path)
     theirs = [
         library.query(data, *angles_deg(i), *angles_deg(o))[1]
         for i, o in zip(incident, leaving, strict=True)
@@ -80,7 +88,7 @@ def test_direct_hemispherical_values(tmp_path):
     bsdf = asymmetric_bsdf(full)
     path = tmp_path / "hemispherical.xml"
     write_bsdf(path, bsdf)
-    data = library.load_file(str(path))
+    data = load(path)
     centres = full.centres()
     for side, source in (("front", -centres), ("back", centres * [-1, -1, 1])):
         share = bsdf.direct_hemispherical(f"transmission_{side}")
