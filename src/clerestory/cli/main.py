@@ -131,7 +131,7 @@ def _usage(error: Any) -> int:
 def _fail(text: str, status: int, error: BaseException) -> int:
     if os.environ.get(TRACEBACK):
         traceback.print_exception(error)
-    typer.echo(f"error: {_one_line(text)}", err=True)
+    typer.echo(_one_line(text), err=True)
     return status
 
 
