@@ -5,7 +5,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 
 import typer
 from rich.console import Console
@@ -24,14 +23,6 @@ _PATIENCE = 2.0
 _LINE_EVERY = 10.0
 
 Report = Callable[[float, str], None]
-
-
-@dataclass
-class _Phase:
-    # When it began, when its last line was shown
-    name: str
-    begin: float = field(default_factory=time.monotonic)
-    shown: float = 0.0
 
 
 @contextmanager
@@ -56,7 +47,7 @@ def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Report]]:
         with Progress(*columns, console=console, transient=True) as bars:
             yield lambda name: _bar(bars, name)
     else:
-        yield lambda name: _lines(_Phase(name))
+        yield _lines
 
 
 def _nothing(_share: float, _note: str) -> None:
@@ -79,14 +70,15 @@ def _bar(bars: Progress, name: str) -> Report:
     return report
 
 
-def _lines(phase: _Phase) -> Report:
+def _lines(name: str) -> Report:
+    begin = time.monotonic()
+    due = [begin + _PATIENCE]
+
     def report(share: float, note: str) -> None:
         now = time.monotonic()
-        waited = now - (phase.shown or phase.begin + _PATIENCE - _LINE_EVERY)
-        if waited >= _LINE_EVERY and 0 < share < 1:
-            phase.shown = now
-            left = (now - phase.begin) * (1 - share) / share
-            text = f"{phase.name}: {share:.0%}, {note}, {left:.0f} s left"
-            typer.echo(text, err=True)
+        if now >= due[0] and 0 < share < 1:
+            due[0] = now + _LINE_EVERY
+            left = (now - begin) * (1 - share) / share
+            typer.echo(f"{name}: {share:.0%}, {note}, {left:.0f} s left", err=True)
 
     return report
