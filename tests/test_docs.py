@@ -1,0 +1,46 @@
+"""Every block of Python in the README and in docs/ runs as it stands.
+
+The blocks of a page are run in order, in one namespace, in a folder that holds the
+files of the demo study.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from clerestory.study.demo import write_demo
+
+REPOSITORY = Path(__file__).parents[1]
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]
+PAGES_WITH_CODE = [page for page in PAGES if BLOCK.search(page.read_text("utf-8"))]
+
+
+def blocks(page):
+    """Compiled blocks, whose tracebacks name the page and its line."""
+    text = page.read_text("utf-8")
+    for match in BLOCK.finditer(text):
+        before = "\n" * text.count("\n", 0, match.start(1))
+        yield compile(before + match[1], page, "exec")
+
+
+@pytest.mark.parametrize("page", PAGES_WITH_CODE, ids=lambda page: page.name)
+def test_python_runs_as_it_stands(page, tmp_path, monkeypatch):
+    write_demo(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    namespace = {"__name__": "__main__"}
+    for block in blocks(page):
+        exec(block, namespace)
+
+
+def test_the_readme_shows_python():
+    assert REPOSITORY / "README.md" in PAGES_WITH_CODE
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_between_pages_lead_somewhere(page):
+    targets = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text("utf-8"))
+    missing = [target for target in targets if not (page.parent / target).exists()]
+    assert not missing
