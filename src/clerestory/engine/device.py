@@ -50,9 +50,7 @@ def load(device: Device = "auto") -> ModuleType:
     InputError : not one of auto, cpu, cuda
     DeviceError : the device, or an LLVM library that works, is not there
     """
-    if device not in get_args(Device):
-        raise InputError(f"unknown device {device!r}; one of auto, cpu, cuda expected")
-    chosen = _choose(device)
+    chosen = resolve(device)
     mitsuba = importlib.import_module("mitsuba")
     if mitsuba.variant() != _VARIANT[chosen]:
         mitsuba.set_variant(_VARIANT[chosen])
@@ -60,8 +58,16 @@ def load(device: Device = "auto") -> ModuleType:
 
 
 @cache
-def _choose(device: Device) -> str:
-    # A GPU when there is one, else the CPU; what was asked for by name must work
+def resolve(device: Device) -> Literal["cpu", "cuda"]:
+    """Return the device that a request leads to: a GPU if there is one that works.
+
+    Raises
+    ------
+    InputError : not one of auto, cpu, cuda
+    DeviceError : what was asked for by name, or any device, does not work
+    """
+    if device not in get_args(Device):
+        raise InputError(f"unknown device {device!r}; one of auto, cpu, cuda expected")
     if device in ("auto", "cuda") and _cuda_driver() is not None:
         error = _probe(_VARIANT["cuda"], {})
         if error is None:
