@@ -79,7 +79,7 @@ def trace_sensors(
     limit = dr.opaque(mi.UInt32, segments)
     channels = mi.Color3f(1)
 
-    if target.model.windows is not None and target.sky is None:
+    if target.sky is None:
         # Connect each sensor to a point of the windows
         a = sampling.coordinate(points, seed, index, first, sampling.CONNECT_U)
         b = sampling.coordinate(points, seed, index, first, sampling.CONNECT_V)

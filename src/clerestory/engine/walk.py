@@ -28,9 +28,11 @@ FIXED_POINT = _HALF * _HALF
 # Weights are at most a few π; anything beyond this limit would overflow.
 _HEAVIEST = 2000.0
 
-# Paths below this share of their first weight go on only by Russian roulette; from
-# 0.25 to 1 the cost (time × variance) was flat, below 0.1 a fifth higher.
-_ROULETTE = 0.4
+# Paths below this share of their first weight go on only by Russian roulette. For
+# windows in a room, the cost (time × variance) was flat from 0.25 to 1 and a fifth
+# higher below 0.1; paths to the sky are short, and roulette would only add noise.
+_ROULETTE_TO_WINDOWS = 0.4
+_ROULETTE_TO_SKY = 0.1
 
 # Safety net for unlimited bounces: no path of a physical scene comes near it.
 _MOST_SEGMENTS = 1000
@@ -171,6 +173,8 @@ def walk(
     model = target.model
     scene = model.scene
     context = mi.BSDFContext()
+    to_windows = target.sky is None
+    weak = _ROULETTE_TO_WINDOWS if to_windows else _ROULETTE_TO_SKY
 
     # ------------------------------- Loop state -------------------------------
     origin = mi.Point3f(ray.o)  # last vertex that was connected to the windows
@@ -183,11 +187,11 @@ def walk(
         met = active & hit.is_valid()
 
         # Score the paths that leave the scene
-        if dr.hint(target.sky is not None, mode="scalar"):
+        if dr.hint(not to_windows, mode="scalar"):
             target.score(slot, target.sky.find(ray.d), weight, active & ~met)
 
         si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
-        if dr.hint(model.windows is not None and target.sky is None, mode="scalar"):
+        if dr.hint(to_windows, mode="scalar"):
             # Score the paths that meet a window, sharing with the connections
             shape = dr.reinterpret_array(mi.UInt32, si.shape)
             role = dr.gather(mi.UInt32, model.window_of_shape, shape, met)
@@ -219,7 +223,7 @@ def walk(
         v = sampling.coordinate(points, seed, index, vertex, sampling.DIRECTION_V)
         more = active & (segment < segments)
 
-        if dr.hint(model.windows is not None and target.sky is None, mode="scalar"):
+        if dr.hint(to_windows, mode="scalar"):
             # Connect the vertex to a window, and continue by the material
             a = sampling.coordinate(points, seed, index, vertex, sampling.CONNECT_U)
             b = sampling.coordinate(points, seed, index, vertex, sampling.CONNECT_V)
@@ -248,7 +252,7 @@ def walk(
         active &= (dr.max(weight) > 0) & (segment <= segments)
 
         # Let weak paths go on only by chance, then with the weight of those that end
-        survive = dr.minimum(dr.max(weight) / (start * _ROULETTE), 1)
+        survive = dr.minimum(dr.max(weight) / (start * weak), 1)
         chance = sampling.random_number(seed, index + points.first, vertex + 0x10000)
         weight = dr.select(survive < 1, weight / survive, weight)
         active &= (chance < survive) & (vertex < _MOST_SEGMENTS)
