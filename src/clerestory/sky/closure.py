@@ -4,7 +4,8 @@ Global, direct and diffuse obey  GHI = DHI + DNI sin h,  so any two give the
 third. Near the horizon the division by sin h blows errors up; the rules:
 
 1. Where the direct irradiance is computed, sin h is taken as at least sin 3°.
-2. It never exceeds the extraterrestrial irradiance; what is left over is diffuse.
+2. It never exceeds the extraterrestrial irradiance: computed, what is left over is
+   diffuse; measured, it is cut.
 3. Diffuse above global is cut to global.
 4. With the sun more than 6° below the horizon (civil twilight) all is dark.
 5. Global alone is split by a statistical model: Erbs (hourly) or DIRINT.
@@ -70,6 +71,9 @@ def split_irradiance(
     ------
     InputError : too little was measured, or another decomposition
     """
+    notes: tuple[str, ...] = ()
+    if direct_normal is not None:
+        direct_normal, notes = cut_to_extraterrestrial(direct_normal, times)
     if direct_normal is not None and diffuse_horizontal is not None:
         split = Irradiance(direct_normal, diffuse_horizontal)
     elif global_horizontal is None:
@@ -88,7 +92,7 @@ def split_irradiance(
     # Darken what lies beyond civil twilight
     dark = sun.altitude < _TWILIGHT
     stray = dark & (split.direct_normal + split.diffuse_horizontal > _TOLERANCE)
-    notes = split.notes
+    notes += split.notes
     if np.any(stray):
         notes += (
             f"{np.count_nonzero(stray)} steps with light and the sun 6° and more below"
@@ -99,6 +103,21 @@ def split_irradiance(
         np.where(dark, 0, split.diffuse_horizontal),
         notes,
     )
+
+
+def cut_to_extraterrestrial(
+    direct_normal: Float[np.ndarray, " time"], times: np.ndarray
+) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
+    """Return direct irradiance [W/m²] not above that outside the air, and notes."""
+    limit = SOLAR_CONSTANT * orbit_factor(day_of_year(times))
+    above = direct_normal > limit + _TOLERANCE
+    notes: tuple[str, ...] = ()
+    if np.any(above):
+        notes = (
+            f"{np.count_nonzero(above)} direct values above the extraterrestrial"
+            " irradiance cut to it",
+        )
+    return np.minimum(direct_normal, limit), notes
 
 
 def _from_diffuse(

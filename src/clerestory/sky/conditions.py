@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.sky.sky_state import (
     DEFAULT_DEW_POINT_C,
@@ -95,7 +96,10 @@ def sky_conditions(
         direct, diffuse, altitude=sun.altitude, day_of_year=day_of_year(weather.times)
     )
     night = direct + diffuse <= _NIGHT
-    if spectrum == "visible":
+    if spectrum == "visible" and weather.illuminance is not None:
+        direct = weather.illuminance.direct_normal / LUMINOUS_EFFICACY
+        diffuse = weather.illuminance.diffuse_horizontal / LUMINOUS_EFFICACY
+    elif spectrum == "visible":
         dew_point = _dew_point(weather, dew_point_c)
         direct, diffuse = visible_irradiance(
             direct, diffuse, state=state, dew_point_c=dew_point

@@ -2,14 +2,17 @@
 
 Times are read as they stand: ISO 8601 or a given format, with or without an
 offset from UTC. Times with an offset may change it over the year (daylight
-saving); times without one are local standard time.
+saving); times without one are local standard time, or what a clock shows that is
+named by its time zone. Where such a clock is put back, the hour that it shows
+twice is told apart by the order of the rows.
 """
 
 import csv
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
-from typing import Literal
+from typing import get_args
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -17,13 +20,10 @@ from jaxtyping import Float, Int
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.cells import column
-from clerestory.sky.closure import Decomposition, split_irradiance
-from clerestory.sky.moments import require_growth, typical_step
-from clerestory.sky.repair import repair_irradiance, report
-from clerestory.sky.sun import sun_position
+from clerestory.sky.closure import Decomposition
+from clerestory.sky.measurement import Measurement, Quantity, weather_of
+from clerestory.sky.moments import StandsFor, centres, require_growth, typical_step
 from clerestory.sky.weather import Site, Weather
-
-StandsFor = Literal["start", "centre", "end"]
 
 # Values that loggers write for missing data
 _MISSING = (-9999.9, -9999.0, -999.0, 9999.0, 99999.0)
@@ -38,6 +38,7 @@ class Columns:
     time : one column, or several that together give the time
     global_horizontal, diffuse_horizontal, direct_normal : irradiance [W/m²];
         None where there is none
+    global_illuminance, diffuse_illuminance, direct_illuminance : [lux]
     dew_point : [°C]
     """
 
@@ -45,7 +46,15 @@ class Columns:
     global_horizontal: str | None = None
     diffuse_horizontal: str | None = None
     direct_normal: str | None = None
+    global_illuminance: str | None = None
+    diffuse_illuminance: str | None = None
+    direct_illuminance: str | None = None
     dew_point: str | None = None
+
+    def series(self) -> dict[Quantity, str]:
+        """Return the columns of light that there are, by quantity."""
+        named = {q: getattr(self, q) for q in get_args(Quantity)}
+        return {q: name for q, name in named.items() if name is not None}
 
 
 def read_measured(
@@ -55,6 +64,7 @@ def read_measured(
     site: Site,
     time_format: str | None = None,
     stands_for: StandsFor = "centre",
+    clock: str | None = None,
     separator: str = ",",
     skip_lines: int = 0,
     decomposition: Decomposition = "erbs",
@@ -68,6 +78,8 @@ def read_measured(
     time_format : as for `datetime.strptime`, its parts separated by one space
         where the time is in several columns; None reads ISO 8601
     stands_for : the moment of its step that a time stands for
+    clock : time zone of the clock, such as "Europe/Berlin", with its daylight
+        saving; None for local standard time
     separator : between cells
     skip_lines : lines before the header
     decomposition : model that splits global irradiance where it stands alone
@@ -80,34 +92,20 @@ def read_measured(
     table = _table(path, separator, skip_lines)
 
     # Go from the stated moment of each step to its centre
-    times = _times(table, columns.time, time_format, site.utc_offset_hours)
+    times = _times(table, columns.time, time_format, clock, site.utc_offset_hours)
     require_growth(times, file=path, lines=table.lines)
     step = typical_step(times)
-    times = times + np.timedelta64(round(_shift(stands_for) * step * 60), "s")
+    times = centres(times, step, stands_for)
 
-    # Repair each series, then part sun and sky
-    series, notes = _series(table, columns, times)
-    sun = sun_position(
-        times,
-        latitude_deg=site.latitude_deg,
-        longitude_deg=site.longitude_deg,
-        utc_offset_hours=site.utc_offset_hours,
-        elevation=site.elevation,
-    )
-    split = split_irradiance(times, sun, decomposition=decomposition, **series)
-    notes += split.notes
-    report(notes, file=path)
-    if set(series) == {"global_horizontal"}:
-        notes += (f"global irradiance split into sun and sky by {decomposition}",)
-    return Weather(
-        **asdict(site),
-        times=times,
-        step_minutes=step,
-        direct_normal=split.direct_normal,
-        diffuse_horizontal=split.diffuse_horizontal,
-        dew_point_c=table.numbers(columns.dew_point) if columns.dew_point else None,
-        source=str(path),
-        notes=notes,
+    series = {
+        quantity: table.numbers(name) for quantity, name in columns.series().items()
+    }
+    dew_point = table.numbers(columns.dew_point) if columns.dew_point else None
+    return weather_of(
+        Measurement(
+            site, times, step, series, path, table.lines, columns.series(), dew_point
+        ),
+        decomposition=decomposition,
     )
 
 
@@ -153,46 +151,20 @@ def _table(path: str | Path, separator: str, skip_lines: int) -> _Table:
     return _Table(path, skip_lines + 1, names, rows, np.array(numbers) + 1)
 
 
-def _series(
-    table: _Table, columns: Columns, times: np.ndarray
-) -> tuple[dict[str, Float[np.ndarray, " time"]], tuple[str, ...]]:
-    notes: tuple[str, ...] = ()
-    series = {}
-    for kind in ("global_horizontal", "diffuse_horizontal", "direct_normal"):
-        name = getattr(columns, kind)
-        if name is not None:
-            series[kind], made = repair_irradiance(
-                table.numbers(name),
-                name=name,
-                times=times,
-                file=table.path,
-                lines=table.lines,
-            )
-            notes += made
-    return series, notes
-
-
-def _shift(stands_for: StandsFor) -> float:
-    shifts = {"start": 0.5, "centre": 0.0, "end": -0.5}
-    if stands_for not in shifts:
-        raise InputError(
-            f"times stand for {stands_for!r}; 'start', 'centre' or 'end' expected"
-        )
-    return shifts[stands_for]
-
-
 def _times(
     table: _Table,
     names: str | tuple[str, ...],
     time_format: str | None,
+    clock: str | None,
     utc_offset_hours: float,
 ) -> np.ndarray:
     # Local standard time, whatever offset the file has
     standard = timezone(timedelta(hours=utc_offset_hours))
+    zone = _zone(clock)
     where = [
         table.index(name) for name in ((names,) if isinstance(names, str) else names)
     ]
-    moments = []
+    moments: list[float] = []
     for row, line in zip(table.rows, table.lines, strict=True):
         text = " ".join(row[i].strip() for i in where if i < len(row))
         try:
@@ -206,7 +178,31 @@ def _times(
                 file=table.path,
                 line=int(line),
             ) from error
+        if moment.tzinfo is None and zone is not None:
+            before = moments[-1] if moments else -np.inf
+            moment = _on_clock(moment, zone, standard, before)
         if moment.tzinfo is not None:
             moment = moment.astimezone(standard)
         moments.append(moment.replace(tzinfo=UTC).timestamp())
     return np.round(moments).astype("datetime64[s]")
+
+
+def _zone(clock: str | None) -> ZoneInfo | None:
+    if clock is None:
+        return None
+    try:
+        return ZoneInfo(clock)
+    except (ZoneInfoNotFoundError, ValueError, OSError) as error:
+        raise InputError(
+            f"unknown time zone {clock!r}; a name such as 'Europe/Berlin' expected"
+        ) from error
+
+
+def _on_clock(
+    moment: datetime, zone: ZoneInfo, standard: timezone, before: float
+) -> datetime:
+    # The hour shown twice is the second one when time would not grow otherwise
+    first = moment.replace(tzinfo=zone).astimezone(standard)
+    if first.replace(tzinfo=UTC).timestamp() > before:
+        return first
+    return moment.replace(tzinfo=zone, fold=1)

@@ -1,12 +1,18 @@
 """Moments of the calendar as files write them, in the fixed year of a typical year."""
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.sky.weather import TYPICAL_LEAP_YEAR, TYPICAL_YEAR
+
+StandsFor = Literal["start", "centre", "end"]
+
+# Steps from the moment that a time stands for to the centre
+_SHIFTS = {"start": 0.5, "centre": 0.0, "end": -0.5}
 
 _DAYS = (31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 
@@ -75,7 +81,30 @@ def require_growth(times: np.ndarray, *, file: str | Path, lines: np.ndarray) ->
 
 
 def typical_step(times: np.ndarray) -> float:
-    """Return the shortest step between moments [min]; 60 for a single one."""
+    """Return the shortest step between moments [min]; 60 for a single one.
+
+    Steps within 5 s of a whole minute are taken as that, since files round hours
+    to three digits: 0.042, 0.125, 0.208 for every five minutes.
+    """
     if len(times) < 2:
         return 60.0
-    return float(np.min(np.diff(times)) / np.timedelta64(1, "m"))
+    step = float(np.min(np.diff(times)) / np.timedelta64(1, "m"))
+    whole = round(step)
+    return float(whole) if whole and abs(step - whole) <= 5 / 60 else step
+
+
+def centres(
+    times: np.ndarray, step_minutes: float, stands_for: StandsFor
+) -> np.ndarray:
+    """Return the centres of steps whose times stand for their start, centre or end.
+
+    Raises
+    ------
+    InputError : another moment
+    """
+    if stands_for not in _SHIFTS:
+        raise InputError(
+            f"times stand for {stands_for!r}; 'start', 'centre' or 'end' expected"
+        )
+    seconds = round(_SHIFTS[stands_for] * step_minutes * 60)
+    return np.asarray(times + np.timedelta64(seconds, "s"))

@@ -4,6 +4,7 @@
 2. Lower values, values above 1500 W/m² (no place on Earth receives that) and
    codes for missing data are gaps: filled by interpolation in time, as long as
    they are at most a tenth of the steps. More is an error.
+3. Direct irradiance above the extraterrestrial is cut to it.
 
 Every repair is counted; the counts go into the notes of the weather and into
 one warning.
@@ -14,9 +15,10 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.sky.closure import cut_to_extraterrestrial
 from clerestory.sky.weather import Site, Weather
 
 _ZERO_OFFSET = -10.0
@@ -31,23 +33,27 @@ def repair_irradiance(
     times: np.ndarray,
     file: str | Path,
     lines: Int[np.ndarray, " time"],
+    scale: float = 1.0,
+    unit: str = "W/m²",
 ) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
-    """Return irradiance [W/m²] without gaps, and notes on what was done.
+    """Return irradiance without gaps, and notes on what was done.
 
     Parameters
     ----------
-    values : irradiance [W/m²]; NaN where the file says it is missing
+    values : irradiance; NaN where the file says it is missing
     name : what the values are, for messages
     times : centres of the steps
     file, lines : where each value stands
+    scale, unit : of the values, in place of W/m²
 
     Raises
     ------
     InputError : more than a tenth of the values is missing or impossible
     """
     notes = []
-    offset = (values < 0) & (values >= _ZERO_OFFSET)
-    gap = ~((values >= _ZERO_OFFSET) & (values <= _LARGEST))
+    lowest, largest = scale * _ZERO_OFFSET, scale * _LARGEST
+    offset = (values < 0) & (values >= lowest)
+    gap = ~((values >= lowest) & (values <= largest))
     if np.any(offset):
         notes.append(
             f"{name}: {np.count_nonzero(offset)} values just below zero set to zero"
@@ -58,12 +64,13 @@ def repair_irradiance(
         if np.mean(gap) > _LARGEST_SHARE_OF_GAPS:
             raise InputError(
                 f"{count} of {name} are missing or impossible;"
-                f" {_ZERO_OFFSET:g} to {_LARGEST:g} W/m² in nine of ten expected",
+                f" {lowest:g} to {largest:g} {unit} in nine of ten expected",
                 file=file,
                 line=first,
             )
         notes.append(
-            f"{name}: {count} missing or impossible, interpolated (first: line {first})"
+            f"{name}: {count} missing or impossible, interpolated (first: line"
+            f" {first}; at most {_longest(gap)} in a row)"
         )
 
     # Fill the gaps from their neighbours in time
@@ -115,7 +122,8 @@ def repaired_weather(
         file=file,
         lines=lines,
     )
-    notes += first + second
+    direct, third = cut_to_extraterrestrial(direct, times)
+    notes += first + second + third
     report(notes, file=file)
     return Weather(
         **asdict(site),
@@ -133,3 +141,9 @@ def report(notes: tuple[str, ...], *, file: str | Path) -> None:
     """Warn once about all the repairs made to a file."""
     if notes:
         warnings.warn(f"{file}: {'; '.join(notes)}", ClerestoryWarning, stacklevel=5)
+
+
+def _longest(gap: Bool[np.ndarray, " time"]) -> int:
+    # Length of the longest run of gaps
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], gap.astype(int), [0]])))
+    return int(np.max(ends[1::2] - ends[::2]))

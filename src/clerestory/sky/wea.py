@@ -13,6 +13,7 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.cells import column, number
 from clerestory.sky.closure import Irradiance, split_irradiance
+from clerestory.sky.measurement import Measurement, Quantity, weather_of
 from clerestory.sky.moments import moments, typical_step
 from clerestory.sky.repair import repaired_weather
 from clerestory.sky.sun import sun_position
@@ -29,6 +30,7 @@ _COLUMNS = (
 # Values of weather_data_file_units
 _DIRECT_IS_NORMAL = 1
 _DIRECT_IS_LEVEL = 2
+_ILLUMINANCE = 3
 
 _KEYS = (
     "place",
@@ -45,8 +47,9 @@ def read_wea(path: str | Path) -> Weather:
 
     Raises
     ------
-    InputError : the header is incomplete, the units are not those of
-        irradiance (1, direct normal; 2, direct horizontal), or a row is wrong
+    InputError : the header is incomplete, the units are unknown (1, direct normal
+        and diffuse irradiance; 2, direct horizontal; 3, illuminance), or a row is
+        wrong
     """
     lines = read_text(path).splitlines()
     site, units = _site(lines, path)
@@ -62,6 +65,14 @@ def read_wea(path: str | Path) -> Weather:
         for index, name in enumerate(_COLUMNS)
     )
     times = moments(month, day, hour, file=path, lines=at)
+    if units == _ILLUMINANCE:
+        series: dict[Quantity, np.ndarray] = {
+            "direct_illuminance": direct,
+            "diffuse_illuminance": diffuse,
+        }
+        return weather_of(
+            Measurement(site, times, typical_step(times), series, path, at)
+        )
     parts = Irradiance(direct, diffuse)
     if units == _DIRECT_IS_LEVEL:
         parts = _from_level(direct, diffuse, site, times)
@@ -110,10 +121,10 @@ def _site(lines: list[str], path: str | Path) -> tuple[Site, float]:
         else:
             values[key] = number(cells, 1, name=key, file=path, line=i + 1)
     units = values["weather_data_file_units"]
-    if units not in (_DIRECT_IS_NORMAL, _DIRECT_IS_LEVEL):
+    if units not in (_DIRECT_IS_NORMAL, _DIRECT_IS_LEVEL, _ILLUMINANCE):
         raise InputError(
-            f"weather_data_file_units {units:g}; 1 or 2 expected, direct irradiance"
-            " normal to the sun or horizontal, and diffuse horizontal irradiance",
+            f"weather_data_file_units {units:g}; 1, 2 or 3 expected: direct irradiance"
+            " normal to the sun, horizontal, or illuminance",
             file=path,
             line=len(_KEYS),
         )

@@ -55,6 +55,23 @@ class Site:
 
 
 @dataclass(frozen=True, eq=False)
+class Illuminance:
+    """Illuminance from sun and sky over time.
+
+    Attributes
+    ----------
+    direct_normal, diffuse_horizontal : [lux]
+    """
+
+    direct_normal: Float[np.ndarray, " time"]
+    diffuse_horizontal: Float[np.ndarray, " time"]
+
+    def select(self, steps: slice | np.ndarray) -> "Illuminance":
+        """Return some of the time steps, by slice or boolean mask."""
+        return Illuminance(self.direct_normal[steps], self.diffuse_horizontal[steps])
+
+
+@dataclass(frozen=True, eq=False)
 class Weather:
     """Irradiance from sun and sky over time at one place.
 
@@ -69,6 +86,8 @@ class Weather:
     direct_normal : irradiance from the sun on a plane facing it [W/m²]
     diffuse_horizontal : irradiance from the sky on a level plane [W/m²]
     dew_point_c : dew point [°C], NaN where unknown; None without any
+    illuminance : measured from sun and sky [lux]; None where it follows from the
+        irradiance
     source : the file it was read from
     notes : repairs made by the reader, each with its count
 
@@ -88,6 +107,7 @@ class Weather:
     direct_normal: Float[np.ndarray, " time"]
     diffuse_horizontal: Float[np.ndarray, " time"]
     dew_point_c: Float[np.ndarray, " time"] | None = None
+    illuminance: Illuminance | None = None
     source: str = ""
     notes: tuple[str, ...] = ()
 
@@ -99,19 +119,16 @@ class Weather:
             self.elevation,
             self.place,
         )
-        series = {
-            "direct normal irradiance": self.direct_normal,
-            "diffuse horizontal irradiance": self.diffuse_horizontal,
-        }
-        for name, values in series.items():
-            if values.shape != self.times.shape:
-                raise InputError(
-                    f"{len(values)} values of {name}; {len(self)} expected"
-                )
-            if not np.all(np.isfinite(values) & (values >= 0)):
-                raise InputError(
-                    f"{name} is negative or not finite; W/m² from 0 expected"
-                )
+        self._check("direct normal irradiance", self.direct_normal, unit="W/m²")
+        self._check(
+            "diffuse horizontal irradiance", self.diffuse_horizontal, unit="W/m²"
+        )
+        if self.illuminance is not None:
+            lux = self.illuminance
+            self._check("direct normal illuminance", lux.direct_normal, unit="lux")
+            self._check(
+                "diffuse horizontal illuminance", lux.diffuse_horizontal, unit="lux"
+            )
         if self.dew_point_c is not None and self.dew_point_c.shape != self.times.shape:
             raise InputError(
                 f"{len(self.dew_point_c)} dew points; {len(self)} expected"
@@ -128,16 +145,27 @@ class Weather:
                 f"steps of {self.step_minutes} minutes; a positive length expected"
             )
 
+    def _check(
+        self, name: str, values: Float[np.ndarray, " value"], *, unit: str
+    ) -> None:
+        if values.shape != self.times.shape:
+            raise InputError(f"{len(values)} values of {name}; {len(self)} expected")
+        if not np.all(np.isfinite(values) & (values >= 0)):
+            raise InputError(
+                f"{name} is negative or not finite; {unit} from 0 expected"
+            )
+
     def __len__(self) -> int:
         return len(self.times)
 
     def select(self, steps: slice | np.ndarray) -> "Weather":
         """Return some of the time steps, by slice or boolean mask."""
-        dew_point = None if self.dew_point_c is None else self.dew_point_c[steps]
+        dew_point, lux = self.dew_point_c, self.illuminance
         return replace(
             self,
             times=self.times[steps],
             direct_normal=self.direct_normal[steps],
             diffuse_horizontal=self.diffuse_horizontal[steps],
-            dew_point_c=dew_point,
+            dew_point_c=None if dew_point is None else dew_point[steps],
+            illuminance=None if lux is None else lux.select(steps),
         )

@@ -136,6 +136,21 @@ def test_daylight_saving_in_the_offset_ends_in_standard_time(write):
     assert str(weather.times[0]) == "2022-06-21T11:00:00"
 
 
+def test_a_clock_with_daylight_saving_ends_in_standard_time(write):
+    """In Berlin on 30 October 2022 the hour from 2 to 3 comes twice."""
+    hours = ["00:30", "01:30", "02:30", "02:30", "03:30"]
+    text = "time,GHI,DHI\n" + "".join(f"2022-10-30 {hour},0,0\n" for hour in hours)
+    weather = read_measured(write(text), columns=BOTH, site=SITE, clock="Europe/Berlin")
+    found = [str(time)[5:16] for time in weather.times]
+    assert found == [
+        f"10-{day}" for day in ("29T23:30", *(f"30T0{h}:30" for h in range(4)))
+    ]
+    with pytest.raises(InputError, match="time goes back"):
+        read_measured(write(text), columns=BOTH, site=SITE)
+    with pytest.raises(InputError, match="unknown time zone 'Hessen'"):
+        read_measured(write(text), columns=BOTH, site=SITE, clock="Hessen")
+
+
 def test_time_in_two_columns_and_a_format(write):
     text = "day;clock;GHI;DHI\n21.06.2022;12:00;700;120\n21.06.2022;12:01;710;118\n"
     weather = read_measured(

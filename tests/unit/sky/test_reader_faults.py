@@ -98,7 +98,7 @@ WEA_FAULTS = {
         4,
         "'site_elevation' in the header; 'time_zone'",
     ),
-    "photometric": ("units 1", "units 3", 6, "units 3; 1 or 2 expected"),
+    "unknown units": ("units 1", "units 4", 6, "units 4; 1, 2 or 3 expected"),
     "not a number": ("300 120", "3OO 120", 7, "direct normal irradiance is '3OO'"),
     "row cut short": ("310 121", "310", 8, "4 fields; diffuse"),
     "31 April": ("3 21 11.5", "4 31 11.5", 7, "month 4, day 31"),
@@ -145,7 +145,7 @@ def test_a_faulty_tmy3_is_named_with_its_line(write_tmy3, fault):
 def test_a_file_of_another_kind_is_refused(tmp_path, text):
     path = tmp_path / "thing.epw"
     path.write_text(text)
-    with pytest.raises(InputError, match="EPW, WEA, TMY2 or TMY3"):
+    with pytest.raises(InputError, match="EPW, WEA, TMY2, TMY3 or SURFRAD"):
         read_weather(path)
 
 

@@ -8,6 +8,7 @@ import pytest
 from clerestory.errors import ClerestoryWarning
 from clerestory.sky.conditions import sun_over
 from clerestory.sky.read import read_weather
+from clerestory.sky.sky_matrix import sky_matrix
 
 
 def row(hour, direct=300, diffuse=120, *, month=3, day=21, dew=4.5, minute=60):
@@ -172,3 +173,50 @@ def test_a_year_cut_short_is_reported(write_epw):
     rows = [row(h, month=1, day=d) for d in (1, 2) for h in range(1, 25)]
     with pytest.warns(ClerestoryWarning, match="stop at 2023-01-02.*48 steps are used"):
         read_weather(write_epw(rows, header))
+
+
+def test_daysim_five_minute_files_keep_their_step(write_wea):
+    """Daysim writes hours with three digits: 0.042, 0.125, 0.208, …"""
+    hours = (np.arange(288) + 0.5) / 12
+    rows = [f"3 21 {hour:.3f} {300 * (7 < hour < 17):d} 0" for hour in hours]
+    weather = read_weather(write_wea(rows))
+    assert weather.step_minutes == 5
+    error = weather.times - weather.times[0].astype("datetime64[D]")
+    seconds = error.astype(float) - 3600 * hours
+    assert np.abs(seconds).max() <= 2
+    assert len(weather) == 288
+
+
+def test_a_leap_year_of_wea_is_written_in_2024(write_wea):
+    days = ((2, 28), (2, 29), (3, 1))
+    weather = read_weather(write_wea([f"{m} {d} 12.5 300 100" for m, d in days]))
+    assert [str(time)[:10] for time in weather.times] == [
+        "2024-02-28",
+        "2024-02-29",
+        "2024-03-01",
+    ]
+
+
+def test_direct_above_the_extraterrestrial_is_cut_and_counted(write_epw):
+    """On 21 March the sun is at 0.996 of its mean distance: 1367 × 1.0089 W/m²."""
+    rows = [row(hour, "1450" if hour == 12 else "300") for hour in range(1, 25)]
+    with pytest.warns(ClerestoryWarning, match="1 direct values above the extraterr"):
+        weather = read_weather(write_epw(rows))
+    assert weather.direct_normal.max() == pytest.approx(1367 * 1.0089, rel=1e-3)
+
+
+def test_wea_illuminance_is_kept_and_has_its_irradiance(write_wea):
+    rows = [f"6 21 {hour}.5 {90_000} {20_000}" for hour in range(9, 16)]
+    path = write_wea(rows)
+    path.write_text(path.read_text().replace("units 1", "units 3"))
+    weather = read_weather(path)
+    assert np.all(weather.illuminance.direct_normal == 90_000)
+    sky = sky_matrix(weather, subdivision=1, sky_colour=(1, 1, 1))
+    projected = sky.partition.dome.projected_solid_angles()
+    lux = 179 * projected @ sky.diffuse[1:]
+    np.testing.assert_allclose(lux, 20_000, rtol=1e-5)
+
+    # Efficacies of a clear sky in summer, after Perez et al. 1990, figure 2
+    assert np.all(np.abs(90_000 / weather.direct_normal - 100) < 10)
+    assert np.all(np.abs(20_000 / weather.diffuse_horizontal - 130) < 15)
+    assert np.all(sky_matrix(weather, subdivision=1, spectrum="solar").diffuse >= 0)

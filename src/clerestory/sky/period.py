@@ -1,0 +1,77 @@
+"""Parts of the weather: some days of the year, or the step of one moment."""
+
+import re
+
+import numpy as np
+
+from clerestory.errors import InputError
+from clerestory.sky.weather import Weather
+
+
+def select_days(
+    weather: Weather, *, first: str = "01-01", last: str = "12-31"
+) -> Weather:
+    """Return the steps from one day of the year to another, both whole.
+
+    Parameters
+    ----------
+    first, last : "MM-DD"; over new year where the last is the earlier one
+
+    Raises
+    ------
+    InputError : not such days, or none of the weather falls on them
+    """
+    for day in (first, last):
+        if not re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])", day):
+            raise InputError(f"day {day!r}; MM-DD expected")
+    days = np.array([str(day)[5:10] for day in weather.times.astype("datetime64[D]")])
+    after, before = days >= first, days <= last
+    chosen = after & before if first <= last else after | before
+    if not chosen.any():
+        raise InputError(
+            f"no weather from {first} to {last}; days from {days[0]} to {days[-1]}"
+            " expected",
+            file=weather.source or None,
+        )
+    return weather.select(chosen)
+
+
+def select_moment(weather: Weather, moment: str) -> Weather:
+    """Return the single step that a moment of the year falls into.
+
+    Parameters
+    ----------
+    moment : "MM-DD HH:MM", local standard time
+
+    Raises
+    ------
+    InputError : not such a moment, or the weather has no step for it
+
+    Examples
+    --------
+    The hour named by its middle, 11:30, lasts from 11:00 up to 12:00.
+
+    >>> hours = np.datetime64("2023-06-21T00:30", "s") + np.arange(24) * 3600
+    >>> dark = np.zeros(24)
+    >>> day = Weather("x", 50, 8, 100, 1, hours, 60, dark, dark)
+    >>> str(select_moment(day, "06-21 11:59").times[0])
+    '2023-06-21T11:30:00'
+    """
+    if not re.fullmatch(r"\d\d-\d\d[ T]\d\d:\d\d", moment):
+        raise InputError(f"time {moment!r}; MM-DD HH:MM expected")
+    years = np.unique(weather.times.astype("datetime64[Y]"))
+    half = weather.step_minutes * 30
+    for year in years:
+        try:
+            wanted = np.datetime64(f"{year}-{moment.replace(' ', 'T')}", "s")
+        except ValueError:
+            continue
+        distance = (weather.times - wanted).astype(float)
+        inside = np.flatnonzero((-half < distance) & (distance <= half))
+        if len(inside):
+            return weather.select(inside[:1])
+    first, last = weather.times[[0, -1]].astype("datetime64[m]")
+    raise InputError(
+        f"no weather at {moment}; a time from {first} to {last} expected",
+        file=weather.source or None,
+    )
