@@ -159,7 +159,7 @@ def _dew_point(weather: Weather, fixed: float | None) -> Float[np.ndarray, " tim
     if fixed is not None:
         if not _DEW_POINTS[0] <= fixed <= _DEW_POINTS[1]:
             raise InputError(f"dew point {fixed} °C; {_DEW_POINTS} expected")
-        return np.full(len(weather), fixed)
+        return np.full(len(weather), float(fixed))
     if weather.dew_point_c is None:
         return np.full(len(weather), DEFAULT_DEW_POINT_C)
     known = np.isfinite(weather.dew_point_c)
