@@ -8,6 +8,7 @@ A launch is one unit of work: some rows, all batches, one stretch of the sequenc
 It is pure: what it adds depends on its rows, its stretch and the seed alone.
 """
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -35,10 +36,11 @@ _PILOT = 32
 
 # Longest stretch of the sequence in one launch, and most paths in one launch.
 _STRETCH = 1 << 16
-_PATHS = 1 << 24
+_PATHS = 1 << 22
 
-# Most sample points of one batch: an aim that needs more is out of reach.
-_LONGEST = 1 << 24
+# Most sample points of one batch: an aim that needs more is out of reach. A sum of
+# as many weights of π still fits into its fixed-point number.
+_LONGEST = 1 << 22
 
 # Most sums held at a time [bytes]; the host holds as much again.
 _SUMS = 1 << 29
@@ -300,7 +302,7 @@ def _lengthen(
     todo = np.flatnonzero(active)
     have = int(sums.count[todo[0]])
     row_bytes = BATCHES * target.columns * target.channels * 8
-    work, done = len(todo) * (length - have), 0
+    work, done, start_time = len(todo) * (length - have), 0, time.perf_counter()
     while have < length:
         count = min(length - have, _STRETCH)
         rows_at_once = max(1, min(_PATHS // (BATCHES * count), _SUMS // row_bytes))
@@ -308,7 +310,9 @@ def _lengthen(
             rows = todo[start : start + rows_at_once]
             sums.total[rows] += _launch(launch, target, numbers[rows], have, count)
             done += len(rows) * count
-            progress(done / work, f"{BATCHES * length:,} paths a row")
+            rate = BATCHES * done / (time.perf_counter() - start_time) * 1e-6
+            note = f"{BATCHES * length:,} paths a row, {rate:.1f} million a second"
+            progress(done / work, note)
         have += count
         sums.count[todo] = have
 

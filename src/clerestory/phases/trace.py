@@ -213,8 +213,8 @@ def _engine(
     # Check the effort before the device is started, then start it
     if samples is not None and relative_error is not None:
         raise InputError("both samples and relative_error given; one of them expected")
-    if samples is not None and not 1 <= samples <= 1 << 28:
-        raise InputError(f"samples = {samples}; a whole number from 1 to 2^28 expected")
+    if samples is not None and not 1 <= samples <= 1 << 26:
+        raise InputError(f"samples = {samples}; a whole number from 1 to 2^26 expected")
     if samples is None and relative_error is None:
         relative_error = DEFAULT_RELATIVE_ERROR
     if relative_error is not None and not 1e-5 <= relative_error < 1:

@@ -19,6 +19,7 @@ import numpy as np
 import xarray as xr
 
 from clerestory import __version__
+from clerestory.engine.device import resolve
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
 from clerestory.metrics.hours import occupied_hours
@@ -182,7 +183,7 @@ def _facts(
         "versions": {"clerestory": __version__, **_versions()},
         "machine": f"{platform.system()} {platform.machine()}",
         "seed": study.trace.seed,
-        "device": study.trace.device,
+        "device": resolve(study.trace.device),
         "seconds": log.seconds,
         "median_relative_error_of_mean": {
             str(grid): round(float(value), 5)

@@ -7,6 +7,7 @@ from typing import Any
 import xarray as xr
 
 from clerestory import __version__
+from clerestory.engine.device import resolve
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.store import MatrixStore
@@ -73,7 +74,7 @@ class _Job:
             **trace.goal(),
             "bounces": trace.bounces,
             "seed": (trace.seed + stream) % 2**32,
-            "device": trace.device,
+            "device": resolve(trace.device),
         }
 
 
