@@ -5,14 +5,18 @@ files of the demo study.
 """
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
+import typer
 
+from clerestory.cli.main import app
 from clerestory.study.demo import write_demo
 
 REPOSITORY = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+SHELL = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]
 PAGES_WITH_CODE = [page for page in PAGES if BLOCK.search(page.read_text("utf-8"))]
@@ -37,6 +41,27 @@ def test_python_runs_as_it_stands(page, tmp_path, monkeypatch):
 
 def test_the_readme_shows_python():
     assert REPOSITORY / "README.md" in PAGES_WITH_CODE
+
+
+def shell_commands(page):
+    """Words of each call of our program in the shell blocks of a page."""
+    for match in SHELL.finditer(page.read_text("utf-8")):
+        for line in match[1].replace("\\\n", " ").splitlines():
+            words = shlex.split(line, comments=True)
+            if words and Path(words[0]).name == "clerestory":
+                yield words[1:]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_have_the_options_that_pages_use(page):
+    for words in shell_commands(page):
+        command = typer.main.get_command(app)
+        while words and words[0] in getattr(command, "commands", {}):
+            command = command.commands[words.pop(0)]
+        assert not hasattr(command, "commands"), f"not a command: {words}"
+        known = {name for parameter in command.params for name in parameter.opts}
+        used = {word for word in words if word.startswith("-")}
+        assert used <= known | {"--help"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
