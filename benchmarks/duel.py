@@ -58,7 +58,8 @@ def duel(
 ) -> str:
     """Run all contenders in turns and return a Markdown table.
 
-    The error is the root mean square over all coefficients over their mean. One run of each comes first and does not count: it compiles kernels.
+    The error is the root mean square over all coefficients over their mean. One run
+    of each comes first and does not count: it compiles kernels.
     """
     seconds = {c.name: [] for c in contenders}
     errors = {c.name: [] for c in contenders}

@@ -22,8 +22,11 @@ def unit(vector: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]
     vector = np.asarray(vector, dtype=float)
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     if not np.all(np.isfinite(length) & (length > 0)):
-        raise InputError("a direction is zero or not finite; a vector with length is expected")
-    return vector / length
+        raise InputError(
+            "a direction is zero or not finite; a vector with length is expected"
+        )
+    scaled: np.ndarray = vector / length
+    return scaled
 
 
 def from_azimuth(
@@ -35,7 +38,9 @@ def from_azimuth(
     [1.0, 0.0, 0.0]
     """
     flat = np.cos(altitude)
-    return np.stack([flat * np.sin(azimuth), flat * np.cos(azimuth), np.sin(altitude)], axis=-1)
+    return np.stack(
+        [flat * np.sin(azimuth), flat * np.cos(azimuth), np.sin(altitude)], axis=-1
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""A year behind three BSDFs: our whole chain against Radiance's, LBNL's tutorial room."""
+"""A year behind three BSDFs in LBNL's tutorial room, against Radiance's chain."""
 
 import numpy as np
 import pytest

@@ -55,10 +55,14 @@ class RingPartition:
                 " one limit more than rings, and patches in each ring, expected"
             )
         if not (np.all(step > 0) or np.all(step < 0)):
-            raise InputError(f"{self.name}: ring limits {np.degrees(self.theta)}° do not grow")
+            raise InputError(
+                f"{self.name}: ring limits {np.degrees(self.theta)}° do not grow"
+            )
         ends = sorted((float(self.theta[0]), float(self.theta[-1])))
         if abs(ends[0]) > 1e-6 or abs(ends[1] - np.pi / 2) > 1e-6:
-            raise InputError(f"{self.name}: rings span {np.degrees(ends)}°; 0 to 90° expected")
+            raise InputError(
+                f"{self.name}: rings span {np.degrees(ends)}°; 0 to 90° expected"
+            )
 
     def __len__(self) -> int:
         return int(self.count.sum())
@@ -66,7 +70,8 @@ class RingPartition:
     @property
     def first(self) -> Int[np.ndarray, " rings"]:
         """Number of the first patch of each ring."""
-        return np.cumsum(self.count) - self.count
+        first: np.ndarray = np.cumsum(self.count) - self.count
+        return first
 
     def matches(self, other: "RingPartition") -> bool:
         """Whether both cut the hemisphere alike, whatever their names."""
@@ -90,7 +95,9 @@ class RingPartition:
         ring = np.pi * np.abs(np.diff(np.sin(self.theta) ** 2))
         return np.repeat(ring / self.count, self.count)
 
-    def find(self, direction: Float[np.ndarray, "*batch 3"]) -> Int[np.ndarray, "*batch"]:
+    def find(
+        self, direction: Float[np.ndarray, "*batch 3"]
+    ) -> Int[np.ndarray, "*batch"]:
         """Patch that holds each direction; -1 below the rim."""
         x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
         theta = np.arctan2(np.hypot(x, y), z)
@@ -112,7 +119,9 @@ class RingPartition:
     def centres(self) -> Float[np.ndarray, "patches 3"]:
         """Unit vectors through the middle of each patch, in polar angle and azimuth."""
         middle = (self.theta[1:] + self.theta[:-1]) / 2
-        middle = np.where((self.count == 1) & (self.theta[:-1] * self.theta[1:] == 0), 0, middle)
+        middle = np.where(
+            (self.count == 1) & (self.theta[:-1] * self.theta[1:] == 0), 0, middle
+        )
         return self._directions(np.repeat(middle, self.count), np.zeros(len(self)))
 
     def sample(

@@ -48,7 +48,9 @@ class SkyPartition:
         """Whether both cut the sky alike."""
         return self.subdivision == other.subdivision
 
-    def find(self, direction: Float[np.ndarray, "*batch 3"]) -> Int[np.ndarray, "*batch"]:
+    def find(
+        self, direction: Float[np.ndarray, "*batch 3"]
+    ) -> Int[np.ndarray, "*batch"]:
         """Patch that each direction points to; 0 at and below the horizon."""
         return self.dome.find(direction) + 1
 
@@ -69,9 +71,13 @@ def reinhart(subdivision: int) -> SkyPartition:
     InputError : the subdivision is not 1…6
     """
     if subdivision not in range(1, 7):
-        raise InputError(f"sky subdivision {subdivision!r}; a whole number from 1 to 6 expected")
+        raise InputError(
+            f"sky subdivision {subdivision!r}; a whole number from 1 to 6 expected"
+        )
     rows = 7 * subdivision
     altitude = np.append(np.arange(rows + 1) * np.pi / (2 * rows + 1), np.pi / 2)
     count = subdivision * np.repeat(np.array(_TREGENZA_COUNT), subdivision)
-    dome = RingPartition(f"Reinhart MF:{subdivision}", np.append(count, 1), np.pi / 2 - altitude)
+    dome = RingPartition(
+        f"Reinhart MF:{subdivision}", np.append(count, 1), np.pi / 2 - altitude
+    )
     return SkyPartition(subdivision, dome)

@@ -46,7 +46,7 @@ class Axis:
     names: tuple[str, ...] | None = None
 
     def describe(self) -> str:
-        """Return a phrase for messages, such as "145 window patches on the room side"."""
+        """Return a phrase for messages: "145 window patches on the room side"."""
         text = f"{self.size} {_MEANING[self.kind]}"
         if self.partition is not None:
             text += f" ({self.partition.name})"
@@ -82,7 +82,9 @@ def sensor_axis(count: int, names: tuple[str, ...] | None = None) -> Axis:
 
 
 def window_axis(
-    side: Literal["interior", "exterior"], partition: RingPartition, window: str | None = None
+    side: Literal["interior", "exterior"],
+    partition: RingPartition,
+    window: str | None = None,
 ) -> Axis:
     """Return the axis of the patches on one side of a window."""
     return Axis(side, len(partition), partition=partition, window=window)

@@ -44,27 +44,34 @@ class TransferMatrix:
     def __post_init__(self) -> None:
         if self.values.ndim != 3 or self.values.shape[0] not in (1, 3):
             raise MatrixError(
-                f"matrix of shape {self.values.shape}; (1 or 3 channels, rows, columns) expected"
+                f"matrix of shape {self.values.shape};"
+                " (1 or 3 channels, rows, columns) expected"
             )
         if self.values.shape[1:] != (self.rows.size, self.columns.size):
             raise MatrixError(
-                f"matrix of {self.values.shape[1]} x {self.values.shape[2]} coefficients;"
+                f"matrix of {' x '.join(map(str, self.values.shape[1:]))} coefficients;"
                 f" {self.rows.describe()} by {self.columns.describe()} expected"
             )
-        if self.components is not None and self.components.shape[1:] != self.values.shape:
+        if (
+            self.components is not None
+            and self.components.shape[1:] != self.values.shape
+        ):
             raise MatrixError(
                 f"error components of shape {self.components.shape};"
                 f" (n, {', '.join(map(str, self.values.shape))}) expected"
             )
         if not np.all(np.isfinite(self.values)):
-            raise MatrixError("the matrix holds values that are not finite; numbers expected")
+            raise MatrixError(
+                "the matrix holds values that are not finite; numbers expected"
+            )
 
     @property
     def standard_error(self) -> Float[np.ndarray, "channel row column"]:
-        """Standard error of each coefficient; zero where there is no statistical error."""
+        """Standard error of each coefficient; zero if nothing is uncertain."""
         if self.components is None:
             return np.zeros_like(self.values)
-        return np.sqrt(np.sum(np.square(self.components), axis=0))
+        variance: np.ndarray = np.sum(np.square(self.components), axis=0)
+        return np.sqrt(variance)
 
     def __matmul__(self, other: object) -> "TransferMatrix":
         """Return the product, refused when columns and rows do not fit.
@@ -113,7 +120,9 @@ class TransferMatrix:
         names = self.rows.names[rows] if self.rows.names else None
         axis = replace(self.rows, size=len(range(self.rows.size)[rows]), names=names)
         components = None if self.components is None else self.components[:, :, rows]
-        return replace(self, values=self.values[:, rows], rows=axis, components=components)
+        return replace(
+            self, values=self.values[:, rows], rows=axis, components=components
+        )
 
     def weighted(self, weights: tuple[float, ...]) -> "TransferMatrix":
         """Return one channel, the sum of the three under `weights`.
@@ -147,7 +156,8 @@ class TransferMatrix:
                 f"columns are {self.columns.describe()}; multiply by a sky matrix first"
             )
         weights = cast(
-            tuple[float, ...], tuple(LUMINOUS_EFFICACY * weight for weight in LUMINANCE_WEIGHTS)
+            tuple[float, ...],
+            tuple(LUMINOUS_EFFICACY * weight for weight in LUMINANCE_WEIGHTS),
         )
         lux = self.weighted(weights)
         return illuminance_dataset(
