@@ -106,8 +106,8 @@ BAD = {
     ),
     "sun of another size": (
         nothing,
-        "sky matrix two_days.wea -o S.smx --sun-size 2",
-        "--sun-size 2",
+        "sky matrix two_days.wea -o S.smx --sun-size 40",
+        "sun of 40",
     ),
     "one factor": (
         nothing,

@@ -1,59 +1,68 @@
-"""`clerestory sky`: sky matrices and sun positions from weather."""
+"""`clerestory sky`: sky matrices, suns, descriptions and plots of weather."""
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 import typer
-from jaxtyping import Float
 
 from clerestory.cli.matrix_files import write_any_matrix
 from clerestory.cli.options import Format, Output, Quiet
 from clerestory.cli.progress import progress_display
+from clerestory.cli.sky_options import (
+    FirstDay,
+    Formula,
+    Ground,
+    LastDay,
+    Moment,
+    Rotation,
+    SkyColour,
+    Subdivision,
+    SunSize,
+    WeatherFile,
+    numbers,
+    part_of,
+    placement_of,
+    sky_kind,
+)
 from clerestory.errors import InputError
 from clerestory.files import write_text
+from clerestory.report.sky_plots import dome_figure, write_figure, year_figure
+from clerestory.sky.describe import describe_weather
+from clerestory.sky.gensky import cie_sky
+from clerestory.sky.point import sky_vector
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
-from clerestory.sky.sun import SunPosition, sun_position
-from clerestory.sky.weather import Weather
+from clerestory.sky.suns import patch_suns, sun_matrix
+from clerestory.sky.tables import sun_path_table, suns_table
 
 app = typer.Typer(no_args_is_help=True, help="Skies and suns of a weather file.")
-
-WeatherFile = Annotated[
-    Path, typer.Argument(metavar="WEATHER", help="EPW, WEA or TMY3 file.")
-]
-# Radiance's sun, the only one with a matrix of its own [°]
-_SUN_SIZE_DEG = 0.533
 
 
 @app.command(epilog="Example: clerestory sky matrix oslo.epw --subdivision 4 -o S.smx")
 def matrix(
     weather: WeatherFile,
     output: Output,
-    subdivision: Annotated[
-        int, typer.Option(help="Reinhart's subdivision.", min=1, max=6, metavar="1..6")
-    ] = 4,
+    subdivision: Subdivision = 4,
     sun_only: Annotated[
         bool, typer.Option("--sun-only", help="The direct sun alone.")
     ] = False,
     no_direct: Annotated[
         bool, typer.Option("--no-direct", help="The sky without the direct sun.")
     ] = False,
-    sun_size: Annotated[
-        float | None,
+    sun_size: SunSize = None,
+    sun_formula: Formula = "spa",
+    ground_reflectance: Ground = "0.2",
+    sky_colour: SkyColour = "0.960,1.004,1.118",
+    solar: Annotated[
+        bool,
         typer.Option(
-            "--sun-size",
-            help="Sun of this diameter [°] in its nearest patch: 0.533, or 0 for the"
-            " whole patch. Spread over the four nearest patches if not given.",
-            metavar="DEG",
+            "--solar", help="The whole solar spectrum instead of the visible."
         ),
-    ] = None,
-    ground_reflectance: Annotated[
-        float, typer.Option(help="Reflectance of the ground.", min=0, max=1)
-    ] = 0.2,
-    rotation: Annotated[
-        float, typer.Option(help="How far the scene's +y points east of north [°].")
-    ] = 0.0,
+    ] = False,
+    rotation: Rotation = 0.0,
+    first_day: FirstDay = None,
+    last_day: LastDay = None,
+    time: Moment = None,
     encoding: Format = "float",
     quiet: Quiet = False,
 ) -> None:
@@ -62,15 +71,20 @@ def matrix(
         raise InputError("both --sun-only and --no-direct; one of them expected")
     include: Literal["all", "sky", "sun"] = "sun" if sun_only else "all"
     include = "sky" if no_direct else include
+    placement, diameter = placement_of(sun_size)
     with progress_display(quiet=quiet) as display:
         progress = display("sky matrix")
         sky = sky_matrix(
-            read_weather(weather),
+            part_of(read_weather(weather), first_day, last_day, time),
             subdivision=subdivision,
             include=include,
-            sun=_placement(sun_size),
-            ground_reflectance=ground_reflectance,
+            sun=placement,
+            sun_diameter_deg=diameter,
+            ground_reflectance=numbers("--ground-reflectance", ground_reflectance),
+            sky_colour=numbers("--sky-colour", sky_colour),
             rotation_deg=rotation,
+            sun_formula=sun_formula,
+            spectrum="solar" if solar else "visible",
         )
         progress(0.2, "writing")
         dense, command = sky.to_transfer_matrix(), "clerestory sky matrix"
@@ -80,67 +94,151 @@ def matrix(
         typer.echo(f"{output}: {sky.rows.describe()} by {sky.columns.describe()}")
 
 
-@app.command(epilog="Example: clerestory sky sun oslo.epw -o suns.csv")
-def sun(weather: WeatherFile, output: Output) -> None:
-    """Table of the sun's altitude and azimuth at every time step, as CSV [°]."""
-    data = read_weather(weather)
-    position = _sun(data)
-    lines = ["time,altitude,azimuth clockwise from north,direct normal [W/m²]"]
-    rows = zip(
-        data.times.astype("datetime64[m]"),
-        np.degrees(position.altitude),
-        np.degrees(position.azimuth) % 360,
-        data.direct_normal,
-        strict=True,
+@app.command(
+    epilog="Example: clerestory sky vector overcast --sun 40 180 --diffuse 100 -o S.vec"
+)
+def vector(
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="SKY",
+            help="uniform, overcast, intermediate, clear, or a CIE general sky 1..15.",
+        ),
+    ],
+    output: Output,
+    sun: Annotated[
+        tuple[float, float],
+        typer.Option(
+            help="The sun's altitude, and azimuth clockwise from north [°].",
+            metavar="ALT AZI",
+        ),
+    ],
+    diffuse: Annotated[
+        float | None,
+        typer.Option(
+            help="Visible irradiance of the sky on the ground [W/m²], lux over 179;"
+            " gensky's if not given.",
+            min=0,
+        ),
+    ] = None,
+    direct: Annotated[
+        float | None,
+        typer.Option(
+            help="Visible irradiance facing the sun [W/m²]; gensky's if not given.",
+            min=0,
+        ),
+    ] = None,
+    no_direct: Annotated[
+        bool, typer.Option("--no-direct", help="The sky without the direct sun.")
+    ] = False,
+    turbidity: Annotated[float, typer.Option(help="Linke's, of clear skies.")] = 2.45,
+    ground_reflectance: Annotated[
+        float, typer.Option(help="Reflectance of the ground.", min=0, max=1)
+    ] = 0.2,
+    subdivision: Subdivision = 4,
+    sun_size: SunSize = None,
+    encoding: Format = "float",
+    quiet: Quiet = False,
+) -> None:
+    """Sky vector of a CIE sky: radiance of ground and sky patches [W/(m²·sr)].
+
+    The vector of a moment of the weather: `sky matrix WEATHER --time`.
+    """
+    altitude, azimuth = np.radians(sun)
+    sky = cie_sky(
+        sky_kind(kind),
+        sun_altitude=float(altitude),
+        sun_azimuth=float(azimuth),
+        with_sun=not no_direct,
+        turbidity=turbidity,
+        diffuse_horizontal=diffuse,
+        direct_normal=direct,
+        ground_reflectance=ground_reflectance,
     )
-    lines += [
-        f"{str(t).replace('T', ' ')},{a:.3f},{z:.3f},{d:g}" for t, a, z, d in rows
-    ]
-    write_text(output, "\n".join(lines) + "\n")
+    placement, diameter = placement_of(sun_size)
+    column = sky_vector(
+        sky, subdivision=subdivision, sun=placement, sun_diameter_deg=diameter
+    )
+    dense, command = column.to_transfer_matrix(), "clerestory sky vector"
+    write_any_matrix(output, dense, encoding=encoding, command=command)
+    if not quiet:
+        typer.echo(f"{output}: {column.rows.describe()}")
+
+
+@app.command(epilog="Example: clerestory sky sun oslo.epw -o suns.csv")
+def sun(
+    weather: WeatherFile,
+    output: Output,
+    occurring: Annotated[
+        bool,
+        typer.Option("--occurring", help="The suns that shine, instead of all steps."),
+    ] = False,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            help="Suns this near to each other are one [°]; with --occurring.",
+            metavar="DEG",
+        ),
+    ] = 0.0,
+    reinhart: Annotated[
+        int | None,
+        typer.Option(
+            help="Suns in the middle of sky patches: 5185 for 6.",
+            min=1,
+            max=6,
+            metavar="1..6",
+        ),
+    ] = None,
+    sun_formula: Formula = "spa",
+    rotation: Rotation = 0.0,
+    first_day: FirstDay = None,
+    last_day: LastDay = None,
+) -> None:
+    """Table of the sun's altitude and azimuth at every time step, as CSV [°].
+
+    With --occurring or --reinhart a table of suns: where each stands, in how many
+    steps it shines, and how much.
+    """
+    if occurring and reinhart is not None:
+        raise InputError("both --occurring and --reinhart; one of them expected")
+    data = part_of(read_weather(weather), first_day, last_day, None)
+    if occurring or reinhart is not None:
+        text = suns_table(
+            patch_suns(
+                data,
+                subdivision=reinhart,
+                rotation_deg=rotation,
+                sun_formula=sun_formula,
+            )
+            if reinhart is not None
+            else sun_matrix(
+                data,
+                tolerance_deg=tolerance,
+                rotation_deg=rotation,
+                sun_formula=sun_formula,
+            ),
+            step_minutes=data.step_minutes,
+        )
+    else:
+        text = sun_path_table(data, sun_formula=sun_formula, rotation_deg=rotation)
+    write_text(output, text)
 
 
 @app.command(epilog="Example: clerestory sky describe oslo.epw")
 def describe(weather: WeatherFile) -> None:
-    """Say what a weather file holds: place, time steps, sums of sun and sky."""
-    data = read_weather(weather)
-    level = data.direct_normal * np.sin(np.maximum(_sun(data).altitude, 0))
-    first, last = data.times[[0, -1]].astype("datetime64[m]")
-
-    def energy(irradiance: Float[np.ndarray, " time"]) -> str:
-        return f"{irradiance.sum() * data.step_minutes / 60_000:.0f} kWh/m²"
-
-    rows = {
-        "place": data.place,
-        "latitude": f"{data.latitude_deg:.3f}° north",
-        "longitude": f"{data.longitude_deg:.3f}° east",
-        "elevation": f"{data.elevation:g} m",
-        "time zone": f"UTC{data.utc_offset_hours:+g} h",
-        "time steps": f"{len(data)} of {data.step_minutes:g} min, {first} to {last}",
-        "direct normal": energy(data.direct_normal),
-        "direct horizontal": energy(level),
-        "diffuse horizontal": energy(data.diffuse_horizontal),
-    }
-    for name, value in rows.items():
+    """Say what a weather file holds: place, steps, sums of light, repairs, doubts."""
+    for name, value in describe_weather(read_weather(weather)):
         typer.echo(f"{name:20}{value}")
-    for note in data.notes:
-        typer.echo(f"{'repaired':20}{note}")
 
 
-def _placement(size: float | None) -> Literal["spread", "patch", "disc"]:
-    if size is None:
-        return "spread"
-    if size == 0:
-        return "patch"
-    if abs(size - _SUN_SIZE_DEG) < 1e-6:
-        return "disc"
-    raise InputError(f"--sun-size {size:g}; 0.533, the sun, or 0, a patch, expected")
-
-
-def _sun(weather: Weather) -> SunPosition:
-    return sun_position(
-        weather.times,
-        latitude_deg=weather.latitude_deg,
-        longitude_deg=weather.longitude_deg,
-        utc_offset_hours=weather.utc_offset_hours,
-        elevation=weather.elevation,
-    )
+@app.command(epilog="Example: clerestory sky plot oslo.epw -o year.png")
+def plot(
+    weather: WeatherFile,
+    output: Output,
+    time: Moment = None,
+    first_day: FirstDay = None,
+    last_day: LastDay = None,
+) -> None:
+    """Heat map of sun and sky over the year; with --time, the dome in false colour."""
+    data = part_of(read_weather(weather), first_day, last_day, time)
+    write_figure(year_figure(data) if time is None else dome_figure(data), output)

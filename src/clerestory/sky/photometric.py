@@ -3,8 +3,9 @@
 Perez's models take irradiance. Where only illuminance was measured, the irradiance
 is the one whose luminous efficacy gives that illuminance back. Efficacy depends
 on irradiance in turn, so it is found by going round in circles; it jumps between
-the categories of clearness, so some skies have two answers, and a few of the rarest none.
-The illuminance itself is kept beside it, and is what the sky matrix sends.
+the categories of clearness, so some skies have two answers, and a few of the
+rarest none. The illuminance itself is kept beside it, and is what the sky matrix
+sends.
 """
 
 import numpy as np

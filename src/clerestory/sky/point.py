@@ -14,7 +14,7 @@ from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.sky.conditions import Spectrum, sky_conditions
-from clerestory.sky.direct import SunPlacement, sun_radiance
+from clerestory.sky.direct import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.distribution import (
     Distribution,
     FiveParameters,
@@ -134,7 +134,11 @@ class _Fixed:
 
 
 def sky_vector(
-    sky: PointSky, *, subdivision: int = 4, sun: SunPlacement = "spread"
+    sky: PointSky,
+    *,
+    subdivision: int = 4,
+    sun: SunPlacement = "spread",
+    sun_diameter_deg: float = SUN_DIAMETER_DEG,
 ) -> SkyMatrix:
     """Return the mean radiance of every patch, as a sky matrix of one column.
 
@@ -146,6 +150,7 @@ def sky_vector(
     sky : the sky at one moment
     subdivision : Reinhart's MF, 1 to 6
     sun : how the direct sun is put into patches, see `direct.sun_radiance`
+    sun_diameter_deg : apparent diameter of the sun if it is put as a "disc"
     """
     partition = reinhart(subdivision)
     dome = partition.dome
@@ -163,6 +168,7 @@ def sky_vector(
         sky.sun[None],
         partition=partition,
         placement=sun,
+        diameter_deg=sun_diameter_deg,
     )
     return SkyMatrix(
         partition=partition,

@@ -15,8 +15,10 @@ from scipy.spatial import cKDTree
 
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import InputError, MatrixError
+from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, time_axis, unknown_axis
 from clerestory.sky.conditions import Spectrum, sky_conditions
+from clerestory.sky.direct import sun_radiance
 from clerestory.sky.sun import SunFormula
 from clerestory.sky.weather import Weather
 
@@ -125,6 +127,55 @@ def sun_matrix(
             "rotation_deg": rotation_deg,
             "spectrum": spectrum,
             "steps_below_horizon": float(np.count_nonzero(shining & ~up)),
+        },
+    )
+
+
+def patch_suns(
+    weather: Weather,
+    *,
+    subdivision: int = 6,
+    rotation_deg: float = 0.0,
+    sun_formula: SunFormula = "spa",
+    dew_point_c: float | None = None,
+    spectrum: Spectrum = "visible",
+) -> SunMatrix:
+    """Return the suns in the middle of all sky patches: 5185 for subdivision 6.
+
+    Each step's sun is taken to the patch whose centre is nearest, as direct-sun
+    matrices of the five-phase method do.
+
+    Parameters
+    ----------
+    weather : irradiance over time
+    subdivision : Reinhart's MF, 1 to 6
+    rotation_deg, sun_formula, dew_point_c, spectrum : as for `sky_matrix`
+    """
+    conditions = sky_conditions(
+        weather,
+        rotation_deg=rotation_deg,
+        sun_formula=sun_formula,
+        dew_point_c=dew_point_c,
+        spectrum=spectrum,
+    )
+    partition = reinhart(subdivision)
+    radiance = sun_radiance(
+        conditions.direct_normal,
+        conditions.sun.directions(),
+        partition=partition,
+        placement="disc",
+    )
+    solid_angle = np.pi * (SUN_DIAMETER / 2) ** 2
+    return SunMatrix(
+        partition.dome.centres(),
+        weather.times,
+        csc_array(radiance[1:] * solid_angle),
+        {
+            "source": weather.source,
+            "sun_formula": sun_formula,
+            "subdivision": float(subdivision),
+            "rotation_deg": rotation_deg,
+            "spectrum": spectrum,
         },
     )
 

@@ -1,0 +1,250 @@
+"""Pictures of skies: the dome at one moment, a year of sun and sky.
+
+The dome is drawn like a sun-path diagram: a plan with the zenith in the middle,
+north up and east to the right, altitudes at even distances.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import FuncFormatter, LogLocator
+
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.directions import from_azimuth
+from clerestory.errors import InputError
+from clerestory.files import replace_file
+from clerestory.report.heatmap import day_hour_grid
+from clerestory.sky.point import perez_point
+from clerestory.sky.sun import SunFormula, sun_position
+from clerestory.sky.weather import Weather
+
+# Cells of the dome in altitude and azimuth
+_ALTITUDES, _AZIMUTHS = 90, 240
+
+# The range of the dome's colours [cd/m²], as a share of its brightest point
+_DARKEST = 1 / 300
+
+_SUN_COLOUR = "#111111"
+# Days that a line of sunrises needs
+_FEWEST_DAYS = 8
+
+_PALETTE = "inferno"
+_NO_DATA = "#d9d9d9"
+
+
+def write_figure(figure: Figure, path: str | Path) -> None:
+    """Write a figure as PNG or SVG, after the suffix of its name.
+
+    Raises
+    ------
+    InputError : another suffix
+    OutputError : the file cannot be written
+    """
+    kind = Path(path).suffix.lower().removeprefix(".")
+    if kind not in ("png", "svg"):
+        raise InputError(f"plot {str(path)!r}; a name ending in .png or .svg expected")
+    with replace_file(path) as stream:
+        figure.savefig(stream, format=kind, dpi=150)
+
+
+def dome_figure(weather: Weather, *, sun_formula: SunFormula = "spa") -> Figure:
+    """Return the luminance of Perez's sky in false colour, with the sun's path.
+
+    Parameters
+    ----------
+    weather : a single step
+    sun_formula : as for `sky_matrix`
+
+    Raises
+    ------
+    InputError : more than one step, or a step without light from the sky
+    """
+    sky = perez_point(weather, sun_formula=sun_formula)
+    if sky.diffuse_horizontal() <= 0:
+        raise InputError(
+            f"no light from the sky at {weather.times[0]}; a time by day expected"
+        )
+    azimuth = np.linspace(0, 2 * np.pi, _AZIMUTHS + 1)
+    altitude = np.linspace(0, np.pi / 2, _ALTITUDES + 1)
+    middles = np.meshgrid(
+        (azimuth[:-1] + azimuth[1:]) / 2, (altitude[:-1] + altitude[1:]) / 2
+    )
+    luminance = LUMINOUS_EFFICACY * sky.radiance(from_azimuth(*middles))
+
+    figure = Figure(figsize=(7.6, 6.8), layout="constrained")
+    axes: PolarAxes = figure.add_subplot(projection="polar")  # type: ignore[assignment]
+    _compass(axes)
+    top = float(luminance.max())
+    mesh = axes.pcolormesh(
+        azimuth,
+        90 - np.degrees(altitude),
+        luminance,
+        cmap=_PALETTE,
+        norm=LogNorm(max(float(luminance.min()), top * _DARKEST), top),
+        rasterized=True,
+    )
+    bar = figure.colorbar(mesh, ax=axes, shrink=0.75, pad=0.09)
+    bar.set_label("luminance [cd/m²]")
+    bar.locator = LogLocator(subs=(1, 2, 5))
+    bar.formatter = FuncFormatter(lambda value, _: f"{value:,.0f}")
+    bar.minorticks_off()
+    _sun_path(axes, weather, sun_formula)
+    axes.set_title(_dome_title(weather, sky.direct_normal, sky.diffuse_horizontal()))
+    return figure
+
+
+def year_figure(weather: Weather) -> Figure:
+    """Return direct normal and diffuse horizontal irradiance, day by day, as heat maps.
+
+    Lines mark sunrise and sunset.
+    """
+    grid = day_hour_grid(weather.times)
+    figure = Figure(figsize=(11, 6.4), layout="constrained")
+    panels = figure.subplots(2, 1, sharex=True)
+    for axes, values, name in (
+        (panels[0], weather.direct_normal, "direct normal"),
+        (panels[1], weather.diffuse_horizontal, "diffuse horizontal"),
+    ):
+        axes.set_facecolor(_NO_DATA)
+        image = axes.imshow(
+            grid.fill(values),
+            aspect="auto",
+            origin="lower",
+            interpolation="nearest",
+            cmap=_PALETTE,
+            vmin=0,
+            vmax=max(float(values.max()), 1.0),
+            extent=(0, grid.days, 0, 24),
+        )
+        figure.colorbar(image, ax=axes, pad=0.01).set_label(f"{name} [W/m²]")
+        _sunrise_and_sunset(axes, weather, grid.dates)
+        axes.set(yticks=range(0, 25, 6), ylabel="local standard time [h]")
+    _mark_days(panels[1], grid.dates)
+    first, last = weather.times[[0, -1]].astype("datetime64[D]")
+    figure.suptitle(
+        f"{_place(weather)}: irradiance in steps of {weather.step_minutes:g} min,"
+        f" {first} to {last}"
+    )
+    return figure
+
+
+def _place(weather: Weather) -> str:
+    name = weather.place.replace("_", " ").strip() or "unnamed place"
+    return name.replace("$", r"\$")
+
+
+def _compass(axes: PolarAxes) -> None:
+    # A plan: north up, east right; rings every 15° of altitude
+    axes.set_theta_zero_location("N")
+    axes.set_theta_direction(-1)
+    axes.set_ylim(0, 90)
+    axes.set_xticks(np.radians(np.arange(0, 360, 45)))
+    axes.set_xticklabels(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
+    rings = np.arange(15, 90, 15)
+    axes.set_yticks(90 - rings)
+    axes.set_yticklabels([f"{ring}°" for ring in rings], fontsize=8, color="white")
+    axes.set_rlabel_position(0)
+    axes.grid(color="white", alpha=0.35, linewidth=0.6)
+
+
+def _sun_path(axes: PolarAxes, weather: Weather, formula: SunFormula) -> None:
+    # The day's path with its hours, and the sun itself
+    day = weather.times[0].astype("datetime64[D]").astype("datetime64[s]")
+    minutes = day + 60 * np.arange(0, 24 * 60 + 1, 5)
+    azimuth, zenith = _sun(weather, minutes, formula)
+    hidden = zenith > 90
+    axes.plot(
+        np.where(hidden, np.nan, azimuth),
+        np.where(hidden, np.nan, zenith),
+        color="white",
+        linewidth=2.6,
+        solid_capstyle="round",
+    )
+    axes.plot(
+        np.where(hidden, np.nan, azimuth),
+        np.where(hidden, np.nan, zenith),
+        color=_SUN_COLOUR,
+        linewidth=1.2,
+    )
+    for hour in range(24):
+        a, z = (values[12 * hour] for values in (azimuth, zenith))
+        if z < 88:
+            axes.plot(a, z, "o", color=_SUN_COLOUR, markersize=4, mec="white", mew=0.8)
+            if hour % 3 == 0:
+                _label_hour(axes, a, z, hour)
+    a, z = (values[0] for values in _sun(weather, weather.times[:1], formula))
+    if z <= 90:
+        axes.plot(a, z, "o", color="#ffd84d", markersize=13, mec=_SUN_COLOUR, mew=1.4)
+
+
+def _label_hour(axes: PolarAxes, azimuth: float, zenith: float, hour: int) -> None:
+    axes.annotate(
+        f"{hour} h",
+        (azimuth, zenith),
+        xytext=(0, 7),
+        textcoords="offset points",
+        ha="center",
+        fontsize=8,
+        color="white",
+        bbox={"boxstyle": "round,pad=0.15", "fc": "#000000a0", "ec": "none"},
+    )
+
+
+def _sun(
+    weather: Weather, times: np.ndarray, formula: SunFormula
+) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+    # Azimuth [rad] and angle to the zenith [°]
+    sun = sun_position(
+        times,
+        latitude_deg=weather.latitude_deg,
+        longitude_deg=weather.longitude_deg,
+        utc_offset_hours=weather.utc_offset_hours,
+        elevation=weather.elevation,
+        formula=formula,
+    )
+    return sun.azimuth, 90 - np.degrees(sun.altitude)
+
+
+def _dome_title(weather: Weather, direct: float, diffuse: float) -> str:
+    moment = str(weather.times[0].astype("datetime64[m]")).replace("T", " ")
+    lux = [LUMINOUS_EFFICACY * part / 1000 for part in (diffuse, direct)]
+    return (
+        f"{_place(weather)}, {moment} local standard time\n"
+        f"sky {lux[0]:.1f} klx on the ground, sun {lux[1]:.1f} klx facing it"
+    )
+
+
+def _sunrise_and_sunset(axes: Axes, weather: Weather, dates: np.ndarray) -> None:
+    # Where the sun's altitude changes its sign, to a few minutes; a line needs days
+    if len(dates) < _FEWEST_DAYS:
+        return
+    minutes = np.arange(0, 24 * 60, 5)
+    times = dates.astype("datetime64[s]")[:, None] + 60 * minutes
+    _, zenith = _sun(weather, times.ravel(), "radiance")
+    height = 90 - zenith.reshape(times.shape)
+    axes.contour(
+        np.arange(len(dates)) + 0.5,
+        minutes / 60,
+        height.T,
+        levels=[0.0],
+        colors="white",
+        linewidths=0.9,
+        alpha=0.8,
+    )
+
+
+def _mark_days(axes: Axes, dates: np.ndarray) -> None:
+    # Months of a long span, days of a short one
+    month = dates.astype("datetime64[M]")
+    if len(dates) > 62:
+        marks = np.flatnonzero(dates == month.astype("datetime64[D]"))
+        names = [f"{m:%b}" for m in month[marks].astype(object)]
+    else:
+        marks = np.arange(0, len(dates), max(1, len(dates) // 8))
+        names = [f"{d.day} {d:%b}" for d in dates[marks].astype(object)]
+    axes.set_xticks(marks, names, ha="left")
