@@ -70,8 +70,8 @@ class TransferMatrix:
         """Standard error of each coefficient; zero if nothing is uncertain."""
         if self.components is None:
             return np.zeros_like(self.values)
-        variance: np.ndarray = np.sum(np.square(self.components), axis=0)
-        return np.sqrt(variance)
+        error: np.ndarray = np.sqrt(np.sum(np.square(self.components), axis=0))
+        return error
 
     def __matmul__(self, other: object) -> "TransferMatrix":
         """Return the product, refused when columns and rows do not fit.
