@@ -75,3 +75,7 @@ def test_unknown_name_is_an_attribute_error():
 def test_version_is_that_of_the_project():
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
     assert clerestory.__version__ == project["version"]
+
+
+def test_the_types_are_offered_to_users():
+    assert (Path(clerestory.__file__).parent / "py.typed").is_file()
