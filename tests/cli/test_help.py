@@ -63,3 +63,7 @@ def test_doctor_fails_when_something_is_broken(call, monkeypatch):
     outcome = call("doctor")
     assert outcome.status == 1
     assert "FAIL  CUDA  driver too old" in outcome.out
+
+
+def test_units_in_brackets_are_shown(call):
+    assert "[sr]" in call("trace", "view", "--help").out

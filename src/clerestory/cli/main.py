@@ -36,6 +36,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",  # else units in brackets vanish from the help
     help="Annual daylight behind complex fenestration.",
 )
 app.add_typer(trace.app, name="trace")
