@@ -1,0 +1,63 @@
+"""How far sky matrices are from gendaymtx, over whole years.
+
+    python benchmarks/sky_parity.py YEAR.epw… [--subdivisions 1 4] [--write FILE]
+
+A patch may differ by 0.5 % or by 10⁻³ of the dome's mean: the first column is the
+largest difference as a share of that. The others are relative differences of
+irradiance on the horizontal and four vertical planes, and of the sum over the dome.
+"""
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+from duel import stamp
+
+from clerestory.sky.read import read_weather
+from clerestory.sky.sky_matrix import sky_matrix
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "parity"))
+from gendaymtx import Distance, distance, epw_to_wea, gendaymtx
+
+
+def farthest(epw: Path, subdivision: int) -> Distance:
+    """Return the largest differences over a year."""
+    with tempfile.TemporaryDirectory() as name:
+        wea = Path(name) / "year.wea"
+        epw_to_wea(epw, wea)
+        theirs = gendaymtx(wea, "-m", str(subdivision))
+        sky = sky_matrix(
+            read_weather(wea), subdivision=subdivision, sun_formula="radiance"
+        )
+    found = Distance(0, 0, 0)
+    for start in range(0, len(sky.times), 365):
+        part = slice(start, start + 365)
+        found = found.worse(
+            distance(sky.block(part), theirs[:, :, part], sky.partition)
+        )
+    return found
+
+
+def main() -> None:
+    """Read the command line, run, print and write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("epw", type=Path, nargs="+")
+    parser.add_argument("--subdivisions", type=int, nargs="+", default=[1, 2, 4])
+    parser.add_argument("--write", type=Path, help="Markdown file to write")
+    options = parser.parse_args()
+    lines = ["### Sky matrices and gendaymtx", "", f"{stamp()}.", ""]
+    lines += ["| | | patch / allowed | planes | dome |", "|---|---|---|---|---|"]
+    for subdivision in options.subdivisions:
+        for epw in options.epw:
+            d = farthest(epw, subdivision)
+            figures = f"{d.patch:.3f} | {d.plane:.1e} | {d.direct:.1e}"
+            lines.append(f"| MF {subdivision} | {epw.stem} | {figures} |")
+            print(lines[-1], file=sys.stderr)
+    print("\n".join(lines))
+    if options.write:
+        options.write.write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()
