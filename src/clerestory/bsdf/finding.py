@@ -1,0 +1,68 @@
+"""What is doubtful about a BSDF: how much, where, and what comes of it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from clerestory.hemisphere.partition import RingPartition
+
+Severity = Literal["info", "warning", "error"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One observation about a BSDF.
+
+    Attributes
+    ----------
+    name : "energy", "reciprocity", "order", …
+    severity : "error" spoils results, "warning" is a doubt, "info" a remark
+    size : how far off, as a share or ratio that `what` explains
+    what : what was found, in words with the size
+    where : channel, function, patch and direction
+    effect : what it will do to a simulation
+    """
+
+    name: str
+    severity: Severity
+    size: float
+    what: str
+    where: str
+    effect: str
+
+    @property
+    def matters(self) -> bool:
+        """Whether it can change results."""
+        return self.severity != "info"
+
+    def __str__(self) -> str:
+        return (
+            f"{self.severity}: {self.name}: {self.what} ({self.where}); {self.effect}"
+        )
+
+
+def graded(size: float, limits: tuple[float, float, float]) -> Severity | None:
+    """Severity of a size; None below the first limit.
+
+    >>> graded(0.02, (0.001, 0.01, 0.05))
+    'warning'
+    """
+    if not size > limits[0]:
+        return None
+    if size <= limits[1]:
+        return "info"
+    return "warning" if size <= limits[2] else "error"
+
+
+def place(partition: RingPartition, patch: int) -> str:
+    """Return a patch in words: its number and the direction of its centre.
+
+    >>> from clerestory.hemisphere.klems import klems
+    >>> place(klems("full"), 3)
+    'patch 3 (10° off the normal, azimuth 90°)'
+    """
+    x, y, z = partition.centres()[patch]
+    polar = np.degrees(np.arctan2(np.hypot(x, y), z))
+    azimuth = np.degrees(np.arctan2(y, x)) % 360
+    return f"patch {patch} ({polar:.0f}° off the normal, azimuth {azimuth:.0f}°)"

@@ -1,0 +1,105 @@
+"""How far scattering on patches is from its own reverse and its own mirror image.
+
+A mismatch of 0 means alike, 2 nothing in common. It is weighted with the light
+that passes under a uniform sky, so that values nobody will notice do not count.
+"""
+
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.bsdf.matrix import ScatteringMatrix
+from clerestory.errors import InputError
+from clerestory.hemisphere.klems import klems
+from clerestory.hemisphere.partition import RingPartition
+
+Turn = Literal["half a turn", "left and right", "up and down", "a quarter turn"]
+TURNS: tuple[Turn, ...] = get_args(Turn)
+
+_SECTORS = 8
+_RINGS_TOGETHER = 2
+
+
+def patch_table(bsdf_function: object) -> ScatteringMatrix:
+    """Return a scattering function on patches: its own, or Klems full for a tree."""
+    if isinstance(bsdf_function, ScatteringMatrix):
+        return bsdf_function
+    full = klems("full")
+    average = getattr(bsdf_function, "average", None)
+    if average is None:
+        raise InputError(f"{type(bsdf_function).__name__} has no values on patches")
+    return ScatteringMatrix(average(full, full), full, full)
+
+
+def mismatch(
+    one: Float[np.ndarray, "exit incident"], other: Float[np.ndarray, "exit incident"]
+) -> float:
+    """Return the sum of differences over the mean sum of two tables of flux.
+
+    >>> mismatch(np.array([[1.0, 1.0]]), np.array([[1.0, 1.2]])).__round__(6)
+    0.090909
+    """
+    total = float(one.sum() + other.sum()) / 2
+    return float(np.abs(one - other).sum()) / total if total > 0 else 0.0
+
+
+def reciprocity_mismatch(front: ScatteringMatrix, back: ScatteringMatrix) -> float:
+    """Mismatch of one function and the reverse of its partner, over groups of patches.
+
+    Patches are taken together, about fifteen degrees wide, so that the noise of
+    traced files averages out. The partner of a reflection is itself.
+    """
+    reverse = back.reciprocal()
+    return mismatch(_flux_of_groups(front), _flux_of_groups(reverse))
+
+
+def turn_incident(part: ScatteringMatrix, turn: Turn) -> ScatteringMatrix:
+    """Return the function with its incident patches renumbered by a turn."""
+    order = turned_patches(part.incidents, turn)
+    return ScatteringMatrix(part.values[:, order], part.exits, part.incidents)
+
+
+def turned_mismatch(part: ScatteringMatrix, turn: Turn) -> float:
+    """Mismatch of a function with itself when the whole layer is turned."""
+    exits, incidents = (turned_patches(p, turn) for p in (part.exits, part.incidents))
+    flux = flux_table(part)
+    return mismatch(flux, flux[np.ix_(exits, incidents)])
+
+
+def turned_patches(partition: RingPartition, turn: Turn) -> Int[np.ndarray, " patches"]:
+    """Patch at the place to which a turn brings each patch's centre."""
+    x, y, z = partition.centres().T
+    moved = {
+        "half a turn": (-x, -y, z),
+        "left and right": (-x, y, z),
+        "up and down": (x, -y, z),
+        "a quarter turn": (-y, x, z),
+    }[turn]
+    # A patch whose mirror image straddles two others takes the next one
+    found: Int[np.ndarray, " patches"] = partition.find(np.stack(moved, axis=-1))
+    return found
+
+
+def flux_table(part: ScatteringMatrix) -> Float[np.ndarray, "exit incident"]:
+    """Light between patches per radiance of a uniform sky [sr²/sr]."""
+    flux: Float[np.ndarray, "exit incident"] = (
+        part.exits.projected_solid_angles()[:, None] * part.flux_factors()
+    )
+    return flux
+
+
+def _flux_of_groups(part: ScatteringMatrix) -> Float[np.ndarray, "group group"]:
+    exits, incidents = _groups(part.exits), _groups(part.incidents)
+    flux: Float[np.ndarray, "group group"] = exits.T @ flux_table(part) @ incidents
+    return flux
+
+
+def _groups(partition: RingPartition) -> Float[np.ndarray, "patch group"]:
+    # Membership of patches in groups of rings and sectors; the pole stands alone
+    x, y, _ = partition.centres().T
+    sector = np.floor(np.arctan2(y, x) * _SECTORS / (2 * np.pi) + 0.5 + 1e-6)
+    ring = np.repeat(np.arange(len(partition.count)), partition.count)
+    band = (ring + _RINGS_TOGETHER - 1) // _RINGS_TOGETHER
+    group = np.where(band == 0, 0, (band - 1) * _SECTORS + sector % _SECTORS + 1)
+    return np.asarray(np.eye(int(group.max()) + 1)[group.astype(int)])

@@ -1,0 +1,157 @@
+"""Helmholtz reciprocity: light goes the same ways forth and back.
+
+What breaks it tells the kind of fault: it vanishes when incident directions are
+renumbered (azimuths are counted another way) or when values are divided by a weight
+(they are not a BSDF), or it stays (noise, an interpolation, a wrong model).
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.finding import Finding, Severity, graded
+from clerestory.bsdf.matrix import Function, ScatteringMatrix
+from clerestory.bsdf.patch_symmetry import (
+    TURNS,
+    reciprocity_mismatch,
+    turn_incident,
+)
+
+# Sizes from which a finding is told, matters, and spoils results.
+_RECIPROCITY = (0.03, 0.10, 0.50)
+_SIDES = (0.02, 0.10, 0.50)
+
+# A repair is believed if it leaves no more than this share of the mismatch; a
+# weight is proven if it leaves next to nothing.
+_REPAIRED = 0.4
+_PROVEN = 0.1
+_WEIGHTED = 0.01
+
+Tables = dict[Function, ScatteringMatrix]
+
+
+def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
+    """Yield functions that are not their partner's reverse, and what would help."""
+    for title, part, partner in _reverses(tables):
+        size = reciprocity_mismatch(part, partner)
+        severity = graded(size, _RECIPROCITY)
+        if severity is None:
+            continue
+        # Look for a numbering of the incident patches that obeys
+        left = {
+            turn: reciprocity_mismatch(
+                turn_incident(part, turn), turn_incident(partner, turn)
+            )
+            for turn in TURNS[:3]
+        }
+        turn = min(left, key=lambda name: left[name])
+        if size > _RECIPROCITY[1] and left[turn] < _REPAIRED * size:
+            yield Finding(
+                "azimuth",
+                "error",
+                size,
+                f"reciprocity fails by {size:.0%}, and by {left[turn]:.0%} with the"
+                f" incident directions changed by {turn}",
+                f"{channel} {title}",
+                "light leaves towards the wrong side; azimuths of incident directions"
+                " are counted another way than in WINDOW's files",
+            )
+        else:
+            yield Finding(
+                "reciprocity",
+                severity,
+                size,
+                f"{size:.1%} of the light takes other ways back than forth",
+                f"{channel} {title}",
+                "results change with the side that a program reads, and light traced"
+                " from the eye differs from light traced from the sun",
+            )
+
+
+def _reverses(
+    tables: Tables,
+) -> Iterator[tuple[str, ScatteringMatrix, ScatteringMatrix]]:
+    # Functions with those that are their reverse: a reflection is its own
+    pairs: tuple[tuple[str, Function, Function], ...] = (
+        ("transmission", "transmission_front", "transmission_back"),
+        ("reflection front", "reflection_front", "reflection_front"),
+        ("reflection back", "reflection_back", "reflection_back"),
+    )
+    for title, name, partner in pairs:
+        if name in tables and partner in tables:
+            one, other = tables[name], tables[partner]
+            if one.exits.matches(other.incidents) and one.incidents.matches(
+                other.exits
+            ):
+                yield title, one, other
+
+
+def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
+    """Yield unequal diffuse transmittances: reciprocity makes both sides equal."""
+    if not {"transmission_front", "transmission_back"} <= set(tables):
+        return
+    front = diffuse_share(tables["transmission_front"])
+    back = diffuse_share(tables["transmission_back"])
+    size = abs(front - back) / max(front, back)
+    severity = graded(size, _SIDES)
+    if severity is not None:
+        yield Finding(
+            "sides",
+            severity,
+            size,
+            f"diffuse light passes with {front:.4f} from the front and {back:.4f} from"
+            " the back; equal shares expected",
+            f"{channel} transmission",
+            f"daylight differs by {size:.0%} with the side that a program reads",
+        )
+
+
+def diffuse_share(part: ScatteringMatrix) -> float:
+    """Share of the light of a uniform hemisphere that is scattered in all."""
+    weight = part.incidents.projected_solid_angles()
+    return float(part.direct_hemispherical() @ weight / weight.sum())
+
+
+def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
+    """Yield functions that obey reciprocity once a weight is divided out."""
+    for title, part, partner in _reverses(tables):
+        size = reciprocity_mismatch(part, partner)
+        if size < _WEIGHTED:
+            continue
+        left = {
+            name: reciprocity_mismatch(_divided(part, by), _divided(partner, by))
+            for name, by in _weights(part).items()
+        }
+        name = min(left, key=lambda key: left[key])
+        if left[name] < _REPAIRED * size:
+            severity: Severity = "error" if left[name] < _PROVEN * size else "info"
+            yield Finding(
+                "scaling",
+                severity,
+                size,
+                f"reciprocity fails by {size:.1%}, and by {left[name]:.1%} once values"
+                f" are divided by {name}",
+                f"{channel} {title}",
+                "values may hold that weight already; light is then too weak or wrong"
+                " by patch",
+            )
+
+
+def _weights(
+    part: ScatteringMatrix,
+) -> dict[str, Float[np.ndarray, "exit incident"]]:
+    ones = np.ones_like(part.values)
+    return {
+        "the solid angle of exit patches": part.exits.projected_solid_angles()[:, None]
+        * ones,
+        "the solid angle of incident patches": part.incidents.projected_solid_angles()
+        * ones,
+        "the cosine of exit directions": part.exits.centres()[:, 2:] * ones,
+    }
+
+
+def _divided(
+    part: ScatteringMatrix, by: Float[np.ndarray, "exit incident"]
+) -> ScatteringMatrix:
+    return ScatteringMatrix(part.values / by, part.exits, part.incidents)
