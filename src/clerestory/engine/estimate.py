@@ -38,6 +38,9 @@ _PILOT = 32
 _STRETCH = 1 << 16
 _PATHS = 1 << 22
 
+# The error falls nearly like n to the power of -1/1.6 with the points of a batch.
+_GROWTH = 1.6
+
 # Most sample points of one batch: an aim that needs more is out of reach. A sum of
 # as many weights of π still fits into its fixed-point number.
 _LONGEST = 1 << 22
@@ -114,18 +117,8 @@ def trace_view(
     """
     origin = np.mean(sensors.position, axis=0)
     model = lower(scene, origin=origin, receivers=windows)
-    columns = model.windows.columns
-    segments = _segments(effort.bounces, first=0)
-    position = sensors.position - origin
-
-    def launch(target: Target, rows: np.ndarray, first: int, count: int) -> None:
-        sequence = points(first, count)
-        paths = lanes(sequence, rows=rows, batches=BATCHES, seed=effort.seed)
-        start = {"position": position[rows], "normal": sensors.direction[rows]}
-        trace_sensors(target, sequence, paths, **start, segments=segments)
-
-    target = _target(model, None, columns)
-    return _estimate(launch, target, len(position), effort, _dim_rows(effort))
+    target = _target(model, None, model.windows.columns)
+    return _from_sensors(target, sensors, origin, effort)
 
 
 def trace_coefficients(
@@ -136,18 +129,8 @@ def trace_coefficients(
     The relative error of a row is that of the irradiance under a uniform sky.
     """
     origin = np.mean(sensors.position, axis=0)
-    model = lower(scene, origin=origin)
-    segments = _segments(effort.bounces, first=0)
-    position = sensors.position - origin
-
-    def launch(target: Target, rows: np.ndarray, first: int, count: int) -> None:
-        sequence = points(first, count)
-        paths = lanes(sequence, rows=rows, batches=BATCHES, seed=effort.seed)
-        start = {"position": position[rows], "normal": sensors.direction[rows]}
-        trace_sensors(target, sequence, paths, **start, segments=segments)
-
-    target = _target(model, SkyTable.of(sky), len(sky))
-    return _estimate(launch, target, len(position), effort, _dim_rows(effort))
+    target = _target(lower(scene, origin=origin), SkyTable.of(sky), len(sky))
+    return _from_sensors(target, sensors, origin, effort)
 
 
 def trace_daylight(
@@ -181,6 +164,21 @@ def trace_daylight(
     return _estimate(
         launch, target, len(window.partition), effort, noisy, together=True
     )
+
+
+def _from_sensors(
+    target: Target, sensors: Sensors, origin: Float[np.ndarray, "3"], effort: Effort
+) -> Estimate:
+    position = sensors.position - origin
+    segments = _segments(effort.bounces, first=0)
+
+    def launch(target: Target, rows: np.ndarray, first: int, count: int) -> None:
+        sequence = points(first, count)
+        paths = lanes(sequence, rows=rows, batches=BATCHES, seed=effort.seed)
+        start = {"position": position[rows], "normal": sensors.direction[rows]}
+        trace_sensors(target, sequence, paths, **start, segments=segments)
+
+    return _estimate(launch, target, len(position), effort, _dim_rows(effort))
 
 
 def _segments(bounces: int | None, *, first: int) -> int:
@@ -271,20 +269,18 @@ def _trace_rows(
         _lengthen(launch, target, numbers, sums, everything, length, progress)
         return sums, True
 
-    length, active, ratio, spent = _PILOT, np.full(len(numbers), True), np.inf, 0.0
+    # The pilot takes a sliver of the progress bar, the rest is shared by expected work
+    active, length, spent, share = np.full(len(numbers), True), _PILOT, 0.0, 0.02
     while active.any():
         if length > _LONGEST:
             return sums, False
-        # The error falls at least like 1/√n: share the progress bar by expected work
-        goal = length if not np.isfinite(ratio) else length * max(1.0, (ratio / 2) ** 2)
-        part = _share_of_progress(
-            progress, spent, (1 - spent) * min(1.0, length / goal)
-        )
+        part = _share_of_progress(progress, spent, share)
         _lengthen(launch, target, numbers, sums, active, length, part)
-        spent += (1 - spent) * min(1.0, length / goal) * 0.9
+        spent += share
         active, ratio = unfinished(sums)
-        growth = 2.0 ** np.ceil(np.log2(np.clip(ratio**1.6, 2, 32)))
-        length = int(length * growth)
+        growth = np.clip(ratio**_GROWTH, 2, 32)
+        share = (1 - spent) * 0.9 * min(1.0, growth / max(ratio**_GROWTH, 1e-9))
+        length *= int(2 ** np.ceil(np.log2(growth)))
     progress(1.0, "done")
     return sums, True
 

@@ -99,7 +99,7 @@ def view_matrices(
     See `view_matrix` for the parameters.
     """
     _check_names(windows)
-    rows = _sensor_rows(sensors)
+    rows = _sensor_rows(sensors, bounces)
     engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
     estimate = engine.trace_view(scene, tuple(windows), sensors, effort)
     found, first = {}, 0
@@ -194,7 +194,7 @@ def daylight_coefficients(
     A sensor that sees nothing but sky and ground collects π in all. The error aimed
     at is that of the irradiance under a uniform sky. See `view_matrix`.
     """
-    rows = _sensor_rows(sensors)
+    rows = _sensor_rows(sensors, bounces)
     engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
     sky = reinhart(subdivision)
     estimate = engine.trace_coefficients(scene, sky, sensors, effort)
@@ -245,7 +245,11 @@ def _check_names(windows: Sequence[Window]) -> None:
         )
 
 
-def _sensor_rows(sensors: Sensors) -> Axis:
+def _sensor_rows(sensors: Sensors, bounces: int | None) -> Axis:
+    if bounces == 0:
+        raise InputError(
+            "bounces = 0; the first gather of a sensor counts: 1 or more expected"
+        )
     if len(sensors.position) == 0:
         raise InputError("no sensors given; at least one expected")
     return sensor_axis(len(sensors.position), sensors.names)
