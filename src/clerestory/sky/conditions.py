@@ -29,6 +29,9 @@ _NIGHT = 1e-4
 # Direct irradiance that cannot be an error of the instrument [W/m²]
 _BRIGHT = 20.0
 
+# Rounds that find sunrise to a few seconds
+_REFINEMENTS = 3
+
 # Dew points outside this range [°C] do not occur
 _DEW_POINTS = (-60.0, 35.0)
 
@@ -114,6 +117,10 @@ def sun_over(
 ) -> SunPosition:
     """Return where the sun stands at each step of the weather.
 
+    It stands where it is at the centre of the step; in steps in which it rises or
+    sets, at the centre of the part in which it is up, as their direct light comes
+    from there. Radiance's formula always takes the centre, as gendaymtx does.
+
     Parameters
     ----------
     rotation_deg : turns the sun counter-clockwise, for scenes whose y axis points
@@ -128,20 +135,58 @@ def sun_over(
         raise InputError(
             f"rotation {rotation_deg}; a finite number of degrees expected"
         )
-    sun = sun_position(
-        weather.times,
+    sun = _sun_at(weather, weather.times, sun_formula)
+    if sun_formula == "spa":
+        sun = _at_sunrise_and_sunset(weather, sun)
+    return SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
+
+
+def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
+    # The sun moves by at most 15° an hour: only steps near the horizon matter
+    half = np.timedelta64(round(weather.step_minutes * 30), "s")
+    near = np.flatnonzero(np.abs(sun.altitude) < _reach(weather))
+    if len(near) == 0:
+        return sun
+    centre = weather.times[near]
+    first = _sun_at(weather, centre - half, "spa").altitude
+    last = _sun_at(weather, centre + half, "spa").altitude
+    cross = first * last < 0
+    near, centre, first, last = near[cross], centre[cross], first[cross], last[cross]
+
+    # Find when it is zero, from -1 to 1 through the step; refraction bends the line
+    def moved_to(share: Float[np.ndarray, " step"]) -> SunPosition:
+        seconds = np.round(share * half.astype(float)).astype("timedelta64[s]")
+        return _sun_at(weather, centre + seconds, "spa")
+
+    slope = (last - first) / 2
+    horizon = (first + last) / (first - last)
+    for _ in range(_REFINEMENTS):
+        horizon = np.clip(horizon - moved_to(horizon).altitude / slope, -1, 1)
+    moved = moved_to(np.where(last > 0, (1 + horizon) / 2, (horizon - 1) / 2))
+    altitude, azimuth = sun.altitude.copy(), sun.azimuth.copy()
+    altitude[near], azimuth[near] = moved.altitude, moved.azimuth
+    return SunPosition(altitude, azimuth)
+
+
+def _sun_at(weather: Weather, times: np.ndarray, formula: SunFormula) -> SunPosition:
+    return sun_position(
+        times,
         latitude_deg=weather.latitude_deg,
         longitude_deg=weather.longitude_deg,
         utc_offset_hours=weather.utc_offset_hours,
         elevation=weather.elevation,
-        formula=sun_formula,
+        formula=formula,
     )
-    return SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
+
+
+def _reach(weather: Weather) -> float:
+    # How far the sun climbs in half a step, and a degree more [rad]
+    return float(np.radians(15 * weather.step_minutes / 60 / 2 + 1))
 
 
 def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:
-    # The sun climbs by at most 15° an hour: half a step may bring it up
-    reach = np.radians(15 * weather.step_minutes / 60 / 2 + 1)
+    # Half a step may bring the sun up
+    reach = _reach(weather)
     odd = (weather.direct_normal > _BRIGHT) & (sun.altitude < -reach)
     if np.any(odd):
         first = weather.times[np.argmax(odd)]

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
+from clerestory.sky.conditions import sun_over
 from clerestory.sky.sun import day_of_year, sun_position
+from clerestory.sky.weather import Weather
 
 NREL = {"latitude_deg": 39.742476, "longitude_deg": -105.1786, "utc_offset_hours": -7}
 
@@ -69,3 +71,40 @@ def test_day_of_year_counts_leap_days():
 def test_an_unknown_formula_is_refused():
     with pytest.raises(InputError, match="'spa' or 'radiance'"):
         sun_position(moments("2023-01-01"), formula="newton", **NREL)
+
+
+def hours_of_a_day():
+    times = np.datetime64("2023-03-05T00:30", "s") + 3600 * np.arange(24)
+    dark = np.zeros(24)
+    return Weather("x", 50.0, 8.5, 100.0, 1.0, times, 60.0, dark, dark)
+
+
+def test_in_the_hour_of_sunrise_the_sun_stands_where_it_shines_from():
+    """It is up for a part of the hour, and stands in the middle of that part."""
+    weather = hours_of_a_day()
+    place = {"latitude_deg": 50.0, "longitude_deg": 8.5, "utc_offset_hours": 1.0}
+    seconds = weather.times[0] - np.timedelta64(1800, "s") + np.arange(86400)
+    altitude = sun_position(seconds, elevation=100.0, **place).altitude
+    shines = altitude.reshape(24, 3600) > 0
+    partly = shines.any(axis=1) & ~shines.all(axis=1)
+    assert partly.sum() == 2
+    found = sun_over(weather).altitude
+    for hour in np.flatnonzero(partly):
+        middle = 3600 * hour + int(np.flatnonzero(shines[hour]).mean())
+        assert found[hour] > 0
+        assert found[hour] == pytest.approx(altitude[middle], abs=np.radians(0.1))
+    centres = altitude[1800::3600]
+    np.testing.assert_allclose(found[~partly], centres[~partly], atol=1e-12)
+
+
+def test_radiances_sun_stays_at_the_centre_of_the_hour():
+    weather = hours_of_a_day()
+    plain = sun_position(
+        weather.times,
+        latitude_deg=50.0,
+        longitude_deg=8.5,
+        utc_offset_hours=1.0,
+        formula="radiance",
+    )
+    found = sun_over(weather, sun_formula="radiance")
+    np.testing.assert_array_equal(found.altitude, plain.altitude)

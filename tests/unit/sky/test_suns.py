@@ -20,7 +20,7 @@ def test_without_tolerance_every_lit_step_has_its_sun(spring_day):
     np.testing.assert_allclose(received, np.where(lit, spring_day.direct_normal, 0))
 
 
-@pytest.mark.parametrize("tolerance_deg", [0.5, 2.0, 9.0])
+@pytest.mark.parametrize("tolerance_deg", [0.5, 1.0, 9.0])
 def test_a_shared_sun_is_within_the_tolerance(spring_day, tolerance_deg):
     suns = sun_matrix(spring_day, tolerance_deg=tolerance_deg, spectrum="solar")
     exact = sky_conditions(spring_day).sun.directions()
