@@ -104,3 +104,21 @@ def test_satellite_data_in_five_minutes_run_through_the_whole_study(call, shared
     with xr.open_dataset("study_results/results.nc") as results:
         assert results.sizes["time"] == 288
         assert float(results["illuminance"].max()) > 100
+
+
+def test_a_study_may_say_itself_how_measurements_are_read(call, roof):
+    """The keys of the station file, in the table of the weather."""
+    inline = STATION.replace('file = "roof_5min.csv"', "[weather.measured]")
+    for table in ("site", "columns"):
+        inline = inline.replace(f"[{table}]", f"[weather.measured.{table}]")
+    study_under(f'file = "roof_5min.csv"\n{inline}')
+    assert call("run", "study.toml", "--quiet").status == 0
+    with xr.open_dataset("study_results/results.nc") as results:
+        inside = results["illuminance"].values
+    text = Path("study.toml").read_text()
+    Path("study.toml").write_text(text.replace("latitude_deg", "latitud"))
+    outcome = call("run", "study.toml")
+    assert outcome.status == 2
+    assert "study.toml:" in outcome.err
+    assert "latitude_deg" in outcome.err
+    assert np.all(np.isfinite(inside))

@@ -18,9 +18,17 @@ A station file goes wherever a weather file does.
 
 import tomllib
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
@@ -31,16 +39,23 @@ from clerestory.sky.networks import read_srml, read_surfrad
 from clerestory.sky.weather import Site, Weather
 
 
+def _several(value: Any) -> Any:
+    # One name is a list of one
+    return [value] if isinstance(value, str) else value
+
+
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
+    )
 
 
 class SiteTable(_Table):
     """Where it was measured."""
 
-    latitude_deg: float
-    longitude_deg: float
-    utc_offset_hours: float
+    latitude_deg: float = Field(description="degrees, positive north")
+    longitude_deg: float = Field(description="degrees, positive east")
+    utc_offset_hours: float = Field(description="hours ahead of UTC")
     elevation: float = 0.0
     place: str = ""
 
@@ -48,7 +63,9 @@ class SiteTable(_Table):
 class ColumnsTable(_Table):
     """What the columns are called."""
 
-    time: str | list[str]
+    time: Annotated[list[str], BeforeValidator(_several)] = Field(
+        min_length=1, description="the name of a column"
+    )
     global_horizontal: str | None = None
     diffuse_horizontal: str | None = None
     direct_normal: str | None = None
@@ -59,9 +76,8 @@ class ColumnsTable(_Table):
 
     def columns(self) -> Columns:
         """Return the same as a plain value."""
-        named = self.model_dump()
-        time = named.pop("time")
-        return Columns(time if isinstance(time, str) else tuple(time), **named)
+        named = self.model_dump(exclude={"time"})
+        return Columns(tuple(self.time), **named)
 
 
 class MeasuredTable(_Table):
@@ -83,15 +99,19 @@ class MeasuredTable(_Table):
     @model_validator(mode="after")
     def _complete(self) -> "MeasuredTable":
         if self.site is None and self.format != "surfrad":
-            raise ValueError(f"format {self.format} without a table [site]")
+            raise PydanticCustomError("rule", "no place; a table [site] expected")
         if (self.columns is not None) != (self.format == "csv"):
-            needs = "needs a" if self.format == "csv" else "has no"
-            raise ValueError(f"format {self.format} {needs} table [columns]")
+            expected = "a table" if self.format == "csv" else "no table"
+            raise PydanticCustomError(
+                "rule",
+                "format {name}; {expected} [columns] expected",
+                {"name": self.format, "expected": expected},
+            )
         return self
 
 
 class _StationFile(MeasuredTable):
-    file: str
+    file: str = Field(min_length=1)
 
 
 def read_with(path: str | Path, how: MeasuredTable) -> Weather:
@@ -141,6 +161,6 @@ def read_station(path: str | Path) -> Weather:
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(map(str, first["loc"]))
-        told = first["msg"].removeprefix("Value error, ")
+        told = first["msg"]
         raise InputError(f"{key}: {told}" if key else told, file=path) from error
     return read_with(Path(path).parent / station.file, station)

@@ -24,6 +24,7 @@ from pydantic_core import PydanticCustomError
 from clerestory.engine.device import Device
 from clerestory.files import read_text
 from clerestory.metrics.autonomy import TARGET_LUX
+from clerestory.sky.station import MeasuredTable
 from clerestory.study.complaint import input_error, parse_toml
 
 
@@ -85,7 +86,12 @@ class SensorsTable(_Named):
 class WeatherTable(_Table):
     """The weather, and the part of the year to simulate."""
 
-    file: InputFile = Field(description="a weather file (.epw, .wea or TMY3 .csv)")
+    file: InputFile = Field(
+        description="a weather file (.epw, .wea, TMY3 .csv) or a station file (.toml)"
+    )
+    measured: MeasuredTable | None = Field(
+        None, description="a table [weather.measured]"
+    )
     first_day: MonthDay | None = Field(
         None, alias="from", description='a day of the year as "MM-DD"'
     )

@@ -16,7 +16,9 @@ from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors, read_sensors
 from clerestory.scene.window import Window, read_windows
+from clerestory.sky.period import select_days
 from clerestory.sky.read import read_weather
+from clerestory.sky.station import read_with
 from clerestory.sky.weather import Weather
 from clerestory.study.config import Study, WindowTable
 
@@ -91,10 +93,13 @@ def read_inputs(study: Study) -> Inputs:
 
 def _weather(study: Study) -> Weather:
     # The days asked for, with at least one hour that counts
-    weather = _select_days(
-        read_weather(study.weather.file),
-        study.weather.first_day or "01-01",
-        study.weather.last_day or "12-31",
+    table = study.weather
+    weather = select_days(
+        read_weather(table.file)
+        if table.measured is None
+        else read_with(table.file, table.measured),
+        first=table.first_day or "01-01",
+        last=table.last_day or "12-31",
     )
     start, end = study.schedule.from_hour, study.schedule.to_hour
     if not occupied_hours(weather.times, from_hour=start, to_hour=end).any():
@@ -140,17 +145,3 @@ def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:
             stacklevel=2,
         )
     return replace(window, partition=axis.partition)
-
-
-def _select_days(weather: Weather, first: str, last: str) -> Weather:
-    # From one day to another, both whole; over new year if need be
-    days = np.array([str(day)[5:10] for day in weather.times.astype("datetime64[D]")])
-    after, before = days >= first, days <= last
-    chosen = after & before if first <= last else after | before
-    if not chosen.any():
-        raise InputError(
-            f"no weather from {first} to {last}; days from {days[0]} to {days[-1]}"
-            " expected",
-            file=weather.source or None,
-        )
-    return weather.select(chosen)

@@ -61,7 +61,7 @@ FAULTS = {
     "another moment": ('"end"', '"late"', "stands_for: "),
     "no columns": ("[columns]", "[column]", "column"),
     "another format": ("[site]", 'format = "x"\n[site]', "format: "),
-    "columns of SRML": ("[site]", 'format = "srml"\n[site]', "has no table"),
+    "columns of SRML": ("[site]", 'format = "srml"\n[site]', "no table [columns]"),
     "off the globe": ("50.0", "95.0", "latitude 95"),
     "no file": ("roof.csv", "wall.csv", "wall.csv: cannot be read"),
     "no such column": ('"GHI"', '"GLO"', "roof.csv:1: no column 'GLO'"),
