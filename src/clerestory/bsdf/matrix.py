@@ -1,4 +1,4 @@
-"""BSDFs as matrices from incident patches to exit patches.
+"""BSDFs: what a layer does to light that meets it, as a set of scattering functions.
 
 Directions are unit vectors that point away from the layer, in the frame of the
 window: x right, y up, z along the normal into the room.
@@ -7,87 +7,31 @@ window: x right, y up, z along the normal into the room.
 "transmission front" takes daylight from outside into the room. Radiance calls
 the room side front and swaps the names while it reads a file; it uses the
 "Transmission Front" of the file for daylight all the same, and so do we.
-
-Exit patch i is the patch i of its partition, mirrored in z for light that leaves
-to the outside. Incident patch i is where light must come from to travel straight
-on, into exit patch i of the other side: daylight through it comes from the
-direction opposite to the centre of patch i, and light that is reflected back by a
-mirror keeps its number too.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
 from clerestory.bsdf.colour import rgb_from_xyz
 from clerestory.bsdf.product import Product
+from clerestory.bsdf.scattering import (
+    FUNCTIONS,
+    OTHER_SIDE,
+    Function,
+    ScatteringFunction,
+)
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.tree_colour import xyz_functions
 from clerestory.errors import InputError
+from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
-Function = Literal[
-    "transmission_front", "transmission_back", "reflection_front", "reflection_back"
-]
-FUNCTIONS: tuple[Function, ...] = get_args(Function)
-
-_OTHER_SIDE: dict[Function, Function] = {
-    "transmission_front": "transmission_back",
-    "transmission_back": "transmission_front",
-}
-
-
-@dataclass(frozen=True, eq=False)
-class ScatteringMatrix:
-    """One scattering function of a layer on patches, in one channel.
-
-    Attributes
-    ----------
-    values : BSDF from each incident patch to each exit patch [1/sr]
-    exits, incidents : partitions of the hemispheres
-
-    Raises
-    ------
-    InputError : shape and partitions disagree, or a value is negative or not finite
-    """
-
-    values: Float[np.ndarray, "exit incident"]
-    exits: RingPartition
-    incidents: RingPartition
-
-    def __post_init__(self) -> None:
-        if self.values.shape != (len(self.exits), len(self.incidents)):
-            raise InputError(
-                f"BSDF of shape {self.values.shape}; {len(self.exits)} exit patches by"
-                f" {len(self.incidents)} incident patches expected"
-            )
-        if not np.all(np.isfinite(self.values)) or np.any(self.values < 0):
-            raise InputError("the BSDF holds negative or infinite values [1/sr]")
-
-    def direct_hemispherical(self) -> Float[np.ndarray, " incident"]:
-        """Share of the light from each incident patch that is scattered in all."""
-        share: Float[np.ndarray, " incident"] = (
-            self.exits.projected_solid_angles() @ self.values
-        )
-        return share
-
-    def flux_factors(self) -> Float[np.ndarray, "exit incident"]:
-        """Exit radiance per radiance of each incident patch, as in matrix files."""
-        factors: Float[np.ndarray, "exit incident"] = (
-            self.values * self.incidents.projected_solid_angles()
-        )
-        return factors
-
-    def reciprocal(self) -> "ScatteringMatrix":
-        """Return the transmission of the other side by Helmholtz reciprocity."""
-        incident = _opposite(self.exits)
-        leaving = _opposite(self.incidents)
-        return ScatteringMatrix(
-            self.values[np.ix_(incident, leaving)].T, self.incidents, self.exits
-        )
+__all__ = ["FUNCTIONS", "Bsdf", "Function", "ScatteringMatrix"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +54,7 @@ class Bsdf:
     (1, 145, 145)
     """
 
-    functions: Mapping[tuple[str, Function], ScatteringMatrix]
+    functions: Mapping[tuple[str, Function], ScatteringFunction]
     product: Product = field(default_factory=Product)
     notes: tuple[str, ...] = ()
     source: str | None = None
@@ -122,14 +66,16 @@ class Bsdf:
 
     def has(self, function: Function, *, channel: str = "visible") -> bool:
         """Whether the function is known, itself or through reciprocity."""
-        other = _OTHER_SIDE.get(function, function)
+        other = OTHER_SIDE.get(function, function)
         return (channel, function) in self.functions or (
             channel,
             other,
         ) in self.functions
 
-    def function(self, name: Function, *, channel: str = "visible") -> ScatteringMatrix:
-        """Return one scattering function.
+    def scattering(
+        self, name: Function, *, channel: str = "visible"
+    ) -> ScatteringFunction:
+        """Return one scattering function, be it a matrix or a tensor tree.
 
         A transmission given for one side only serves the other by reciprocity.
 
@@ -139,7 +85,7 @@ class Bsdf:
         """
         if (channel, name) in self.functions:
             return self.functions[channel, name]
-        other = _OTHER_SIDE.get(name, name)
+        other = OTHER_SIDE.get(name, name)
         if (channel, other) in self.functions:
             return self.functions[channel, other].reciprocal()
         known = ", ".join(f"{c} {f.replace('_', ' ')}" for c, f in self.functions)
@@ -149,8 +95,38 @@ class Bsdf:
             file=self.source,
         )
 
+    def function(
+        self,
+        name: Function,
+        *,
+        channel: str = "visible",
+        partition: RingPartition | None = None,
+    ) -> ScatteringMatrix:
+        """Return one scattering function as a matrix, flux conserved.
+
+        Parameters
+        ----------
+        partition : patches on both sides; None for those of the file, which for a
+            tensor tree are the 145 of Klems
+
+        Raises
+        ------
+        InputError : there is no such function in this channel
+        """
+        part = self.scattering(name, channel=channel)
+        if partition is None and isinstance(part, ScatteringMatrix):
+            return part
+        exits, incidents = part.own_partitions() or (klems("full"), klems("full"))
+        if partition is not None:
+            exits = incidents = partition
+        return ScatteringMatrix(part.average(exits, incidents), exits, incidents)
+
     def transmission_matrix(
-        self, channel: str = "visible", *, window: str | None = None
+        self,
+        channel: str = "visible",
+        *,
+        partition: RingPartition | None = None,
+        window: str | None = None,
     ) -> TransferMatrix:
         """Return the matrix T of the three-phase method, E = V·T·D·s.
 
@@ -161,18 +137,23 @@ class Bsdf:
 
         Parameters
         ----------
+        partition : patches on both sides; None for those of the file, which for a
+            tensor tree are the 145 of Klems
         window : name of the window group it stands in; None fits all
 
         Raises
         ------
         InputError : the layer has no transmission in this channel
         """
-        front = self.function("transmission_front", channel=channel)
+        front = self.function(
+            "transmission_front", channel=channel, partition=partition
+        )
         factors = front.flux_factors()[None]
-        if channel == "visible" and self._in_colour("transmission_front", front):
+        if channel == "visible" and self._in_colour("transmission_front"):
+            measure = front.incidents.projected_solid_angles()
             xyz = [
-                self.function("transmission_front", channel=name).flux_factors()
-                for name in ("cie-x", "visible", "cie-z")
+                part.average(front.exits, front.incidents) * measure
+                for part in self._xyz("transmission_front")
             ]
             factors = rgb_from_xyz(np.stack(xyz))
         return TransferMatrix(
@@ -182,10 +163,31 @@ class Bsdf:
         )
 
     def direct_hemispherical(
-        self, function: Function = "transmission_front", *, channel: str = "visible"
+        self,
+        function: Function = "transmission_front",
+        *,
+        channel: str = "visible",
+        partition: RingPartition | None = None,
     ) -> Float[np.ndarray, " incident"]:
         """Share of the light from each incident patch that is scattered in all."""
-        return self.function(function, channel=channel).direct_hemispherical()
+        part = self.function(function, channel=channel, partition=partition)
+        return part.direct_hemispherical()
+
+    def hemispherical(
+        self,
+        incident: Float[np.ndarray, "*batch 3"],
+        *,
+        function: Function,
+        channel: str = "visible",
+    ) -> Float[np.ndarray, "*batch"]:
+        """Share of the light from each direction that is scattered in all."""
+        return self.scattering(function, channel=channel).hemispherical(incident)
+
+    def diffuse(self, function: Function, *, channel: str = "visible") -> float:
+        """Share of light from a uniform hemisphere that is scattered in all."""
+        part = self.function(function, channel=channel)
+        weight = part.incidents.projected_solid_angles()
+        return float(part.direct_hemispherical() @ weight / np.pi)
 
     def evaluate(
         self,
@@ -199,36 +201,78 @@ class Bsdf:
         A function the layer does not have is zero.
         """
         incident, leaving = np.broadcast_arrays(incident, leaving)
-        from_sky, to_room = incident[..., 2] < 0, leaving[..., 2] > 0
         value = np.zeros(incident.shape[:-1])
-        cases: dict[Function, Bool[np.ndarray, "*pair"]] = {
-            "transmission_front": from_sky & to_room,
-            "transmission_back": ~from_sky & ~to_room,
-            "reflection_front": from_sky & ~to_room,
-            "reflection_back": ~from_sky & to_room,
-        }
-        for name, pairs in cases.items():
+        for name, pairs in _by_function(incident, leaving).items():
             if self.has(name, channel=channel) and np.any(pairs):
-                part = self.function(name, channel=channel)
-                enter = part.incidents.find(_upright(incident[pairs] * [-1, -1, 1]))
-                leave = part.exits.find(_upright(leaving[pairs]))
-                value[pairs] = part.values[leave, enter]
+                part = self.scattering(name, channel=channel)
+                value[pairs] = part.evaluate(incident[pairs], leaving[pairs])
         return value
 
-    def _in_colour(self, name: Function, like: ScatteringMatrix) -> bool:
-        return all(
-            self.has(name, channel=channel)
-            and self.function(name, channel=channel).values.shape == like.values.shape
-            for channel in ("cie-x", "cie-z")
+    def resolution(
+        self,
+        incident: Float[np.ndarray, "*incident 3"],
+        leaving: Float[np.ndarray, "*leaving 3"],
+        *,
+        channel: str = "visible",
+    ) -> Float[np.ndarray, "*pair"]:
+        """Projected solid angle of the cell or patch that holds each pair [sr].
+
+        It is π, the whole hemisphere, for a function the layer does not have.
+        """
+        incident, leaving = np.broadcast_arrays(incident, leaving)
+        size = np.full(incident.shape[:-1], np.pi)
+        for name, pairs in _by_function(incident, leaving).items():
+            if self.has(name, channel=channel) and np.any(pairs):
+                part = self.scattering(name, channel=channel)
+                size[pairs] = part.resolution(incident[pairs], leaving[pairs])
+        return size
+
+    def sample(
+        self,
+        incident: Float[np.ndarray, "*batch 3"],
+        u: Float[np.ndarray, "*batch 2"],
+        *,
+        function: Function,
+        channel: str = "visible",
+    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+        """Directions into which light leaves, and their probability density [1/sr].
+
+        The density is the BSDF times the cosine over the share scattered in all.
+
+        Parameters
+        ----------
+        incident : where light comes from, on the side of the function
+        u : points of the unit square [0, 1)², one per direction
+        """
+        part = self.scattering(function, channel=channel)
+        leaving, density = part.sample(incident, u)
+        if function in ("transmission_back", "reflection_front"):
+            leaving = leaving * [1, 1, -1]
+        return leaving, density
+
+    def _in_colour(self, name: Function) -> bool:
+        return any(
+            all(self.has(name, channel=channel) for channel in pair)
+            for pair in (("cie-x", "cie-z"), ("cie-u", "cie-v"))
         )
 
+    def _xyz(self, name: Function) -> tuple[ScatteringFunction, ...]:
+        y = self.scattering(name)
+        if self.has(name, channel="cie-x"):
+            x, z = (self.scattering(name, channel=c) for c in ("cie-x", "cie-z"))
+            return x, y, z
+        u, v = (self.scattering(name, channel=c) for c in ("cie-u", "cie-v"))
+        return xyz_functions(y, u, v)
 
-def _opposite(partition: RingPartition) -> Int[np.ndarray, " patches"]:
-    # Patch on the other side of the pole, half a turn away
-    turned = partition.centres() * [-1, -1, 1]
-    return partition.find(turned)
 
-
-def _upright(direction: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
-    # Mirror directions of the sky side to the room side
-    return np.concatenate([direction[..., :2], np.abs(direction[..., 2:])], axis=-1)
+def _by_function(
+    incident: Float[np.ndarray, "*pair 3"], leaving: Float[np.ndarray, "*pair 3"]
+) -> dict[Function, Bool[np.ndarray, "*pair"]]:
+    # Which pairs each function is for
+    from_sky, to_room = incident[..., 2] < 0, leaving[..., 2] > 0
+    return {
+        "transmission_front": np.asarray(from_sky & to_room),
+        "transmission_back": np.asarray(~from_sky & ~to_room),
+        "reflection_front": np.asarray(from_sky & ~to_room),
+        "reflection_back": np.asarray(~from_sky & to_room),
+    }

@@ -9,14 +9,16 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 from lxml import etree
 
 from clerestory.bsdf.matrix import FUNCTIONS, Bsdf, Function, ScatteringMatrix
+from clerestory.bsdf.scattering import ScatteringFunction
 from clerestory.bsdf.xml_basis import Bases, choose_bases, read_bases
 from clerestory.bsdf.xml_document import Document, parse_document, read_numbers
 from clerestory.bsdf.xml_product import read_product
+from clerestory.bsdf.xml_tree import read_tree, tree_rank
 from clerestory.errors import ClerestoryWarning
+from clerestory.hemisphere.klems import klems
 
 # Share of the light that negative values may take away before a file is refused.
 _NEGLIGIBLE_NEGATIVE = 1e-3
@@ -26,14 +28,14 @@ _ENERGY_LIMIT = 1.01
 
 
 def read_bsdf(path: str | Path) -> Bsdf:
-    """Return the BSDF of an XML file with Klems-like matrices.
+    """Return the BSDF of an XML file with matrices or tensor trees.
 
     Oddities that are safe to read over (text before the XML, a repeated block,
     slightly negative values) are listed in `Bsdf.notes`.
 
     Raises
     ------
-    InputError : not a BSDF file, damaged, or without matrix data; the message has the
+    InputError : not a BSDF file, damaged, or without data; the message has the
         line of the element
 
     Warns
@@ -44,10 +46,12 @@ def read_bsdf(path: str | Path) -> Bsdf:
     layer = document.require(document.root, "Optical/Layer")
     definition = document.require(layer, "DataDefinition")
     structure = document.require(definition, "IncidentDataStructure")
-    by_rows = _incident_in_rows(structure, document)
+    kind = (structure.text or "").strip()
+    rank = tree_rank(kind)
+    by_rows = rank is None and _incident_in_rows(structure, kind, document)
     bases = read_bases(definition, document)
 
-    functions: dict[tuple[str, Function], ScatteringMatrix] = {}
+    functions: dict[tuple[str, Function], ScatteringFunction] = {}
     notes = list(document.notes)
     for data in document.children(layer, "WavelengthData"):
         channel = document.text(data, "Wavelength").lower()
@@ -61,8 +65,10 @@ def read_bsdf(path: str | Path) -> Bsdf:
                 notes.append(
                     f"{channel} {direction} is given twice; the last one counts"
                 )
-            functions[channel, name] = _read_block(
-                block, bases, by_rows, document, notes
+            functions[channel, name] = (
+                _read_matrix(block, bases, by_rows, document, notes)
+                if rank is None
+                else read_tree(block, rank, document, notes)
             )
     if not functions:
         raise document.error(layer, "no scattering data; WavelengthDataBlock expected")
@@ -71,16 +77,12 @@ def read_bsdf(path: str | Path) -> Bsdf:
     return bsdf
 
 
-def _incident_in_rows(structure: etree._Element, document: Document) -> bool:
-    kind = (structure.text or "").strip()
-    if kind.lower().startswith("tensortree"):
-        raise document.error(
-            structure,
-            f"a tensor tree ({kind}); matrix products need a matrix (Klems) BSDF",
-        )
+def _incident_in_rows(structure: etree._Element, kind: str, document: Document) -> bool:
     if kind.lower() not in ("columns", "rows"):
         raise document.error(
-            structure, f"IncidentDataStructure {kind[:40]!r}; Columns or Rows expected"
+            structure,
+            f"IncidentDataStructure {kind[:40]!r}; Columns, Rows, TensorTree3"
+            " or TensorTree4 expected",
         )
     return kind.lower() == "rows"
 
@@ -90,7 +92,7 @@ def _function_name(direction: str) -> Function | None:
     return next((name for name in FUNCTIONS if name.split("_") == words), None)
 
 
-def _read_block(
+def _read_matrix(
     block: etree._Element,
     bases: Bases,
     by_rows: bool,
@@ -130,7 +132,10 @@ def _read_block(
 
 def _warn_of_energy(bsdf: Bsdf, path: str | Path) -> None:
     for (channel, name), part in bsdf.functions.items():
-        most: Float[np.ndarray, ""] = part.direct_hemispherical().max()
+        if channel in ("cie-u", "cie-v"):
+            continue
+        _, incidents = part.own_partitions() or (None, klems("quarter"))
+        most = float(part.hemispherical(incidents.centres() * [-1, -1, 1]).max())
         if most > _ENERGY_LIMIT:
             warnings.warn(
                 f"{path}: {channel} {name.replace('_', ' ')} sends on {most:.3f} times"

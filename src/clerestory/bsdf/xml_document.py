@@ -2,13 +2,14 @@
 
 import re
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 from lxml import etree
 
+from clerestory.bsdf.tree_texts import TreeTexts, cut_trees
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 
@@ -23,16 +24,19 @@ class Document:
     root : its outermost element
     lines_before : lines of text before the XML, which the parser has not seen
     notes : what was odd about it
+    trees : texts in braces, which the parser has not seen either
     """
 
     path: str | Path
     root: etree._Element
     lines_before: int = 0
     notes: tuple[str, ...] = ()
+    trees: TreeTexts = field(default_factory=TreeTexts)
 
     def line(self, element: etree._Element) -> int:
         """Line of the file on which an element starts."""
-        return int(element.sourceline or 0) + self.lines_before
+        seen = int(element.sourceline or 0)
+        return self.trees.line(seen) + self.lines_before
 
     def error(self, element: etree._Element, message: str) -> InputError:
         """Return the error that points to an element."""
@@ -85,10 +89,11 @@ def parse_document(path: str | Path) -> Document:
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
     )
+    text, trees = cut_trees(data[start.start() :])
     try:
-        root = etree.fromstring(data[start.start() :], parser)
+        root = etree.fromstring(text, parser)
     except etree.XMLSyntaxError as error:
-        line = (error.lineno or 1) + lines_before
+        line = trees.line(error.lineno or 1) + lines_before
         reason = (error.msg or "unreadable").splitlines()[0]
         raise InputError(
             f"not well-formed XML: {reason}; a whole BSDF file expected",
@@ -98,7 +103,7 @@ def parse_document(path: str | Path) -> Document:
     except (etree.LxmlError, ValueError, LookupError) as error:
         raise InputError(f"not readable XML: {error}", file=path) from error
     notes = (f"text before the XML is skipped: {_quote(before)}",) if before else ()
-    document = Document(path, root, lines_before, notes)
+    document = Document(path, root, lines_before, notes, trees)
     if root.getroottree().docinfo.doctype:
         raise document.error(
             root, "a DOCTYPE declaration; plain XML without it expected"

@@ -8,6 +8,9 @@ from lxml import etree
 
 from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
 from clerestory.bsdf.product import Product
+from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tree_writer import format_tree
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.hemisphere.partition import RingPartition
@@ -23,6 +26,8 @@ _LABELS = {
     "ir": "IR",
     "cie-x": "CIE-X",
     "cie-z": "CIE-Z",
+    "cie-u": "CIE-u",
+    "cie-v": "CIE-v",
 }
 
 # Spectra over which genBSDF and WINDOW integrate the visible channel.
@@ -33,7 +38,7 @@ _DETECTOR = "ASTM E308 1931 Y.dsp"
 def write_bsdf(
     path: str | Path, bsdf: Bsdf, *, digits: int | None = None, comment: str = ""
 ) -> None:
-    """Write a BSDF with matrices to an XML file.
+    """Write a BSDF with matrices or tensor trees to an XML file.
 
     Parameters
     ----------
@@ -43,8 +48,8 @@ def write_bsdf(
 
     Raises
     ------
-    InputError : two different partitions have the same name, or a text cannot stand
-        in XML
+    InputError : matrices and trees are mixed, two different partitions have the same
+        name, or a text cannot stand in XML
     OutputError : the file cannot be written
     """
     try:
@@ -69,7 +74,7 @@ def _window_element(bsdf: Bsdf, digits: int | None, comment: str) -> etree._Elem
     layer = _add(_add(root, "Optical"), "Layer")
     _add_material(layer, bsdf.product)
     definition = _add(layer, "DataDefinition")
-    _add(definition, "IncidentDataStructure", "Columns")
+    _add(definition, "IncidentDataStructure", _structure(bsdf))
     for basis in _partitions(bsdf):
         _add_basis(definition, basis)
     for (channel, name), part in bsdf.functions.items():
@@ -107,11 +112,29 @@ def _add_material(layer: etree._Element, product: Product) -> None:
             _add(material, name, repr(float(value)))
 
 
+def _structure(bsdf: Bsdf) -> str:
+    # A file has matrices, or trees of one rank
+    kinds = {
+        f"TensorTree{part.rank}"
+        if isinstance(part, ScatteringTree)
+        else "Columns"
+        if isinstance(part, ScatteringMatrix)
+        else type(part).__name__
+        for part in bsdf.functions.values()
+    }
+    if len(kinds) > 1 or not kinds <= {"Columns", "TensorTree3", "TensorTree4"}:
+        raise InputError(
+            f"BSDF {bsdf.product.name!r} holds {' and '.join(sorted(kinds))}; matrices,"
+            " or trees of one rank, expected in a file"
+        )
+    return kinds.pop() if kinds else "Columns"
+
+
 def _partitions(bsdf: Bsdf) -> list[RingPartition]:
     # Radiance and WINDOW know partitions by their names: these must be unique
     found: dict[str, RingPartition] = {}
     for part in bsdf.functions.values():
-        for partition in (part.exits, part.incidents):
+        for partition in part.own_partitions() or ():
             known = found.setdefault(partition.name.lower(), partition)
             if not known.matches(partition):
                 raise InputError(
@@ -136,14 +159,20 @@ def _add_basis(definition: etree._Element, partition: RingPartition) -> None:
 
 
 def _add_block(
-    data: etree._Element, direction: str, part: ScatteringMatrix, digits: int | None
+    data: etree._Element, direction: str, part: ScatteringFunction, digits: int | None
 ) -> None:
     block = _add(data, "WavelengthDataBlock")
     _add(block, "WavelengthDataDirection", direction)
-    _add(block, "ColumnAngleBasis", part.incidents.name)
-    _add(block, "RowAngleBasis", part.exits.name)
-    _add(block, "ScatteringDataType", f"B{direction[0]}DF")
-    _add(block, "ScatteringData", _format_table(part.values, digits))
+    kind, text = f"B{direction[0]}DF", ""
+    if isinstance(part, ScatteringMatrix):
+        _add(block, "ColumnAngleBasis", part.incidents.name)
+        _add(block, "RowAngleBasis", part.exits.name)
+        text = _format_table(part.values, digits)
+    if isinstance(part, ScatteringTree):
+        _add(block, "AngleBasis", "LBNL/Shirley-Chiu")
+        text = format_tree(part, digits=digits)
+    _add(block, "ScatteringDataType", kind)
+    _add(block, "ScatteringData", text)
 
 
 def _format_table(table: Float[np.ndarray, "exit incident"], digits: int | None) -> str:

@@ -153,8 +153,13 @@ FAULTS = {
         "no IncidentDataStructure in DataDefinition",
         7,
     ),
-    "unknown structure": (">Columns<", ">Diagonal<", "'Diagonal'; Columns or Rows", 7),
-    "a tensor tree": (">Columns<", ">TensorTree4<", "a tensor tree (TensorTree4)", 7),
+    "unknown structure": (">Columns<", ">Diagonal<", "'Diagonal'; Columns, Rows, T", 7),
+    "a tensor tree": (
+        ">Columns<",
+        ">TensorTree4<",
+        "angle basis '' of a tensor tree",
+        None,
+    ),
     "no blocks": ("WavelengthDataBlock>", "Other>", "no scattering data", 4),
     "an unknown basis": (
         "<RowAngleBasis>Custom",

@@ -1,0 +1,168 @@
+"""One scattering function as a matrix from incident patches to exit patches.
+
+Exit patch i is the patch i of its partition, mirrored in z for light that leaves
+to the outside. Incident patch i is where light must come from to travel straight
+on, into exit patch i of the other side: daylight through it comes from the
+direction opposite to the centre of patch i, and light that is reflected back by a
+mirror keeps its number too.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.bsdf.overlap import opposite_patches, patches_in_patches
+from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class ScatteringMatrix(ScatteringFunction):
+    """One scattering function of a layer on patches, in one channel.
+
+    Attributes
+    ----------
+    values : BSDF from each incident patch to each exit patch [1/sr]
+    exits, incidents : partitions of the hemispheres
+
+    Raises
+    ------
+    InputError : shape and partitions disagree, or a value is negative or not finite
+    """
+
+    values: Float[np.ndarray, "exit incident"]
+    exits: RingPartition
+    incidents: RingPartition
+
+    def __post_init__(self) -> None:
+        if self.values.shape != (len(self.exits), len(self.incidents)):
+            raise InputError(
+                f"BSDF of shape {self.values.shape}; {len(self.exits)} exit patches by"
+                f" {len(self.incidents)} incident patches expected"
+            )
+        if not np.all(np.isfinite(self.values)) or np.any(self.values < 0):
+            raise InputError("the BSDF holds negative or infinite values [1/sr]")
+
+    def direct_hemispherical(self) -> Float[np.ndarray, " incident"]:
+        """Share of the light from each incident patch that is scattered in all."""
+        share: Float[np.ndarray, " incident"] = (
+            self.exits.projected_solid_angles() @ self.values
+        )
+        return share
+
+    def flux_factors(self) -> Float[np.ndarray, "exit incident"]:
+        """Exit radiance per radiance of each incident patch, as in matrix files."""
+        factors: Float[np.ndarray, "exit incident"] = (
+            self.values * self.incidents.projected_solid_angles()
+        )
+        return factors
+
+    def evaluate(
+        self,
+        incident: Float[np.ndarray, "*pair 3"],
+        leaving: Float[np.ndarray, "*pair 3"],
+    ) -> Float[np.ndarray, "*pair"]:
+        """BSDF [1/sr] for pairs of directions."""
+        value: Float[np.ndarray, "*pair"] = self.values[
+            self.exits.find(_upright(leaving)), self._enter(incident)
+        ]
+        return value
+
+    def hemispherical(
+        self, incident: Float[np.ndarray, "*batch 3"]
+    ) -> Float[np.ndarray, "*batch"]:
+        """Share of the light from each direction that is scattered in all."""
+        share: Float[np.ndarray, "*batch"] = self.direct_hemispherical()[
+            self._enter(incident)
+        ]
+        return share
+
+    def sample(
+        self,
+        incident: Float[np.ndarray, "*batch 3"],
+        u: Float[np.ndarray, "*batch 2"],
+    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+        """Directions into which light leaves, and their probability density [1/sr].
+
+        See `ScatteringFunction.sample`.
+        """
+        enter = self._enter(incident)
+        light = self.exits.projected_solid_angles()[:, None] * self.values
+        running = np.cumsum(light, axis=0)
+        total = running[-1, enter]
+
+        # Choose a patch in proportion to its light, with all columns end to end
+        ahead = np.concatenate([[0.0], np.cumsum(light.T.ravel())])
+        first = enter * len(self.exits)
+        target = ahead[first] + u[..., 0] * (
+            ahead[first + len(self.exits)] - ahead[first]
+        )
+        chosen = np.searchsorted(ahead, target, side="right") - 1
+        chosen = np.clip(chosen, first, first + len(self.exits) - 1)
+        width = ahead[chosen + 1] - ahead[chosen]
+
+        # The rest of the first number places the direction within the patch
+        rest = (target - ahead[chosen]) / np.where(width > 0, width, 1)
+        within = np.stack([np.clip(rest, 0, 1 - 1e-12), u[..., 1]], axis=-1)
+        leaving = self.exits.sample(chosen - first, within)
+        some = total > 0
+        density = self.values[chosen - first, enter] / np.where(some, total, 1)
+        leaving = np.where(some[..., None], leaving, [0.0, 0.0, 1.0])
+        return leaving, np.where(some, density * leaving[..., 2], 0)
+
+    def resolution(
+        self,
+        incident: Float[np.ndarray, "*pair 3"],
+        leaving: Float[np.ndarray, "*pair 3"],
+    ) -> Float[np.ndarray, "*pair"]:
+        """Projected solid angle of the leaving patch that holds each pair [sr]."""
+        leaving, _ = np.broadcast_arrays(leaving, incident)
+        patch = self.exits.find(_upright(leaving))
+        size: Float[np.ndarray, "*pair"] = self.exits.projected_solid_angles()[patch]
+        return size
+
+    def average(
+        self, exits: RingPartition, incidents: RingPartition
+    ) -> Float[np.ndarray, "exit incident"]:
+        """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
+        if exits.matches(self.exits) and incidents.matches(self.incidents):
+            return self.values
+        to = patches_in_patches(self.exits, exits)
+        come = patches_in_patches(self.incidents, incidents)
+        flux = come.T @ (to.T @ self.values).T
+        measure = np.outer(
+            exits.projected_solid_angles(), incidents.projected_solid_angles()
+        )
+        average: Float[np.ndarray, "exit incident"] = flux.T / measure
+        return average
+
+    def extrema(self) -> tuple[float, float]:
+        """Smallest and largest value [1/sr]."""
+        return float(self.values.min()), float(self.values.max())
+
+    def reciprocal(self) -> "ScatteringMatrix":
+        """Return the transmission of the other side by Helmholtz reciprocity."""
+        incident = opposite_patches(self.exits)
+        leaving = opposite_patches(self.incidents)
+        return ScatteringMatrix(
+            self.values[np.ix_(incident, leaving)].T, self.incidents, self.exits
+        )
+
+    def own_partitions(self) -> tuple[RingPartition, RingPartition]:
+        """Exit and incident patches."""
+        return self.exits, self.incidents
+
+    def _enter(
+        self, incident: Float[np.ndarray, "*batch 3"]
+    ) -> Int[np.ndarray, "*batch"]:
+        return self.incidents.find(_upright(incident * [-1, -1, 1]))
+
+
+def _upright(direction: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
+    # Mirror directions of the sky side to the room side; the rim is in
+    height = np.maximum(np.abs(direction[..., 2:]), 1e-300)
+    return np.concatenate([direction[..., :2], height], axis=-1)

@@ -1,0 +1,48 @@
+"""Colour of tensor trees: luminance Y and CIE 1976 u', v' to tristimulus values."""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tree_combine import combine
+from clerestory.errors import InputError
+
+
+def xyz_functions(
+    luminance: ScatteringFunction, u: ScatteringFunction, v: ScatteringFunction
+) -> tuple[ScatteringFunction, ScatteringFunction, ScatteringFunction]:
+    """Return the functions of X, Y and Z from those of Y, u' and v'.
+
+    Raises
+    ------
+    InputError : they are not tensor trees in the same sense
+    """
+    trees = [part for part in (luminance, u, v) if isinstance(part, ScatteringTree)]
+    if len(trees) < 3 or len({tree.rank for tree in trees}) > 1:
+        raise InputError("CIE u' and v' of another kind than Y; tensor trees expected")
+    return combine(_x, *trees), luminance, combine(_z, *trees)
+
+
+# CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; where v' is 0 light is white.
+def _x(
+    y: Float[np.ndarray, " cells"],
+    u: Float[np.ndarray, " cells"],
+    v: Float[np.ndarray, " cells"],
+) -> Float[np.ndarray, " cells"]:
+    return np.asarray(y * _over(9 * u, 4 * v))
+
+
+def _z(
+    y: Float[np.ndarray, " cells"],
+    u: Float[np.ndarray, " cells"],
+    v: Float[np.ndarray, " cells"],
+) -> Float[np.ndarray, " cells"]:
+    return np.asarray(y * _over(12 - 3 * u - 20 * v, 4 * v))
+
+
+def _over(
+    above: Float[np.ndarray, " cells"], below: Float[np.ndarray, " cells"]
+) -> Float[np.ndarray, " cells"]:
+    ratio = np.divide(above, below, out=np.ones_like(above), where=below > 0)
+    return np.asarray(ratio)
