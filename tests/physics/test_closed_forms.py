@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from physics_scenes import box, endless_ground, grey, quad, sensor, window
+from scipy.spatial.transform import Rotation
 
 import clerestory as cl
 from clerestory.bsdf.analytic import clear_air, lambertian, thin_pane
@@ -265,3 +266,24 @@ def test_matrix_pane_is_the_glass_it_stands_for(device):
     directly, error_directly = row_sum(glass)
     assert np.hypot(error, error_directly) < 0.002 * directly
     assert through == pytest.approx(directly, rel=0.005)
+
+
+@pytest.mark.parametrize("extent", [10.0, 400.0, 1e5])
+@pytest.mark.parametrize("height", [1e-3, 1.0])
+def test_tilted_planes_do_not_shade_themselves(device, extent, height):
+    """A sensor facing a tilted plane of reflectance ½ reads π/2, however large it is.
+
+    Coordinates of a large tilted face are rounded coarsely: paths must leave it
+    without meeting it again.
+    """
+    turn = Rotation.from_euler("xyz", [33, 21, 58], degrees=True).as_matrix()
+    flat = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]) * extent
+    scene = Scene({"wall": grey(0.5)}, (quad(*(flat @ turn.T + [3, 2, 1])),))
+    normal = turn[:, 2]
+    above = sensor(np.array([3, 2, 1]) + height * normal, -normal)
+    matrix = cl.daylight_coefficients(
+        scene, sensors=above, samples=1 << 14, device=device
+    )
+    # From its height h, the sensor sees past the rim by less than (h / extent)²
+    seen = (height / extent) ** 2
+    assert matrix.values.sum() == pytest.approx(np.pi / 2, rel=1e-5 + seen)

@@ -30,6 +30,8 @@ class LoweredScene:
     ----------
     scene : Mitsuba's scene
     window_of_shape : by Mitsuba's shape number: 1 + window, or 0
+    first_face : by Mitsuba's shape number: where its faces begin in `reach`
+    reach : of each face, its largest coordinate [m], which its rounding grows with
     panes : whether there is glass, through which shadow rays must look
     grey : whether all materials are, so that one channel says all
     windows : tables of the receiving windows, None without any
@@ -37,6 +39,8 @@ class LoweredScene:
 
     scene: mi.Scene
     window_of_shape: mi.UInt32
+    first_face: mi.UInt32
+    reach: mi.Float
     panes: bool
     grey: bool
     windows: WindowTable | None
@@ -70,10 +74,13 @@ def lower(
         content["nothing"] = _mesh(corner, np.array([[0, 1, 2]]), black)
     lowered = mi.load_dict(content)
 
-    # Number the shapes that are windows
+    # Number the shapes that are windows, and the faces of all shapes
     ids = dr.reinterpret_array(mi.UInt32, lowered.shapes_dr()).numpy()
-    roles = np.zeros(int(ids.max()) + 1, dtype=np.uint32)
+    roles, first_face = np.zeros((2, int(ids.max()) + 1), dtype=np.uint32)
+    reach: list[np.ndarray] = []
     for shape_id, shape in zip(ids, lowered.shapes(), strict=True):
+        first_face[shape_id] = sum(len(faces) for faces in reach)
+        reach.append(_reach(shape))
         if shape.id().startswith(_WINDOW):
             roles[shape_id] = 1 + int(shape.id().removeprefix(_WINDOW))
 
@@ -81,10 +88,19 @@ def lower(
     return LoweredScene(
         scene=lowered,
         window_of_shape=mi.UInt32(roles),
+        first_face=mi.UInt32(first_face),
+        reach=mi.Float(np.concatenate(reach)),
         panes=any(isinstance(m, Glass) for m in used),
         grey=all(_is_grey(m) for m in used),
         windows=table,
     )
+
+
+def _reach(mesh: mi.Mesh) -> Float[np.ndarray, " faces"]:
+    parameters = mi.traverse(mesh)
+    vertices = np.abs(parameters["vertex_positions"].numpy().reshape(-1, 3))
+    faces = parameters["faces"].numpy().reshape(-1, 3)
+    return vertices.max(axis=1)[faces].max(axis=1)
 
 
 def _is_grey(material) -> bool:

@@ -34,6 +34,9 @@ _HEAVIEST = 2000.0
 _ROULETTE_TO_WINDOWS = 0.4
 _ROULETTE_TO_SKY = 0.1
 
+# Offset from a surface, relative to coordinates: some float32 steps of 6·10⁻⁸.
+_ROUNDING = 4e-6
+
 # Safety net for unlimited bounces: no path of a physical scene comes near it.
 _MOST_SEGMENTS = 1000
 
@@ -82,14 +85,14 @@ class Connection:
     pdf : of the direction, per solid angle [1/sr]
     column : patch through which the light would come
     valid : whether the point lies before the window's front
-    distance : to the window [m]
+    point : of the window, where the line ends [m]
     """
 
     direction: mi.Vector3f
     pdf: mi.Float
     column: mi.UInt32
     valid: mi.Bool
-    distance: mi.Float
+    point: mi.Point3f
 
 
 def connect(model: LoweredScene, origin, u, v) -> Connection:
@@ -103,16 +106,23 @@ def connect(model: LoweredScene, origin, u, v) -> Connection:
     valid = (cosine > 1e-6) & (distance2 > 1e-12)
     by_area = distance2 / (dr.maximum(cosine, 1e-6) * model.windows.area)
     pdf = dr.select(spherical > 0, spherical, by_area)
-    return Connection(
-        direction, pdf, model.windows.find(window, -direction), valid, distance
-    )
+    column = model.windows.find(window, -direction)
+    return Connection(direction, pdf, column, valid, point)
+
+
+def _towards(origin, point) -> mi.Ray3f:
+    # A ray that ends just before a point, also from an origin moved off its surface
+    across = point - origin
+    distance = dr.norm(across)
+    ray = mi.Ray3f(origin, across / distance)
+    ray.maxt = distance * (1 - 1e-5) - 1e-5
+    return ray
 
 
 @dr.syntax
 def visibility(model: LoweredScene, origin, line: Connection, active: mi.Bool):
     """Return the share of light that passes along a connection, by channel."""
-    ray = mi.Ray3f(origin, line.direction)
-    ray.maxt = line.distance * (1 - 1e-5)
+    ray = _towards(origin, line.point)
     seen = mi.Color3f(1)
     if dr.hint(model.panes, mode="scalar"):
         # Look through panes of glass until something opaque stands in the way
@@ -126,23 +136,26 @@ def visibility(model: LoweredScene, origin, line: Connection, active: mi.Bool):
             pane = blocked & mi.has_flag(si.bsdf().flags(), mi.BSDFFlags.Null)
             through = si.bsdf().eval_null_transmission(si, pane)
             seen = dr.select(blocked, dr.select(pane, seen * through, 0), seen)
-            ray.maxt -= dr.select(pane, si.t, 0)
-            ray.o = dr.select(pane, offset(si, ray.d, ray.d), ray.o)
+            start = offset(model, si, ray.d, pane)
+            ray = _towards(dr.select(pane, start, ray.o), line.point)
             looking &= pane
     else:
         seen = dr.select(active & model.scene.ray_test(ray, active), 0, seen)
     return seen
 
 
-def offset(si, direction, towards):
-    """Return the hit point moved off its surface to the side `direction` goes to.
+def offset(model: LoweredScene, si, direction, active):
+    """Return the hit point moved off its surface to the side a direction goes to.
 
-    A few float32 steps of the coordinates and of the distance travelled: enough to
-    clear the rounding of the intersection, small against millimetre slats.
+    A few float32 steps of the face's coordinates and of the distance travelled:
+    enough to clear the rounding of intersections, small against millimetre slats in a
+    room, and more on a ground that reaches to the horizon.
     """
-    reach = dr.maximum(dr.max(dr.abs(si.p)), si.t)
-    step = 4e-6 * dr.maximum(reach, 0.05)
-    return si.p + si.n * dr.mulsign(step, dr.dot(si.n, towards))
+    shape = dr.reinterpret_array(mi.UInt32, si.shape)
+    face = dr.gather(mi.UInt32, model.first_face, shape, active) + si.prim_index
+    reach = dr.maximum(dr.gather(mi.Float, model.reach, face, active), si.t)
+    step = _ROUNDING * dr.maximum(reach, 0.05)
+    return si.p + si.n * dr.mulsign(step, dr.dot(si.n, direction))
 
 
 @dr.syntax
@@ -232,7 +245,7 @@ def walk(
                 context, si, si.to_local(line.direction), lobe, mi.Point2f(u, v), active
             )
             lit = more & line.valid & (dr.max(value * weight) > 0)
-            near = offset(si, line.direction, line.direction)
+            near = offset(model, si, line.direction, lit)
             seen = visibility(model, near, line, lit)
             gain = weight * value * seen / (line.pdf + pdf_bsdf)
             target.score(slot, line.column, gain, lit & (dr.max(seen) > 0))
@@ -245,7 +258,7 @@ def walk(
         null = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Null)
         weight *= factor
         direction = si.to_world(sample.wo)
-        ray = mi.Ray3f(offset(si, direction, direction), direction)
+        ray = mi.Ray3f(offset(model, si, direction, active), direction)
         origin = dr.select(null, origin, si.p)
         pdf = dr.select(null, pdf, dr.select(delta, 0, sample.pdf))
         segment += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
