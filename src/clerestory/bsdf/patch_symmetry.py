@@ -10,8 +10,6 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bsdf.matrix import ScatteringMatrix
-from clerestory.errors import InputError
-from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 
 Turn = Literal["half a turn", "left and right", "up and down", "a quarter turn"]
@@ -19,17 +17,6 @@ TURNS: tuple[Turn, ...] = get_args(Turn)
 
 _SECTORS = 8
 _RINGS_TOGETHER = 2
-
-
-def patch_table(bsdf_function: object) -> ScatteringMatrix:
-    """Return a scattering function on patches: its own, or Klems full for a tree."""
-    if isinstance(bsdf_function, ScatteringMatrix):
-        return bsdf_function
-    full = klems("full")
-    average = getattr(bsdf_function, "average", None)
-    if average is None:
-        raise InputError(f"{type(bsdf_function).__name__} has no values on patches")
-    return ScatteringMatrix(average(full, full), full, full)
 
 
 def mismatch(

@@ -14,10 +14,7 @@ from jaxtyping import Float
 from clerestory.bsdf.finding import Finding, graded, place
 from clerestory.bsdf.labels import check_labels
 from clerestory.bsdf.matrix import Bsdf, Function, ScatteringMatrix
-from clerestory.bsdf.patch_symmetry import (
-    patch_table,
-    turned_mismatch,
-)
+from clerestory.bsdf.patch_symmetry import turned_mismatch
 from clerestory.bsdf.presence import check_presence
 from clerestory.bsdf.reciprocity import (
     Tables,
@@ -46,7 +43,8 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     """Return what is doubtful about a BSDF, the gravest first.
 
     Findings of severity "error" spoil results, "warning" are doubts to look into,
-    "info" tells what the layer is.
+    "info" tells what the layer is. Tensor trees are judged by their averages over
+    the 145 patches of Klems.
 
     Examples
     --------
@@ -56,8 +54,8 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     []
     """
     tables: dict[str, Tables] = {channel: {} for channel in bsdf.channels}
-    for (channel, name), part in bsdf.functions.items():
-        tables[channel][name] = patch_table(part)
+    for channel, name in bsdf.functions:
+        tables[channel][name] = bsdf.function(name, channel=channel)
     findings = [*check_presence(bsdf, tables), *check_labels(bsdf)]
     for channel, known in tables.items():
         filled = {name: part for name, part in known.items() if np.any(part.values)}

@@ -1,0 +1,84 @@
+"""How far two BSDFs are from each other, in numbers a result can be judged by."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clerestory.bsdf.matrix import Bsdf, Function
+from clerestory.bsdf.patch_symmetry import flux_table, mismatch
+from clerestory.errors import InputError
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Differences of one function of two layers, second minus first.
+
+    Attributes
+    ----------
+    rms : root mean square difference of the BSDF, weighted by solid angle [1/sr]
+    mean : mean of the first BSDF, weighted alike [1/sr]
+    redistributed : share of the light of a uniform sky that leaves elsewhere, or more
+        or less of it; 0 for equal layers, 2 for nothing in common
+    share_bias, share_rms, share_worst : of the shares scattered in all, over incident
+        patches
+    worst_patch : incident patch of the greatest difference
+    diffuse : shares of uniform light that each scatters in all
+    """
+
+    rms: float
+    mean: float
+    redistributed: float
+    share_bias: float
+    share_rms: float
+    share_worst: float
+    worst_patch: int
+    diffuse: tuple[float, float]
+
+
+def compare(
+    one: Bsdf,
+    other: Bsdf,
+    *,
+    function: Function = "transmission_front",
+    channel: str = "visible",
+) -> Comparison:
+    """Return the differences between one function of two layers.
+
+    Raises
+    ------
+    InputError : a layer lacks the function, or their patches differ
+
+    Examples
+    --------
+    >>> from clerestory.bsdf.analytic import lambertian
+    >>> from clerestory.hemisphere.klems import klems
+    >>> result = compare(*(lambertian(t, klems("full")) for t in (0.4, 0.5)))
+    >>> round(result.share_bias, 9), round(result.rms * np.pi, 9)
+    (0.1, 0.1)
+    """
+    first, second = (bsdf.function(function, channel=channel) for bsdf in (one, other))
+    if not (
+        first.exits.matches(second.exits) and first.incidents.matches(second.incidents)
+    ):
+        raise InputError(
+            f"{first.exits.name} and {second.exits.name} have other patches; two BSDFs"
+            " on the same patches expected",
+            file=other.source,
+        )
+    exits = first.exits.projected_solid_angles()
+    incidents = first.incidents.projected_solid_angles()
+    weight = exits[:, None] * incidents / (exits.sum() * incidents.sum())
+    share = [part.direct_hemispherical() for part in (first, second)]
+    difference = share[1] - share[0]
+    even = incidents / incidents.sum()
+    worst = int(np.argmax(np.abs(difference)))
+    return Comparison(
+        rms=float(np.sqrt(np.sum(weight * (second.values - first.values) ** 2))),
+        mean=float(np.sum(weight * first.values)),
+        redistributed=mismatch(flux_table(first), flux_table(second)),
+        share_bias=float(difference @ even),
+        share_rms=float(np.sqrt(difference**2 @ even)),
+        share_worst=float(difference[worst]),
+        worst_patch=worst,
+        diffuse=(float(share[0] @ even), float(share[1] @ even)),
+    )

@@ -1,0 +1,247 @@
+"""Drawings of BSDFs: where light goes, how much passes, and two layers side by side.
+
+All discs are seen from the room, with the polar angle as distance from the middle:
+right is right and up is up. The ring marks where light goes straight on.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from clerestory.bsdf.matrix import Bsdf, Function, ScatteringMatrix
+from clerestory.errors import InputError
+from clerestory.hemisphere.klems import klems
+from clerestory.hemisphere.partition import RingPartition
+
+_PIXELS = 480
+_DECADES = 4
+_PALETTE = "inferno"
+_LINE: dict[str, Any] = {"color": "white", "linewidth": 0.35, "alpha": 0.35}
+
+# Steps of the polar angle for curves of the share scattered in all [°].
+_CURVE_DEG = 2.5
+
+
+def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
+    """Direction that light comes from, through the centre of a Klems full patch.
+
+    Raises
+    ------
+    InputError : there is no such patch
+
+    Examples
+    --------
+    >>> patch_direction(0, "transmission_front").tolist()  # from outside
+    [-0.0, -0.0, -1.0]
+    """
+    centres = klems("full").centres()
+    if not 0 <= patch < len(centres):
+        raise InputError(f"patch {patch}; 0 to {len(centres) - 1} expected")
+    return _from_straight_on(centres[patch], function)
+
+
+def direction_from_angles(
+    theta_deg: float, phi_deg: float, function: Function
+) -> Float[np.ndarray, "3"]:
+    """Direction that light comes from, at a polar angle and azimuth of its source.
+
+    The azimuth counts from the right towards up, seen from the room.
+
+    Raises
+    ------
+    InputError : the polar angle is not between 0° and 90°
+    """
+    if not 0 <= theta_deg < 90:
+        raise InputError(f"polar angle {theta_deg}°; from 0 to below 90° expected")
+    theta, phi = np.radians([theta_deg, phi_deg])
+    flat = np.sin(theta) * np.array([np.cos(phi), np.sin(phi)])
+    z = -np.cos(theta) if function.endswith("front") else np.cos(theta)
+    return np.array([*flat, z])
+
+
+def lobe_figure(
+    bsdfs: Sequence[Bsdf],
+    directions: Sequence[Float[np.ndarray, "3"]],
+    *,
+    function: Function = "transmission_front",
+    channel: str = "visible",
+    names: Sequence[str] = (),
+) -> Figure:
+    """Draw the outgoing distribution of each layer (column) for each direction (row).
+
+    All discs share one logarithmic scale over four decades at most.
+
+    Raises
+    ------
+    InputError : a layer lacks the function
+    """
+    leaving, inside = _disc(function)
+    rows = [
+        [
+            bsdf.evaluate(np.broadcast_to(d, leaving.shape), leaving, channel=channel)
+            for bsdf in bsdfs
+        ]
+        for d in directions
+    ]
+    for bsdf in bsdfs:
+        bsdf.function(function, channel=channel)
+    norm = _scale(np.array(rows)[..., inside])
+    size = (3.3 * len(bsdfs) + 1.1, 3.5 * len(directions) + 0.5)
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(len(directions), len(bsdfs), squeeze=False)
+    titles = list(names) or [bsdf.product.name for bsdf in bsdfs]
+    for k, (direction, row) in enumerate(zip(directions, rows, strict=True)):
+        for m, values in enumerate(row):
+            _draw_disc(axes[k, m], np.where(inside, values, np.nan), norm)
+            _draw_marks(axes[k, m], bsdfs[m], direction, function, channel)
+            (share,) = bsdfs[m].hemispherical(
+                direction[None], function=function, channel=channel
+            )
+            head = f"{titles[m]}\n" if k == 0 else ""
+            axes[k, m].set_title(f"{head}{share:.3f} in all", fontsize=9)
+        axes[k, 0].set_ylabel(_source_words(direction), fontsize=9)
+    bar = figure.colorbar(
+        ScalarMappable(norm, _PALETTE), ax=axes, shrink=0.8, extend="min"
+    )
+    bar.set_label(f"{channel} {function.replace('_', ' ')} [1/sr]")
+    return figure
+
+
+def share_figure(
+    bsdfs: Sequence[Bsdf],
+    *,
+    function: Function = "transmission_front",
+    channel: str = "visible",
+    names: Sequence[str] = (),
+) -> Figure:
+    """Draw the share scattered in all against the angle of the source.
+
+    One panel over profile angles (up and down), one over the width (left and right).
+
+    Raises
+    ------
+    InputError : a layer lacks the function
+    """
+    figure = Figure(figsize=(8.4, 3.4), layout="constrained")
+    panels = figure.subplots(1, 2, sharey=True)
+    angle = np.arange(-87.5, 88, _CURVE_DEG)
+    titles = list(names) or [bsdf.product.name for bsdf in bsdfs]
+    for panel, azimuth, ends in (
+        (panels[0], 90.0, "from below | from above"),
+        (panels[1], 0.0, "from the left | from the right"),
+    ):
+        for bsdf, title in zip(bsdfs, titles, strict=True):
+            sources = [
+                direction_from_angles(abs(a), azimuth + 180 * (a < 0), function)
+                for a in angle
+            ]
+            share = bsdf.hemispherical(
+                np.array(sources), function=function, channel=channel
+            )
+            panel.plot(angle, share, drawstyle="steps-mid", label=title, linewidth=1.4)
+        panel.set_xlabel(f"angle of the source to the normal [°]: {ends}", fontsize=8)
+        panel.set_xlim(-90, 90)
+        panel.set_xticks(range(-90, 91, 30))
+        panel.grid(alpha=0.25)
+    panels[0].set_ylim(bottom=0)
+    panels[0].set_ylabel(f"{channel}, {function.replace('_', ' ')}", fontsize=9)
+    panels[0].legend(fontsize=8, frameon=False)
+    return figure
+
+
+def _from_straight_on(
+    centre: Float[np.ndarray, "3"], function: Function
+) -> Float[np.ndarray, "3"]:
+    # Light that goes on along `centre` in the room, or along its image outside
+    back = np.array([-1.0, -1.0, 1.0])
+    return np.asarray(centre * (-1.0 if function.endswith("front") else back))
+
+
+def _disc(
+    function: Function,
+) -> tuple[Float[np.ndarray, "row column 3"], np.ndarray]:
+    # Leaving directions of the pixels of a disc, row 0 at the bottom
+    line = (np.arange(_PIXELS) + 0.5) / _PIXELS * 2 - 1
+    x, y = np.meshgrid(line, line)
+    radius = np.hypot(x, y)
+    theta = np.minimum(radius, 1) * np.pi / 2
+    scale = np.sin(theta) / np.maximum(radius, 1e-9)
+    to_room = function in ("transmission_front", "reflection_back")
+    z = np.maximum(np.cos(theta), 1e-6) * (1 if to_room else -1)
+    return np.stack([x * scale, y * scale, z], axis=-1), radius < 1
+
+
+def _scale(values: Float[np.ndarray, "*batch"]) -> LogNorm:
+    # Down to where next to nothing of the disc is darker
+    top = float(values.max()) or 1.0
+    some = values[values > 0]
+    low = float(np.quantile(some, 0.01)) if some.size else top
+    return LogNorm(min(max(low, top * 10.0**-_DECADES), top / 10), top)
+
+
+def _draw_disc(
+    axes: Axes, values: Float[np.ndarray, "row column"], norm: LogNorm
+) -> None:
+    palette = ScalarMappable(norm, _PALETTE).get_cmap()
+    floor = np.where(np.isnan(values), np.nan, np.maximum(values, norm.vmin or 0))
+    axes.imshow(
+        floor, norm=norm, cmap=palette, origin="lower", extent=(-90, 90, -90, 90)
+    )
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.set_frame_on(False)
+
+
+def _draw_marks(
+    axes: Axes,
+    bsdf: Bsdf,
+    direction: Float[np.ndarray, "3"],
+    function: Function,
+    channel: str,
+) -> None:
+    # Outlines of patches, or circles of polar angle; and where light goes straight on
+    part = bsdf.scattering(function, channel=channel)
+    if isinstance(part, ScatteringMatrix):
+        _draw_patches(axes, part.exits)
+    else:
+        _draw_rings(axes, np.radians([30.0, 60.0]))
+    _draw_rings(axes, np.array([np.pi / 2]), color="black", alpha=1.0, linewidth=0.6)
+    across = np.hypot(*direction[:2])
+    polar = np.degrees(np.arctan2(across, abs(direction[2])))
+    on = -direction[:2] / max(float(across), 1e-9) * polar
+    axes.plot(*on, "o", markersize=9, fillstyle="none", color="#37c0ff")
+
+
+def _draw_patches(axes: Axes, partition: RingPartition) -> None:
+    theta = np.degrees(partition.theta)
+    _draw_rings(axes, partition.theta)
+    for low, high, count in zip(theta, theta[1:], partition.count, strict=False):
+        if count > 1:
+            phi = (np.arange(count) + 0.5) * 2 * np.pi / count
+            for p in phi:
+                axes.plot(
+                    [low * np.cos(p), high * np.cos(p)],
+                    [low * np.sin(p), high * np.sin(p)],
+                    **_LINE,
+                )
+
+
+def _draw_rings(axes: Axes, theta: Float[np.ndarray, " ring"], **style: Any) -> None:
+    phi = np.linspace(0, 2 * np.pi, 181)
+    for radius in np.degrees(theta):
+        line = {**_LINE, **style}
+        axes.plot(radius * np.cos(phi), radius * np.sin(phi), **line)
+
+
+def _source_words(direction: Float[np.ndarray, "3"]) -> str:
+    theta = np.degrees(np.arctan2(np.hypot(*direction[:2]), abs(direction[2])))
+    phi = np.degrees(np.arctan2(direction[1], direction[0])) % 360
+    if theta < 0.5:
+        return "light along the normal"
+    return f"light from {theta:.0f}° off the normal,\nazimuth {phi:.0f}°"

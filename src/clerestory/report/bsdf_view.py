@@ -1,0 +1,210 @@
+"""An interactive view of a BSDF as one file of HTML, with nothing to load.
+
+A matrix is shown on its own patches. A tensor tree is averaged, flux conserved, onto
+cells of about three degrees for the 145 incident patches of Klems.
+"""
+
+import base64
+import hashlib
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, UInt16
+
+import clerestory
+from clerestory.bsdf.finding import Finding
+from clerestory.bsdf.matrix import Bsdf, Function, ScatteringMatrix
+from clerestory.bsdf.plausibility import check
+from clerestory.errors import InputError
+from clerestory.files import write_text
+from clerestory.hemisphere.klems import from_rings, klems
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.report.colour import ColourScale
+from clerestory.report.markup import Markup, element, embedded_json, join
+from clerestory.report.pixels import packed
+
+_SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_view.js")
+
+# Width of the cells on which a tensor tree is shown [°].
+_CELL_DEG = 3.0
+
+# Values this far below the greatest are shown as zero; codes are even in the logarithm.
+_DECADES = 6
+_CODES = 65_534
+
+# Values of all functions that a page carries: about 8 MB once compressed.
+_MOST_VALUES = 5_000_000
+
+
+def write_view(bsdf: Bsdf, path: str | Path) -> None:
+    """Write the view of a BSDF as one HTML file that opens anywhere, offline.
+
+    Raises
+    ------
+    InputError : the layer has no data
+    OutputError : the file cannot be written
+    """
+    write_text(path, view_page(bsdf))
+
+
+def view_page(bsdf: Bsdf) -> str:
+    """Return the view as HTML."""
+    if not bsdf.functions:
+        raise InputError("a BSDF without data cannot be shown", file=bsdf.source)
+    name = bsdf.product.name.strip()
+    file = Path(bsdf.source).name if bsdf.source else ""
+    title = file if name in ("", "Name") else name
+    script = Markup("\n".join(_asset(asset) for asset in _SCRIPTS))
+    body = join(
+        element("p", "Scattering of a layer", class_="maker"),
+        element("h1", title or "BSDF"),
+        element("p", _subtitle(bsdf, file), class_="where"),
+        Markup(_asset("bsdf_view.html")),
+        _findings(check(bsdf)),
+        element(
+            "footer",
+            f"Made by Clerestory {clerestory.__version__}. This file is complete: it"
+            " opens without a network and loads nothing.",
+        ),
+    )
+    return Template(_asset("page.html")).substitute(
+        version=clerestory.__version__,
+        policy=_policy(script),
+        title=join(title or "BSDF", " · scattering"),
+        style=_asset("style.css") + _asset("bsdf_view.css"),
+        body=body,
+        data=embedded_json("data", view_data(bsdf)),
+        script=script,
+    )
+
+
+def view_data(bsdf: Bsdf) -> dict[str, Any]:
+    """Return the data of the view as plain values for JSON."""
+    functions: list[dict[str, Any]] = []
+    room = _MOST_VALUES
+    for channel in sorted(bsdf.channels, key=lambda name: name != "visible"):
+        for name in _known(bsdf, channel):
+            part = _shown(bsdf, name, channel)
+            room -= part.values.size
+            if room >= 0:
+                functions.append(_function_data(part, channel, name))
+    scale = ColourScale(1e-4, 1, "1/sr", "inferno", logarithmic=True)
+    return {"functions": functions, "colours": scale.table().tolist()}
+
+
+def fine_partition() -> RingPartition:
+    """Return the patches of about three degrees on which tensor trees are shown.
+
+    >>> len(fine_partition())
+    2302
+    """
+    limits = np.concatenate([[0.0], np.arange(_CELL_DEG / 2, 90, _CELL_DEG), [90.0]])
+    middle = np.radians((limits[1:] + limits[:-1]) / 2)
+    count = np.maximum(1, np.round(360 / _CELL_DEG * np.sin(middle) / 4) * 4)
+    count[0] = 1
+    return from_rings("View", limits_deg=limits, count=count.astype(int))
+
+
+def _known(bsdf: Bsdf, channel: str) -> Sequence[Function]:
+    names: tuple[Function, ...] = (
+        "transmission_front",
+        "reflection_front",
+        "transmission_back",
+        "reflection_back",
+    )
+    return [name for name in names if bsdf.has(name, channel=channel)]
+
+
+def _shown(bsdf: Bsdf, name: Function, channel: str) -> ScatteringMatrix:
+    part = bsdf.scattering(name, channel=channel)
+    if isinstance(part, ScatteringMatrix):
+        return part
+    exits, incidents = fine_partition(), klems("full")
+    return ScatteringMatrix(part.average(exits, incidents), exits, incidents)
+
+
+def _function_data(
+    part: ScatteringMatrix, channel: str, name: Function
+) -> dict[str, Any]:
+    share = part.direct_hemispherical()
+    weight = part.incidents.projected_solid_angles()
+    high = float(part.values.max()) or 1.0
+    return {
+        "channel": channel,
+        "name": name,
+        "exits": _partition_data(part.exits),
+        "incidents": _partition_data(part.incidents),
+        "high": high,
+        "step": _DECADES * float(np.log(10)) / _CODES,
+        "codes": packed(value_codes(part.values.T, high)),
+        "share": share.round(5).tolist(),
+        "diffuse": round(float(share @ weight / weight.sum()), 5),
+    }
+
+
+def value_codes(
+    values: Float[np.ndarray, "*batch"], high: float
+) -> UInt16[np.ndarray, "*batch"]:
+    """Values as 16-bit codes, even in the logarithm below `high`; 0 for zero.
+
+    The page decodes them to a relative precision of 0.01 %.
+    """
+    floor = high * 10.0**-_DECADES
+    step = _DECADES * np.log(10) / _CODES
+    codes = 1 + np.round(np.log(np.maximum(values, floor) / floor) / step)
+    return np.where(values > floor, codes, 0).astype(np.uint16)
+
+
+def _partition_data(partition: RingPartition) -> dict[str, Any]:
+    return {
+        "name": partition.name,
+        "theta": partition.theta.round(7).tolist(),
+        "count": partition.count.tolist(),
+    }
+
+
+def _subtitle(bsdf: Bsdf, file: str) -> str:
+    part = next(iter(bsdf.functions.values()))
+    kind = (
+        f"matrix on {part.exits.name}"
+        if isinstance(part, ScatteringMatrix)
+        else f"tensor tree, shown on cells of {_CELL_DEG:g}°"
+    )
+    words = (file, bsdf.product.manufacturer, kind)
+    return " · ".join(word for word in words if word)
+
+
+def _findings(findings: Sequence[Finding]) -> Markup:
+    # What the doctor says, the remarks folded away
+    grave = [finding for finding in findings if finding.matters]
+    items = [element("li", str(finding)) for finding in grave]
+    told = [element("li", str(f)) for f in findings if not f.matters]
+    head = (
+        f"{len(grave)} finding{'s' * (len(grave) > 1)} that can change results"
+        if grave
+        else "Energy, reciprocity and labels are in order"
+    )
+    remarks = element(
+        "details", element("summary", f"{len(told)} remarks"), element("ul", *told)
+    )
+    if not grave:
+        return element("section", element("h2", head), remarks, class_="doctor")
+    box = element("div", element("h2", head), element("ul", *items), class_="warnings")
+    return element("section", box, remarks, class_="doctor")
+
+
+def _asset(name: str) -> str:
+    folder = resources.files("clerestory.report") / "assets"
+    return (folder / name).read_text(encoding="utf-8")
+
+
+def _policy(script: str) -> str:
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return (
+        "default-src 'none'; style-src 'unsafe-inline'; img-src data:;"
+        f" script-src 'sha256-{digest}'"
+    )
