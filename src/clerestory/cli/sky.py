@@ -1,5 +1,6 @@
 """`clerestory sky`: sky matrices, suns, descriptions and plots of weather."""
 
+import importlib
 from typing import Annotated, Literal
 
 import numpy as np
@@ -26,7 +27,6 @@ from clerestory.cli.sky_options import (
 )
 from clerestory.errors import InputError
 from clerestory.files import write_text
-from clerestory.report.sky_plots import dome_figure, write_figure, year_figure
 from clerestory.sky.describe import describe_weather
 from clerestory.sky.gensky import cie_sky
 from clerestory.sky.point import sky_vector
@@ -241,4 +241,8 @@ def plot(
 ) -> None:
     """Heat map of sun and sky over the year; with --time, the dome in false colour."""
     data = part_of(read_weather(weather), first_day, last_day, time)
-    write_figure(year_figure(data) if time is None else dome_figure(data), output)
+
+    # Matplotlib takes half a second to load, which only plots should wait for
+    plots = importlib.import_module("clerestory.report.sky_plots")
+    figure = plots.year_figure(data) if time is None else plots.dome_figure(data)
+    plots.write_figure(figure, output)

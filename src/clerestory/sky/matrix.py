@@ -24,6 +24,9 @@ from clerestory.matrix.transfer_matrix import (
 )
 from clerestory.sky.product import fold, lit_steps, product_blocks, row_blocks
 
+# Time steps that are turned from columns into rows at once, in the cache
+_BLOCK = 64
+
 
 @dataclass(frozen=True, eq=False)
 class SkyMatrix:
@@ -126,8 +129,12 @@ class SkyMatrix:
         )
 
     def to_transfer_matrix(self) -> TransferMatrix:
-        """Return the same as a plain matrix of three channels."""
-        return TransferMatrix(self.values, self.rows, self.columns)
+        """Return the same as a plain matrix of three channels, stored row by row."""
+        values = np.empty((3, len(self.partition), len(self.times)), np.float32)
+        for start in range(0, len(self.times), _BLOCK):
+            steps = slice(start, start + _BLOCK)
+            values[:, :, steps] = self.block(steps)
+        return TransferMatrix(values, self.rows, self.columns)
 
     def __rmatmul__(self, transfer: object) -> "SkyResponse":
         """Return the product with what sends from the sky, not yet multiplied out.
