@@ -147,10 +147,11 @@ def trace_daylight(
     table, _ = window_shapes((window,), origin)
     segments = _segments(effort.bounces, first=1)
     projected = window.partition.projected_solid_angles()
+    units = {"batches": BATCHES, "seed": effort.seed}
 
     def launch(target: Target, rows: np.ndarray, first: int, count: int) -> None:
         sequence = points(first, count)
-        paths = lanes(sequence, rows=rows, batches=BATCHES, seed=effort.seed)
+        paths = lanes(sequence, rows=rows, stream=1, **units)
         trace_window_patches(target, sequence, paths, window=table, segments=segments)
 
     def noisy(sums: _Sums) -> tuple[np.ndarray, float]:
@@ -171,10 +172,11 @@ def _from_sensors(
 ) -> Estimate:
     position = sensors.position - origin
     segments = _segments(effort.bounces, first=0)
+    units = {"batches": BATCHES, "seed": effort.seed}
 
     def launch(target: Target, rows: np.ndarray, first: int, count: int) -> None:
         sequence = points(first, count)
-        paths = lanes(sequence, rows=rows, batches=BATCHES, seed=effort.seed)
+        paths = lanes(sequence, rows=rows, stream=0, **units)
         start = {"position": position[rows], "normal": sensors.direction[rows]}
         trace_sensors(target, sequence, paths, **start, segments=segments)
 

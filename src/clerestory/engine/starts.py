@@ -36,8 +36,12 @@ class Lanes:
     index: mi.UInt32
 
 
-def lanes(points: Points, *, rows: np.ndarray, batches: int, seed: int) -> Lanes:
+def lanes(
+    points: Points, *, rows: np.ndarray, batches: int, seed: int, stream: int
+) -> Lanes:
     """Return the paths of a launch over the matrix rows with the given numbers.
+
+    Streams keep matrices of one seed independent: errors of V and D must not agree.
 
     The seed of a row and batch depends on nothing but their numbers, so results do
     not depend on how rows are spread over launches.
@@ -51,7 +55,7 @@ def lanes(points: Points, *, rows: np.ndarray, batches: int, seed: int) -> Lanes
         row=row,
         slot=slot,
         number=number,
-        seed=mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[0],
+        seed=mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[stream],
         index=lane % points.count,
     )
 
