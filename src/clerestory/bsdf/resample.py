@@ -1,0 +1,132 @@
+"""BSDFs from one kind or partition to another, flux conserved.
+
+A value becomes the mean of the values it stands for, weighted by projected solid
+angle on both sides. So what is scattered in all, from any patch of the coarser side,
+stays what it was; detail that the new cells cannot hold is gone.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.matrix import Bsdf, Function
+from clerestory.bsdf.overlap import patches_in_cells
+from clerestory.bsdf.reduce import reduce_tree
+from clerestory.bsdf.scattering import OTHER_SIDE, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tree_colour import xyz_functions
+from clerestory.bsdf.tree_combine import bits_of, combine
+from clerestory.bsdf.tree_text import branch_order
+from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
+
+# A rank 4 tree of 2⁶ cells along each axis has 17 million values before reduction.
+_FINEST = 6
+
+
+def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
+    """Return the BSDF with matrices on one partition on both sides.
+
+    Colour as CIE u′ and v′ becomes CIE X and Z, which can be averaged.
+
+    >>> from clerestory.bsdf.analytic import lambertian
+    >>> from clerestory.hemisphere.klems import klems
+    >>> coarse = to_matrices(lambertian(0.5, klems("full")), klems("quarter"))
+    >>> coarse.transmission_matrix().values.shape
+    (1, 41, 41)
+    """
+    functions: dict[tuple[str, Function], ScatteringFunction] = {
+        (channel, name): ScatteringMatrix(
+            part.average(partition, partition), partition, partition
+        )
+        for (channel, name), part in _tristimulus(bsdf).items()
+    }
+    return replace(bsdf, functions=functions)
+
+
+def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
+    """Return the BSDF with tensor trees of rank 4; trees stay as they are.
+
+    Parameters
+    ----------
+    halvings : 2^halvings smallest cells lie along each axis, 6 at most
+
+    Raises
+    ------
+    InputError : more halvings than memory allows
+    """
+    functions = {
+        key: part if isinstance(part, ScatteringTree) else tree_from(part, halvings)
+        for key, part in bsdf.functions.items()
+    }
+    return replace(bsdf, functions=functions)
+
+
+def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
+    """Return the rank 4 tree of a matrix; equal cells are one.
+
+    Raises
+    ------
+    InputError : not a matrix, or more halvings than memory allows
+    """
+    if not 0 <= halvings <= _FINEST or not isinstance(part, ScatteringMatrix):
+        raise InputError(
+            f"a tensor tree of {halvings} halvings from a {type(part).__name__}; a"
+            f" matrix and at most {_FINEST} halvings expected"
+        )
+    leave = patches_in_cells(part.exits, halvings)
+    enter = patches_in_cells(part.incidents, halvings)
+    area = np.pi * 0.25**halvings
+    value = (enter.T @ (leave.T @ part.values).T) / area**2
+    return reduce_tree(_full_tree(value, halvings), 0).tree
+
+
+def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
+    """Return the BSDF averaged with its reciprocal, which makes it reciprocal.
+
+    Transmissions of the two sides become each other's reciprocal, reflections their
+    own. Trees of rank 3 cannot be averaged so and stay as they are.
+    """
+    functions: dict[tuple[str, Function], ScatteringFunction] = {}
+    for (channel, name), part in bsdf.functions.items():
+        other = bsdf.functions.get((channel, OTHER_SIDE.get(name, name)))
+        functions[channel, name] = (
+            part if other is None else _mean(part, other.reciprocal())
+        )
+    return replace(bsdf, functions=functions)
+
+
+def _mean(one: ScatteringFunction, two: ScatteringFunction) -> ScatteringFunction:
+    if isinstance(one, ScatteringMatrix):
+        table = two.average(one.exits, one.incidents)
+        return ScatteringMatrix((one.values + table) / 2, one.exits, one.incidents)
+    if isinstance(one, ScatteringTree) and isinstance(two, ScatteringTree):
+        return combine(lambda a, b: (a + b) / 2, one, two)
+    return one
+
+
+def _full_tree(
+    value: Float[np.ndarray, "incident leaving"], halvings: int
+) -> ScatteringTree:
+    # Branches of all levels, then the values in their order
+    starts = np.cumsum([1 << 4 * level for level in range(halvings + 1)])
+    inner = [
+        ~(start + (np.arange(1 << 4 * level) << 4)).astype(np.int32)
+        for level, start in enumerate(starts[:-1])
+    ]
+    leaves = bits_of(value.ravel()[branch_order(4, halvings)])
+    return ScatteringTree(np.concatenate([*inner, leaves]), 4, halvings)
+
+
+def _tristimulus(bsdf: Bsdf) -> dict[tuple[str, Function], ScatteringFunction]:
+    functions = dict(bsdf.functions)
+    for channel, name in bsdf.functions:
+        key_u, key_v = ("cie-u", name), ("cie-v", name)
+        if channel == "visible" and key_u in functions and key_v in functions:
+            x, _, z = xyz_functions(
+                functions["visible", name], functions.pop(key_u), functions.pop(key_v)
+            )
+            functions["cie-x", name], functions["cie-z", name] = x, z
+    return functions
