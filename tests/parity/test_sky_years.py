@@ -7,10 +7,12 @@ horizontal and on four vertical planes, and that of the sun, within 0.2 %.
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 pytest.importorskip("pyradiance")
 from gendaymtx import Distance, distance, epw_to_wea, gendaymtx
 
+from clerestory.sky.conditions import sun_over
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 
@@ -45,17 +47,34 @@ def year(request, shared_data, tmp_path_factory):
     return wea
 
 
+def ties(weather, partition, arguments):
+    """Steps whose last patch for the sun could be either of two, to rounding.
+
+    In a whole year of Mannheim at MF 5 there is one: patches 396 and 547.
+    """
+    count = 1 if arguments.get("sun") == "disc" else 4
+    sun = sun_over(
+        weather,
+        sun_formula="radiance",
+        rotation_deg=arguments.get("rotation_deg", 0.0),
+    )
+    tree = cKDTree(partition.dome.centres())
+    distance, _ = tree.query(sun.directions(), k=count + 1)
+    close = distance[:, count] - distance[:, count - 1] < 1e-6
+    return close & (weather.direct_normal > 0)
+
+
 def assert_close(wea, subdivision, options, arguments):
     sky = sky_matrix(
         read_weather(wea), subdivision=subdivision, sun_formula="radiance", **arguments
     )
     theirs = gendaymtx(wea, "-m", str(subdivision), *options.split())
+    tied = ties(read_weather(wea), sky.partition, arguments)
+    assert tied.sum() < 5
     found = Distance(0, 0, 0)
-    for start in range(0, len(sky.times), 365):
-        part = slice(start, start + 365)
-        found = found.worse(
-            distance(sky.block(part), theirs[:, :, part], sky.partition)
-        )
+    for steps in np.array_split(np.flatnonzero(~tied), 24):
+        ours = sky.select(steps).values
+        found = found.worse(distance(ours, theirs[:, :, steps], sky.partition))
     assert found.patch <= 1
     assert found.plane <= 0.002
     assert found.direct <= 0.002
