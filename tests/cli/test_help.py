@@ -20,6 +20,11 @@ COMMANDS = [
     "sky sun",
     "sky describe",
     "bsdf info",
+    "bsdf check",
+    "bsdf plot",
+    "bsdf compare",
+    "bsdf view",
+    "bsdf insert",
 ]
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from clerestory.bsdf.matrix import Bsdf, Function
 from clerestory.bsdf.patch_symmetry import flux_table, mismatch
 from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class Comparison:
     share_bias, share_rms, share_worst : of the shares scattered in all, over incident
         patches
     worst_patch : incident patch of the greatest difference
+    incidents : partition of the incident patches
     diffuse : shares of uniform light that each scatters in all
     """
 
@@ -32,6 +34,7 @@ class Comparison:
     share_rms: float
     share_worst: float
     worst_patch: int
+    incidents: RingPartition
     diffuse: tuple[float, float]
 
 
@@ -80,5 +83,6 @@ def compare(
         share_rms=float(np.sqrt(difference**2 @ even)),
         share_worst=float(difference[worst]),
         worst_patch=worst,
+        incidents=first.incidents,
         diffuse=(float(share[0] @ even), float(share[1] @ even)),
     )

@@ -100,7 +100,7 @@ def fine_partition() -> RingPartition:
     """Return the patches of about three degrees on which tensor trees are shown.
 
     >>> len(fine_partition())
-    2302
+    2353
     """
     limits = np.concatenate([[0.0], np.arange(_CELL_DEG / 2, 90, _CELL_DEG), [90.0]])
     middle = np.radians((limits[1:] + limits[:-1]) / 2)

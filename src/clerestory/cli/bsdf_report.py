@@ -1,0 +1,92 @@
+"""What `clerestory bsdf` prints: lines about a file, findings, differences."""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from clerestory.bsdf.comparison import Comparison
+from clerestory.bsdf.finding import Finding, place
+from clerestory.bsdf.matrix import FUNCTIONS, Bsdf, Function, ScatteringMatrix
+from clerestory.hemisphere.klems import klems
+
+
+def info_lines(bsdf: Bsdf) -> Iterator[str]:
+    """Yield what a BSDF holds: product, bases, and how much light passes."""
+    product = bsdf.product
+    rows = {
+        "name": product.name,
+        "manufacturer": product.manufacturer,
+        "device type": product.device_type,
+        "channels": ", ".join(bsdf.channels),
+    }
+    for name, value in rows.items():
+        yield f"{name:22}{value or '-'}"
+    for channel in bsdf.channels:
+        for function in FUNCTIONS:
+            if (channel, function) in bsdf.functions:
+                title = f"{channel} {function.replace('_', ' ')}"
+                yield f"{title:34}{_summary(bsdf, channel, function)}"
+    for note in bsdf.notes:
+        yield f"{'note':22}{note}"
+
+
+def finding_lines(
+    file: Path, findings: Sequence[Finding], *, all_of_them: bool
+) -> Iterator[str]:
+    """Yield a line for every finding, or for those that matter."""
+    shown = [f for f in findings if f.matters or all_of_them]
+    yield from (f"{file}: {finding}" for finding in shown)
+    if not any(finding.matters for finding in findings):
+        yield f"{file}: sound"
+
+
+def findings_json(reports: Sequence[tuple[Path, Sequence[Finding], str]]) -> str:
+    """Return findings and reading errors of files as JSON."""
+    rows = [
+        {
+            "file": str(file),
+            "status": "unreadable" if error else _status(findings),
+            "error": error or None,
+            "findings": [asdict(finding) for finding in findings],
+        }
+        for file, findings, error in reports
+    ]
+    return json.dumps(rows, indent=1, ensure_ascii=False)
+
+
+def comparison_lines(result: Comparison, names: tuple[str, str]) -> Iterator[str]:
+    """Yield the differences of two layers in words."""
+    first, second = result.diffuse
+    yield f"{names[1]} against {names[0]}"
+    yield f"  {'diffuse light':34}{first:.4f} and {second:.4f}"
+    yield f"  {'BSDF, rms difference':34}{result.rms:.4g}/sr, mean {result.mean:.4g}/sr"
+    yield f"  {'light that goes elsewhere':34}{result.redistributed:.2%}"
+    yield (
+        f"  {'share scattered in all':34}{result.share_bias:+.4f} on average,"
+        f" {result.share_rms:.4f} rms, {result.share_worst:+.4f} at most, at"
+        f" {place(result.incidents, result.worst_patch)}"
+    )
+
+
+def _status(findings: Sequence[Finding]) -> str:
+    return "doubtful" if any(finding.matters for finding in findings) else "sound"
+
+
+def _summary(bsdf: Bsdf, channel: str, function: Function) -> str:
+    # Basis, and the share scattered from the normal and under a uniform sky
+    part = bsdf.functions[channel, function]
+    on = part if isinstance(part, ScatteringMatrix) else None
+    table = on or bsdf.function(function, channel=channel, partition=klems("full"))
+    kind = (
+        f"{len(on.exits)} x {len(on.incidents)} ({on.exits.name})"
+        if on
+        else "tensor tree"
+    )
+    share = table.direct_hemispherical()
+    weight = table.incidents.projected_solid_angles()
+    normal = int(np.argmax(table.incidents.centres()[:, 2]))
+    diffuse = float(share @ weight / weight.sum())
+    return f"{kind}: {share[normal]:.3f} from the normal, {diffuse:.3f} diffuse"

@@ -1,0 +1,150 @@
+"""`clerestory bsdf`: exit statuses for scripts, files written, one-line errors."""
+
+import json
+
+import numpy as np
+import pytest
+
+from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.hemisphere.klems import klems
+
+QUARTER = klems("quarter")
+
+
+@pytest.fixture
+def one_sided(room):
+    """A file whose back passes nothing, though its front does."""
+    sound = lambertian(0.5, QUARTER)
+    functions = dict(sound.functions)
+    dark = ScatteringMatrix(np.zeros((41, 41)), QUARTER, QUARTER)
+    functions["visible", "transmission_back"] = dark
+    write_bsdf(room / "one_sided.xml", Bsdf(functions))
+    return "one_sided.xml"
+
+
+def test_a_sound_file_passes(call):
+    outcome = call("bsdf", "check", "diffuser.xml")
+    assert outcome.status == 0
+    assert outcome.out == "diffuser.xml: sound\n"
+
+
+def test_remarks_are_told_on_demand(call):
+    outcome = call("bsdf", "check", "diffuser.xml", "--all")
+    assert outcome.status == 0
+    assert "info: isotropy" in outcome.out
+
+
+def test_a_doubtful_file_among_sound_ones_fails(call, one_sided):
+    outcome = call("bsdf", "check", "diffuser.xml", one_sided)
+    assert outcome.status == 1
+    lines = outcome.out.splitlines()
+    assert lines[0] == "diffuser.xml: sound"
+    assert lines[1].startswith("one_sided.xml: error: empty: all values are zero")
+    assert len(lines) == 2
+
+
+def test_an_unreadable_file_does_not_hide_the_others(call, one_sided, room):
+    (room / "broken.xml").write_text("<WindowElement>")
+    outcome = call("bsdf", "check", "broken.xml", one_sided)
+    assert outcome.status == 2
+    assert "one_sided.xml: error" in outcome.out
+    assert outcome.err.startswith("broken.xml")
+    assert outcome.err.count("\n") == 1
+
+
+def test_findings_come_as_json(call, one_sided):
+    outcome = call("bsdf", "check", one_sided, "missing.xml", "--json")
+    assert outcome.status == 2
+    doubtful, unreadable = json.loads(outcome.out)
+    assert doubtful["status"] == "doubtful"
+    assert doubtful["findings"][0]["severity"] == "error"
+    assert unreadable["status"] == "unreadable"
+    assert "cannot be read" in unreadable["error"]
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg"])
+def test_plot_writes_a_picture(call, room, suffix):
+    outcome = call(
+        "bsdf", "plot", "diffuser.xml", "--from", "40,90", "-o", f"a.{suffix}"
+    )
+    assert outcome.status == 0
+    start = (room / f"a.{suffix}").read_bytes()[:5]
+    assert start in (b"\x89PNG\r", b"<?xml")
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (("--from", "40"), "'40'; two angles"),
+        (("--from", "95,0"), "95.0°; from 0"),
+        (("--patch", "145"), "0 to 144 expected"),
+        (("--channel", "solar"), "no solar transmission front"),
+    ],
+)
+def test_plot_refuses_what_is_not_there(call, room, words, complaint):
+    outcome = call("bsdf", "plot", "diffuser.xml", *words, "-o", "a.png")
+    assert outcome.status == 2
+    assert complaint in outcome.err
+    assert not (room / "a.png").exists()
+
+
+def test_plot_refuses_other_kinds_of_files(call):
+    outcome = call("bsdf", "plot", "diffuser.xml", "-o", "a.doc")
+    assert outcome.status == 2
+    assert ".png, .svg, .pdf expected" in outcome.err
+
+
+def test_compare_tells_the_difference_and_draws_it(call, room):
+    write_bsdf(room / "brighter.xml", lambertian(0.6, QUARTER))
+    outcome = call(
+        "bsdf", "compare", "diffuser.xml", "brighter.xml", "--curve", "-o", "c.png"
+    )
+    assert outcome.status == 0
+    assert "0.5000 and 0.6000" in outcome.out
+    assert "+0.1000 on average" in outcome.out
+    assert (room / "c.png").stat().st_size > 5000
+
+
+def test_compare_needs_two_files(call):
+    assert call("bsdf", "compare", "diffuser.xml").status == 2
+
+
+def test_view_writes_one_page(call, room):
+    outcome = call("bsdf", "view", "diffuser.xml", "-o", "v.html")
+    assert outcome.status == 0
+    page = (room / "v.html").read_text("utf-8")
+    assert "Lambertian diffuser" in page
+    assert "http://" not in page.replace("http://www.w3.org", "")
+
+
+def test_insert_keeps_the_template(call, room):
+    template = lambertian(0.1, QUARTER, reflectance=0.2)
+    write_bsdf(room / "template.xml", template)
+    outcome = call("bsdf", "insert", "diffuser.xml", "template.xml", "-o", "out.xml")
+    assert outcome.status == 0
+    assert "visible transmission front" in outcome.out
+    assert np.allclose(read_bsdf(room / "out.xml").direct_hemispherical(), 0.5)
+
+
+def test_insert_names_a_missing_channel(call, room):
+    outcome = call(
+        "bsdf",
+        "insert",
+        "diffuser.xml",
+        "diffuser.xml",
+        "-o",
+        "o.xml",
+        "--channels",
+        "solar",
+    )
+    assert outcome.status == 2
+    assert "no solar data; it has visible" in outcome.err
+    assert not (room / "o.xml").exists()
+
+
+def test_info_names_the_basis(call):
+    outcome = call("bsdf", "info", "diffuser.xml")
+    assert "41 x 41 (LBNL/Klems Quarter): 0.500 from the normal" in outcome.out
