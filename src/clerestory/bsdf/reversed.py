@@ -16,8 +16,8 @@ from clerestory.bsdf.scattering import ScatteringFunction
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.square import disc_from_square
 
-# Grid cells per smallest cell of the function along each axis: 2².
-_FINER = 2
+# Halvings of the grid: two more than those of the function, within limits.
+_FINER, _COARSEST, _FINEST = 2, 8, 10
 
 
 @final
@@ -102,7 +102,7 @@ class ReversedFunction(ScatteringFunction):
 
     def _grid(self) -> Float[np.ndarray, "cells 3"]:
         # Directions through the middle of equal cells, those of a row together
-        edge = 1 << self.halvings + _FINER
+        edge = 1 << min(max(self.halvings + _FINER, _COARSEST), _FINEST)
         middle = (np.arange(edge) + 0.5) / edge
         a, b = np.meshgrid(middle, middle, indexing="ij")
         return _direction(a.ravel(), b.ravel())
