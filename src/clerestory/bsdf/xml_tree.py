@@ -43,7 +43,11 @@ def read_tree(
             block, f"angle basis {basis[:60]!r} of a tensor tree; {_BASIS!r} expected"
         )
     number = document.trees.find(data.text)
-    if number is None or len(data):
+    if len(data):
+        raise document.error(
+            data, "an element or a comment in a tensor tree; numbers alone expected"
+        )
+    if number is None:
         found = " ".join((data.text or "").split())[:40]
         raise document.error(
             data, f"no tensor tree but {found!r}; numbers in braces {{…}} expected"
