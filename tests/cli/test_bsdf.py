@@ -148,3 +148,47 @@ def test_insert_names_a_missing_channel(call, room):
 def test_info_names_the_basis(call):
     outcome = call("bsdf", "info", "diffuser.xml")
     assert "41 x 41 (LBNL/Klems Quarter): 0.500 from the normal" in outcome.out
+
+
+def test_conversions_keep_the_flux(call, room):
+    assert (
+        call(
+            "bsdf",
+            "convert",
+            "diffuser.xml",
+            "--to",
+            "tree",
+            "--halvings",
+            "3",
+            "-o",
+            "t.xml",
+        ).status
+        == 0
+    )
+    outcome = call("bsdf", "convert", "t.xml", "--to", "half", "-o", "half.xml")
+    assert outcome.status == 0
+    assert "0.50000 of diffuse light before, 0.50000 after" in outcome.out
+    half = read_bsdf(room / "half.xml").function("transmission_front")
+    assert len(half.exits) == 77
+    assert np.allclose(half.direct_hemispherical(), 0.5, atol=1e-5)
+
+
+def test_averaging_with_the_reverse_makes_a_layer_sound(call, one_sided):
+    words = ("--to", "same", "--reciprocal", "-o", "mended.xml")
+    assert call("bsdf", "convert", one_sided, *words).status == 0
+    assert call("bsdf", "check", "mended.xml").status == 0
+
+
+def test_reduction_says_what_it_costs(call):
+    words = ("--to", "tree", "--halvings", "3")
+    assert call("bsdf", "convert", "diffuser.xml", *words, "-o", "t.xml").status == 0
+    outcome = call("bsdf", "reduce", "t.xml", "--percent", "95", "-o", "small.xml")
+    assert outcome.status == 0
+    assert "of diffuse light moves" in outcome.out
+    assert "0.500 diffuse" in call("bsdf", "info", "small.xml").out
+
+
+def test_a_matrix_is_not_reduced(call):
+    outcome = call("bsdf", "reduce", "diffuser.xml", "-o", "small.xml")
+    assert outcome.status == 2
+    assert "--to tree" in outcome.err

@@ -25,6 +25,8 @@ COMMANDS = [
     "bsdf compare",
     "bsdf view",
     "bsdf insert",
+    "bsdf convert",
+    "bsdf reduce",
 ]
 
 

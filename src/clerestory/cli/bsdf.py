@@ -13,6 +13,7 @@ from clerestory.bsdf.insert import insert_blocks
 from clerestory.bsdf.matrix import Function
 from clerestory.bsdf.plausibility import check as check_bsdf
 from clerestory.bsdf.xml import read_bsdf
+from clerestory.cli.bsdf_convert import convert, reduce
 from clerestory.cli.bsdf_report import (
     comparison_lines,
     finding_lines,
@@ -30,6 +31,12 @@ from clerestory.report.bsdf_plot import (
 from clerestory.report.bsdf_view import write_view
 
 app = typer.Typer(no_args_is_help=True, help="BSDF files of layers.")
+app.command(epilog="Example: clerestory bsdf convert tree.xml --to full -o matrix.xml")(
+    convert
+)
+app.command(
+    epilog="Example: clerestory bsdf reduce tree.xml --percent 95 -o small.xml"
+)(reduce)
 
 _UNREADABLE = 2
 _PICTURES = (".png", ".svg", ".pdf")
