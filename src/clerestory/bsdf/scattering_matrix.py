@@ -18,6 +18,9 @@ from clerestory.bsdf.scattering import ScatteringFunction
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 
+# Pairs that are evaluated together: their arrays stay in the processor's cache.
+_TOGETHER = 1 << 14
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -67,9 +70,13 @@ class ScatteringMatrix(ScatteringFunction):
         leaving: Float[np.ndarray, "*pair 3"],
     ) -> Float[np.ndarray, "*pair"]:
         """BSDF [1/sr] for pairs of directions."""
-        value: Float[np.ndarray, "*pair"] = self.values[
-            self.exits.find(_upright(leaving)), self._enter(incident)
-        ]
+        incident, leaving = np.broadcast_arrays(incident, leaving)
+        value = np.empty(incident.shape[:-1])
+        flat, i, o = value.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
+        for start in range(0, len(flat), _TOGETHER):
+            part = slice(start, start + _TOGETHER)
+            leave, enter = self.exits.find(_upright(o[part])), self._enter(i[part])
+            flat[part] = self.values[leave, enter]
         return value
 
     def hemispherical(
