@@ -19,7 +19,7 @@ class Comparison:
     rms : root mean square difference of the BSDF, weighted by solid angle [1/sr]
     mean : mean of the first BSDF, weighted alike [1/sr]
     redistributed : share of the light of a uniform sky that leaves elsewhere, or more
-        or less of it; 0 for equal layers, 2 for nothing in common
+        or less of it; 0 for equal layers, 1 for nothing in common
     share_bias, share_rms, share_worst : of the shares scattered in all, over incident
         patches
     worst_patch : incident patch of the greatest difference

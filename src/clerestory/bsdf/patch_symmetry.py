@@ -1,7 +1,7 @@
 """How far scattering on patches is from its own reverse and its own mirror image.
 
-A mismatch of 0 means alike, 2 nothing in common. It is weighted with the light
-that passes under a uniform sky, so that values nobody will notice do not count.
+A mismatch is the share of the light that goes elsewhere, under a uniform sky: 0 for
+alike, 1 for nothing in common. Values that nobody will notice do not count.
 """
 
 from typing import Literal, get_args
@@ -22,12 +22,12 @@ _RINGS_TOGETHER = 2
 def mismatch(
     one: Float[np.ndarray, "exit incident"], other: Float[np.ndarray, "exit incident"]
 ) -> float:
-    """Return the sum of differences over the mean sum of two tables of flux.
+    """Return the share of the light in two tables of flux that goes elsewhere.
 
     >>> mismatch(np.array([[1.0, 1.0]]), np.array([[1.0, 1.2]])).__round__(6)
-    0.090909
+    0.045455
     """
-    total = float(one.sum() + other.sum()) / 2
+    total = float(one.sum() + other.sum())
     return float(np.abs(one - other).sum()) / total if total > 0 else 0.0
 
 

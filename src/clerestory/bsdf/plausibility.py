@@ -33,7 +33,7 @@ _LIKE_SHARES = (0.3, 1.01)
 _FROM_ABOVE = 1.5
 
 # Mismatch below which a layer counts as symmetric or isotropic.
-_ALIKE = 0.05
+_ALIKE = 0.025
 
 _Side = Literal["front", "back"]
 _SIDES: tuple[_Side, _Side] = ("front", "back")

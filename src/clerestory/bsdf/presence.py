@@ -10,7 +10,7 @@ from clerestory.bsdf.patch_symmetry import mismatch
 from clerestory.bsdf.reciprocity import Tables
 
 # Mismatch between front and back above which a layer is not the same on both sides.
-_ASYMMETRIC = 0.10
+_ASYMMETRIC = 0.05
 
 
 def check_presence(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:

@@ -19,14 +19,14 @@ from clerestory.bsdf.patch_symmetry import (
 )
 
 # Sizes from which a finding is told, matters, and spoils results.
-_RECIPROCITY = (0.03, 0.10, 0.50)
+_RECIPROCITY = (0.015, 0.05, 0.25)
 _SIDES = (0.02, 0.10, 0.50)
 
 # A repair is believed if it leaves no more than this share of the mismatch; a
 # weight is proven if it leaves next to nothing.
 _REPAIRED = 0.4
 _PROVEN = 0.1
-_WEIGHTED = 0.01
+_WEIGHTED = 0.005
 
 Tables = dict[Function, ScatteringMatrix]
 

@@ -20,7 +20,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 
 _PIXELS = 480
-_DECADES = 4
+_DECADES = 5
 _PALETTE = "inferno"
 _LINE: dict[str, Any] = {"color": "white", "linewidth": 0.35, "alpha": 0.35}
 
@@ -75,7 +75,7 @@ def lobe_figure(
 ) -> Figure:
     """Draw the outgoing distribution of each layer (column) for each direction (row).
 
-    All discs share one logarithmic scale over four decades at most.
+    All discs share one logarithmic scale over five decades at most.
 
     Raises
     ------

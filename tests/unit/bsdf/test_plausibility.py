@@ -93,8 +93,8 @@ def test_one_side_stronger_than_the_other_breaks_reciprocity():
     weak = replace(back, values=0.7 * back.values)
     finding = only(layer(front, back=weak), "sides")
     assert finding.size == pytest.approx(0.3)
-    # 2 · 0.3 / 1.7: the same factor in every pair
-    assert only(layer(front, back=weak), "reciprocity").size == pytest.approx(0.6 / 1.7)
+    # The same factor in every pair of patches
+    assert only(layer(front, back=weak), "reciprocity").size == pytest.approx(0.3 / 1.7)
 
 
 def test_incident_azimuths_half_a_turn_off_are_recognised():

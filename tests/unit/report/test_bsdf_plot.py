@@ -82,7 +82,7 @@ def test_differences_are_those_of_the_closed_form():
     result = compare(lambertian(0.2, FULL), lambertian(0.3, FULL))
     assert result.rms == pytest.approx(0.1 / np.pi)
     assert result.mean == pytest.approx(0.2 / np.pi)
-    assert result.redistributed == pytest.approx(0.1 / 0.25)
+    assert result.redistributed == pytest.approx(0.1 / 0.5)
     assert result.diffuse == pytest.approx((0.2, 0.3))
 
 
