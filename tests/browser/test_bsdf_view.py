@@ -10,6 +10,7 @@ from matplotlib.image import imread
 from clerestory.bsdf.analytic import clear_air, lambertian
 from clerestory.bsdf.matrix import Bsdf
 from clerestory.bsdf.product import Product
+from clerestory.bsdf.resample import to_trees
 from clerestory.hemisphere.klems import klems
 from clerestory.report.bsdf_view import write_view
 
@@ -167,3 +168,20 @@ def test_nothing_is_wider_than_the_screen(browse, page, width):
     )
     assert screen == width
     assert content <= screen
+
+
+def test_a_tensor_tree_is_shown(browse, tmp_path):
+    """A Lambertian tree of 0.4: 0.4/π in every cell, whichever patch is chosen."""
+    file = tmp_path / "tree.html"
+    write_view(to_trees(lambertian(0.4, klems("quarter")), halvings=3), file)
+    answer = ask(
+        browse,
+        file,
+        """const part = view.part("transmission");
+        const values = part.exits.patches.map((_, k) => view.value(part, k));
+        const error = document.documentElement.dataset.error || "";
+        return [Math.min(...values), Math.max(...values), error].join();""",
+    )
+    low, high, error = answer.split(",")
+    assert error == ""
+    assert [float(low), float(high)] == pytest.approx([0.4 / np.pi] * 2, rel=1e-3)

@@ -25,7 +25,7 @@ def mismatch(
     """Return the share of the light in two tables of flux that goes elsewhere.
 
     >>> mismatch(np.array([[1.0, 1.0]]), np.array([[1.0, 1.2]])).__round__(6)
-    0.045455
+    0.047619
     """
     total = float(one.sum() + other.sum())
     return float(np.abs(one - other).sum()) / total if total > 0 else 0.0
