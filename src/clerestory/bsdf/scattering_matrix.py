@@ -83,10 +83,7 @@ class ScatteringMatrix(ScatteringFunction):
         self, incident: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
         """Share of the light from each direction that is scattered in all."""
-        share: Float[np.ndarray, "*batch"] = self.direct_hemispherical()[
-            self._enter(incident)
-        ]
-        return share
+        return np.asarray(self.direct_hemispherical()[self._enter(incident)])
 
     def sample(
         self,
@@ -97,7 +94,8 @@ class ScatteringMatrix(ScatteringFunction):
 
         See `ScatteringFunction.sample`.
         """
-        enter = self._enter(incident)
+        shape = np.shape(incident)[:-1]
+        enter, u = self._enter(np.reshape(incident, (-1, 3))), np.reshape(u, (-1, 2))
         light = self.exits.projected_solid_angles()[:, None] * self.values
         running = np.cumsum(light, axis=0)
         total = running[-1, enter]
@@ -115,11 +113,13 @@ class ScatteringMatrix(ScatteringFunction):
         # The rest of the first number places the direction within the patch
         rest = (target - ahead[chosen]) / np.where(width > 0, width, 1)
         within = np.stack([np.clip(rest, 0, 1 - 1e-12), u[..., 1]], axis=-1)
-        leaving = self.exits.sample(chosen - first, within)
+        patch = chosen - first
+        leaving = self.exits.sample(patch, within)
         some = total > 0
-        density = self.values[chosen - first, enter] / np.where(some, total, 1)
+        density = self.values[patch, enter] / np.where(some, total, 1)
         leaving = np.where(some[..., None], leaving, [0.0, 0.0, 1.0])
-        return leaving, np.where(some, density * leaving[..., 2], 0)
+        density = np.where(some, density * leaving[:, 2], 0)
+        return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def resolution(
         self,
@@ -129,8 +129,7 @@ class ScatteringMatrix(ScatteringFunction):
         """Projected solid angle of the leaving patch that holds each pair [sr]."""
         leaving, _ = np.broadcast_arrays(leaving, incident)
         patch = self.exits.find(_upright(leaving))
-        size: Float[np.ndarray, "*pair"] = self.exits.projected_solid_angles()[patch]
-        return size
+        return np.asarray(self.exits.projected_solid_angles()[patch])
 
     def average(
         self, exits: RingPartition, incidents: RingPartition

@@ -187,3 +187,14 @@ def test_matrix_to_tree_and_back_keeps_flux():
     even = ScatteringMatrix(np.full((41, 41), 0.2), basis, basis)
     assert tree_from(even, 3).depth == 0
     np.testing.assert_allclose(tree_from(even, 3).average(basis, basis), 0.2, rtol=1e-7)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_single_directions_are_as_good_as_many(name):
+    part = FUNCTIONS[name]
+    incident, leaving = random_directions(2, 15)
+    assert part.hemispherical(incident).shape == ()
+    assert part.resolution(incident, leaving).shape == ()
+    assert part.evaluate(incident, leaving).shape == ()
+    direction, density = part.sample(incident, np.array([0.3, 0.7]))
+    assert (direction.shape, density.shape) == ((3,), ())
