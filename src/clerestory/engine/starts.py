@@ -12,7 +12,14 @@ import numpy as np
 
 from clerestory.engine import points as sampling
 from clerestory.engine.points import Points
-from clerestory.engine.walk import Target, connect, visibility, walk
+from clerestory.engine.walk import (
+    CONNECTIONS,
+    Target,
+    connect,
+    spread,
+    visibility,
+    walk,
+)
 from clerestory.engine.windows import WindowTable
 
 
@@ -84,15 +91,17 @@ def trace_sensors(
     channels = mi.Color3f(1)
 
     if target.sky is None:
-        # Connect each sensor to a point of the windows
+        # Connect each sensor to points of the windows
         a = sampling.coordinate(points, seed, index, first, sampling.CONNECT_U)
         b = sampling.coordinate(points, seed, index, first, sampling.CONNECT_V)
-        line = connect(target.model, o, a, b)
-        cosine = dr.dot(n, line.direction)
-        lit = line.valid & (cosine > 0)
-        seen = visibility(target.model, o, line, lit)
-        gain = channels * seen * cosine / (line.pdf + cosine * dr.inv_pi)
-        target.score(paths.slot, line.column, gain, lit & (dr.max(seen) > 0))
+        for number in range(CONNECTIONS):
+            line = connect(target.model, o, *spread(a, b, number))
+            cosine = dr.dot(n, line.direction)
+            lit = line.valid & (cosine > 0)
+            seen = visibility(target.model, o, line, lit)
+            density = CONNECTIONS * line.pdf + cosine * dr.inv_pi
+            gain = channels * seen * cosine / density
+            target.score(paths.slot, line.column, gain, lit & (dr.max(seen) > 0))
 
     # Leave each sensor in a cosine-distributed direction
     u = sampling.coordinate(points, seed, index, first, sampling.DIRECTION_U)
