@@ -7,7 +7,7 @@ import sys
 import warnings
 from pathlib import Path
 
-from clerestory.bsdf.matrix import Bsdf
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import InputError

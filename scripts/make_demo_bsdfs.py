@@ -22,8 +22,9 @@ from jaxtyping import Bool, Float, Int
 from scipy.optimize import brentq
 
 from clerestory.bsdf.analytic import pane_shares, thin_pane
-from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product import Product
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 

@@ -17,7 +17,7 @@ _HOME = {
     "write_matrix": "matrix.radiance_format",
     "klems": "hemisphere.klems",
     "reinhart": "hemisphere.reinhart",
-    "Bsdf": "bsdf.matrix",
+    "Bsdf": "bsdf.bsdf",
     "read_bsdf": "bsdf.xml",
     "Weather": "sky.weather",
     "SkyMatrix": "sky.sky_matrix",

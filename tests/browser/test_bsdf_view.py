@@ -8,7 +8,7 @@ from lxml import html
 from matplotlib.image import imread
 
 from clerestory.bsdf.analytic import clear_air, lambertian
-from clerestory.bsdf.matrix import Bsdf
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product import Product
 from clerestory.bsdf.resample import to_trees
 from clerestory.hemisphere.klems import klems

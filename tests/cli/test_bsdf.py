@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.analytic import lambertian
-from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems

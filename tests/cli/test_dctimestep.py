@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.matrix.axis import unknown_axis

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clerestory.bsdf.matrix import FUNCTIONS, Bsdf, ScatteringMatrix
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems

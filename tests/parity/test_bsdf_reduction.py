@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clerestory.bsdf.matrix import Bsdf
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.reduce import reduce_tree
 from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.tree import ScatteringTree

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clerestory.bsdf.matrix import Bsdf, Function
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.patch_symmetry import flux_table, mismatch
+from clerestory.bsdf.scattering import Function
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.finding import Finding
-from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.bsdf.matrix import ScatteringMatrix
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.partition import RingPartition
 
 Turn = Literal["half a turn", "left and right", "up and down", "a quarter turn"]

@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.finding import Finding, graded, place
 from clerestory.bsdf.labels import check_labels
-from clerestory.bsdf.matrix import Bsdf, Function, ScatteringMatrix
 from clerestory.bsdf.patch_symmetry import turned_mismatch
 from clerestory.bsdf.presence import check_presence
 from clerestory.bsdf.reciprocity import (
@@ -22,6 +22,8 @@ from clerestory.bsdf.reciprocity import (
     check_scaling,
     check_sides,
 )
+from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
 # Sizes from which a finding is told, matters, and spoils results.
 _ENERGY = (0.001, 0.01, 0.05)

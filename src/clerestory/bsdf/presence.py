@@ -4,10 +4,11 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.finding import Finding
-from clerestory.bsdf.matrix import Bsdf, Function
 from clerestory.bsdf.patch_symmetry import mismatch
 from clerestory.bsdf.reciprocity import Tables
+from clerestory.bsdf.scattering import Function
 
 # Mismatch between front and back above which a layer is not the same on both sides.
 _ASYMMETRIC = 0.05

@@ -11,12 +11,13 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.finding import Finding, Severity, graded
-from clerestory.bsdf.matrix import Function, ScatteringMatrix
 from clerestory.bsdf.patch_symmetry import (
     TURNS,
     reciprocity_mismatch,
     turn_incident,
 )
+from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
 # Sizes from which a finding is told, matters, and spoils results.
 _RECIPROCITY = (0.015, 0.05, 0.25)

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.matrix import Bsdf, Function
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.overlap import patches_in_cells
 from clerestory.bsdf.reduce import reduce_tree
-from clerestory.bsdf.scattering import OTHER_SIDE, ScatteringFunction
+from clerestory.bsdf.scattering import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_colour import xyz_functions

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 from lxml import etree
 
-from clerestory.bsdf.matrix import FUNCTIONS, Bsdf, Function, ScatteringMatrix
-from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml_basis import Bases, choose_bases, read_bases
 from clerestory.bsdf.xml_document import Document, parse_document, read_numbers
 from clerestory.bsdf.xml_product import read_product

@@ -6,9 +6,10 @@ import numpy as np
 from jaxtyping import Float
 from lxml import etree
 
-from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product import Product
 from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_writer import format_tree
 from clerestory.errors import InputError

@@ -10,8 +10,8 @@ from jaxtyping import Float
 from clerestory.bsdf.comparison import compare as compare_bsdfs
 from clerestory.bsdf.finding import Finding
 from clerestory.bsdf.insert import insert_blocks
-from clerestory.bsdf.matrix import Function
 from clerestory.bsdf.plausibility import check as check_bsdf
+from clerestory.bsdf.scattering import Function
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.cli.bsdf_convert import convert, reduce
 from clerestory.cli.bsdf_report import (

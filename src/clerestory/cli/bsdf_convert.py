@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 
 import typer
 
-from clerestory.bsdf.matrix import Bsdf, Function
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.reduce import reduce_tree
 from clerestory.bsdf.resample import reciprocal_mean, to_matrices, to_trees
-from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.scattering import Function, ScatteringFunction
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf

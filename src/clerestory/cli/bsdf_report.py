@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.comparison import Comparison
 from clerestory.bsdf.finding import Finding, place
-from clerestory.bsdf.matrix import FUNCTIONS, Bsdf, Function, ScatteringMatrix
+from clerestory.bsdf.scattering import FUNCTIONS, Function
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 
 

@@ -14,7 +14,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from clerestory.bsdf.matrix import Bsdf, Function, ScatteringMatrix
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition

@@ -16,9 +16,11 @@ import numpy as np
 from jaxtyping import Float, UInt16
 
 import clerestory
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.finding import Finding
-from clerestory.bsdf.matrix import Bsdf, Function, ScatteringMatrix
 from clerestory.bsdf.plausibility import check
+from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.hemisphere.klems import from_rings, klems

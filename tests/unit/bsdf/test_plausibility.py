@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.analytic import clear_air, lambertian, thin_pane
-from clerestory.bsdf.matrix import Bsdf, ScatteringMatrix
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.plausibility import check
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.hemisphere.klems import from_rings, klems
 

@@ -5,11 +5,12 @@ import warnings
 import numpy as np
 import pytest
 
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.colour import rgb_from_xyz
-from clerestory.bsdf.matrix import FUNCTIONS, Bsdf
 from clerestory.bsdf.product import Product
 from clerestory.bsdf.reduce import reduce_tree
 from clerestory.bsdf.resample import reciprocal_mean, to_matrices, to_trees
+from clerestory.bsdf.scattering import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_text import parse_tree

@@ -10,7 +10,7 @@ import pytest
 from lxml import html
 
 from clerestory.bsdf.analytic import lambertian, thin_pane
-from clerestory.bsdf.matrix import Bsdf
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product import Product
 from clerestory.bsdf.resample import to_trees
 from clerestory.errors import InputError

@@ -18,7 +18,6 @@ from jaxtyping import Bool, Float
 from clerestory.bsdf.colour import rgb_from_xyz
 from clerestory.bsdf.product import Product
 from clerestory.bsdf.scattering import (
-    FUNCTIONS,
     OTHER_SIDE,
     Function,
     ScatteringFunction,
@@ -30,8 +29,6 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-
-__all__ = ["FUNCTIONS", "Bsdf", "Function", "ScatteringMatrix"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.analytic import clear_air, lambertian
-from clerestory.bsdf.matrix import FUNCTIONS, Bsdf, ScatteringMatrix
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
