@@ -135,14 +135,17 @@ def reference(folder):
 
 @pytest.mark.parametrize("name", WINDOWS)
 def test_illuminance_through_a_lopsided_bsdf_equals_radiance(name, traced, reference):
-    """Within the noise of rfluxmtx, whose runs scatter by 1 % in all, 3 % a sensor."""
+    """Within three deviations of rfluxmtx, whose runs scatter by 1 % in all, 3 % each.
+
+    It draws anew in every run, so tighter bounds would fail by chance now and then.
+    """
     windows, views, daylights = traced
     [window] = [w for w in windows if w.name == name]
     middle = lopsided(window.partition)
     sky = lopsided_sky(daylights[name].columns.partition)
     ours = (views[name] @ middle @ daylights[name]).values[0] @ sky
     theirs = reference[0][name] @ middle.values[0] @ reference[1][name] @ sky
-    assert np.all(np.abs(ours - theirs) < 0.06 * theirs + 0.02 * theirs.mean())
+    assert np.all(np.abs(ours - theirs) < 0.10 * theirs + 0.02 * theirs.mean())
     assert ours.sum() == pytest.approx(theirs.sum(), rel=0.03)
 
 
