@@ -115,14 +115,16 @@ def reference(folder):
     for name in WINDOWS:
         others = " ".join(f"{other}.rad" for other in WINDOWS if other != name)
         radiance.run(f"oconv room.rad {others} > {name}.oct", folder=folder)
-        views[name] = radiance.matrix(
-            radiance.run(
-                f"rfluxmtx {options} -I+ -ab 3 -ad 65536 -lw 3e-6 -y 4"
-                f" - {name}.rad -i {name}.oct",
-                folder=folder,
-                stdin=POINTS,
-            )
+        # Each run draws anew and scatters by 3 % a sensor: take the mean of four
+        command = (
+            f"rfluxmtx {options} -I+ -ab 3 -ad 65536 -lw 3e-6 -y 4"
+            f" - {name}.rad -i {name}.oct"
         )
+        runs = [
+            radiance.matrix(radiance.run(command, folder=folder, stdin=POINTS))
+            for _ in range(4)
+        ]
+        views[name] = np.mean(runs, axis=0)
         daylights[name] = radiance.matrix(
             radiance.run(
                 f"rfluxmtx {options} -ab 2 -ad 1 -lw 1e-6 -c 3000"
@@ -135,17 +137,14 @@ def reference(folder):
 
 @pytest.mark.parametrize("name", WINDOWS)
 def test_illuminance_through_a_lopsided_bsdf_equals_radiance(name, traced, reference):
-    """Within three deviations of rfluxmtx, whose runs scatter by 1 % in all, 3 % each.
-
-    It draws anew in every run, so tighter bounds would fail by chance now and then.
-    """
+    """Within the noise of rfluxmtx: four runs' mean scatters by 1.5 % a sensor."""
     windows, views, daylights = traced
     [window] = [w for w in windows if w.name == name]
     middle = lopsided(window.partition)
     sky = lopsided_sky(daylights[name].columns.partition)
     ours = (views[name] @ middle @ daylights[name]).values[0] @ sky
     theirs = reference[0][name] @ middle.values[0] @ reference[1][name] @ sky
-    assert np.all(np.abs(ours - theirs) < 0.10 * theirs + 0.02 * theirs.mean())
+    assert np.all(np.abs(ours - theirs) < 0.06 * theirs + 0.02 * theirs.mean())
     assert ours.sum() == pytest.approx(theirs.sum(), rel=0.03)
 
 
