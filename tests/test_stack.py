@@ -13,7 +13,7 @@ import clerestory
 
 STACK = (
     ("errors", "constants"),
-    ("files", "directions"),
+    ("files", "directions", "spectra"),
     ("hemisphere",),
     ("matrix",),
     ("bsdf", "sky"),

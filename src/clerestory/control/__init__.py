@@ -1,0 +1,1 @@
+"""Which state the shades are in at each step, by rule."""

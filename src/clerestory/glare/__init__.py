@@ -1,0 +1,1 @@
+"""Glare sources in pictures and the indices made of them."""

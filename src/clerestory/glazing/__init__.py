@@ -1,0 +1,1 @@
+"""A stack of panes, gaps and shades becomes a Bsdf, with thermal figures."""

@@ -1,0 +1,1 @@
+"""Measured scattering becomes a Bsdf: goniophotometer files, lobes, mesh, transport."""

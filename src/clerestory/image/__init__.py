@@ -1,0 +1,1 @@
+"""Pictures of radiance: files, arithmetic, false colour, tone mapping."""
