@@ -1,0 +1,88 @@
+"""How the radiance of an emitter varies with direction and place: the Pattern.
+
+A pattern is a multiplier of an emitter's radiance, as Radiance's brightfunc and
+brightdata are. Two cases share one call:
+
+- a surface of the scene: `direction` is that of the light that leaves it, from the
+  surface to the viewer; `normal` and `point` say where it leaves;
+- a source at infinity (sky, sun, ground): `direction` points to the source; there is
+  no point and no normal, and both are None.
+
+Patterns know nothing of tracing. The engine evaluates them on a table of directions
+(and points, where a pattern asks for them).
+"""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float
+
+
+@runtime_checkable
+class Pattern(Protocol):
+    """A multiplier of radiance that varies with direction, normal and point."""
+
+    @property
+    def needs_normal(self) -> bool:
+        """Whether the value depends on the normal of the surface."""
+
+    @property
+    def needs_point(self) -> bool:
+        """Whether the value depends on the point that light leaves from."""
+
+    def value(
+        self,
+        direction: Float[np.ndarray, "rays 3"],
+        normal: Float[np.ndarray, "rays 3"] | None = None,
+        point: Float[np.ndarray, "rays 3"] | None = None,
+    ) -> Float[np.ndarray, "rays 3"]:
+        """Multiplier of red, green and blue radiance, 0 or more.
+
+        Parameters
+        ----------
+        direction : unit vectors of the light that leaves a surface, or, where there
+            is no point, from the scene to a source at infinity
+        normal : unit vectors of the surface; None at infinity
+        point : where light leaves the surface [m]; None at infinity
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class Product:
+    """Patterns that modify each other: their values multiply.
+
+    Examples
+    --------
+    >>> class Half:
+    ...     needs_normal = needs_point = False
+    ...     def value(self, direction, normal=None, point=None):
+    ...         return np.full(direction.shape, 0.5)
+    >>> both = Product((Half(), Half()))
+    >>> both.value(np.array([[0.0, 0.0, 1.0]])).tolist()
+    [[0.25, 0.25, 0.25]]
+    """
+
+    factors: tuple[Pattern, ...]
+
+    @property
+    def needs_normal(self) -> bool:
+        """Whether a factor depends on the normal."""
+        return any(factor.needs_normal for factor in self.factors)
+
+    @property
+    def needs_point(self) -> bool:
+        """Whether a factor depends on the point."""
+        return any(factor.needs_point for factor in self.factors)
+
+    def value(
+        self,
+        direction: Float[np.ndarray, "rays 3"],
+        normal: Float[np.ndarray, "rays 3"] | None = None,
+        point: Float[np.ndarray, "rays 3"] | None = None,
+    ) -> Float[np.ndarray, "rays 3"]:
+        """Multiplier of radiance; see `Pattern.value`."""
+        product = np.ones(direction.shape)
+        for factor in self.factors:
+            product = product * factor.value(direction, normal, point)
+        return product
