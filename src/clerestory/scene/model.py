@@ -9,86 +9,70 @@ counter-clockwise.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
+from clerestory.scene.composite import (
+    BsdfSurface,
+    Emitter,
+    Illum,
+    Material,
+    Mirror,
+    Mixture,
+    Void,
+    insert_material,
+    same_material,
+)
+from clerestory.scene.emitter import Glow, Light, Spotlight
+from clerestory.scene.material import (
+    Dielectric,
+    Glass,
+    Interface,
+    Metal,
+    Metal2,
+    Plastic,
+    Plastic2,
+    Source,
+    Trans,
+    Trans2,
+)
 
-
-@dataclass(frozen=True)
-class Source:
-    """Where an item stands: file and line."""
-
-    file: str
-    line: int
-
-
-@dataclass(frozen=True, eq=False)
-class Plastic:
-    """Radiance's plastic: a diffuse colour under an uncoloured Gaussian highlight.
-
-    Attributes
-    ----------
-    name : key in the scene
-    reflectance : diffuse reflectance before the highlight takes its share
-    specularity : share reflected by the highlight, 0…1
-    roughness : rms slope of the facets; 0 is a mirror-like coat
-    """
-
-    name: str
-    reflectance: Float[np.ndarray, "3"]
-    specularity: float = 0.0
-    roughness: float = 0.0
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Glass:
-    """Radiance's glass: one thin pane, given by what passes on one crossing.
-
-    Attributes
-    ----------
-    name : key in the scene
-    transmissivity : share left after one passage at normal incidence, surfaces excluded
-    index : index of refraction
-    """
-
-    name: str
-    transmissivity: Float[np.ndarray, "3"]
-    index: float = 1.52
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Glow:
-    """A surface that shines and is no target of shadow rays beyond `radius` [m].
-
-    Attributes
-    ----------
-    name : key in the scene
-    radiance : [W/(m²·sr)]
-    radius : reach of the direct light [m]; 0 none, negative: never lights the scene
-    """
-
-    name: str
-    radiance: Float[np.ndarray, "3"]
-    radius: float = 0.0
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Light:
-    """A lamp: a surface of known radiance [W/(m²·sr)]."""
-
-    name: str
-    radiance: Float[np.ndarray, "3"]
-    source: Source | None = None
-
-
-Material = Plastic | Glass | Glow | Light
+__all__ = [
+    "BsdfSurface",
+    "Cone",
+    "Dielectric",
+    "DistantSource",
+    "Emitter",
+    "Glass",
+    "Glow",
+    "Illum",
+    "Interface",
+    "Light",
+    "Material",
+    "Metal",
+    "Metal2",
+    "Mirror",
+    "Mixture",
+    "Plastic",
+    "Plastic2",
+    "Polygon",
+    "Ring",
+    "Scene",
+    "Simple",
+    "Source",
+    "Sphere",
+    "Spotlight",
+    "Surface",
+    "Trans",
+    "Trans2",
+    "Void",
+    "insert_material",
+    "same_material",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,31 +212,6 @@ class Scene:
             return np.full((2, 3), np.nan)
         points = np.concatenate([_extent(s) for s in self.surfaces])
         return np.stack([points.min(axis=0), points.max(axis=0)])
-
-
-def insert_material(materials: dict[str, Material], material: Material) -> str:
-    """Add a material under its name, or a numbered one if taken; return its key.
-
-    A material equal in all but its place in a file is not added twice.
-    """
-    stem = material.name.rpartition("#")[0] if "#" in material.name else material.name
-    key, count = material.name, 1
-    while key in materials:
-        if same_material(materials[key], material):
-            return key
-        count += 1
-        key = f"{stem}#{count}"
-    materials[key] = material if key == material.name else replace(material, name=key)
-    return key
-
-
-def same_material(one: Material, other: Material) -> bool:
-    """Whether two materials act alike, whatever their names and places."""
-    return type(one) is type(other) and all(
-        np.array_equal(getattr(one, f.name), getattr(other, f.name))
-        for f in fields(one)
-        if f.name not in ("name", "source")
-    )
 
 
 _Item = TypeVar("_Item", bound=Surface | DistantSource)
