@@ -1,0 +1,267 @@
+"""Views: a camera of one of six kinds, the rays of its pixels, its text in Radiance.
+
+Image coordinates are Radiance's: x to the right and y upwards, from 0 to 1 over the
+picture. Pixel coordinates are (row, column) from the upper left corner; pixel (i, j)
+covers i to i + 1 and j to j + 1, its centre lies at i + ½, j + ½.
+"""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.directions import unit
+from clerestory.errors import InputError
+from clerestory.scene.projection import PROJECTIONS, TINY, Kind, Projection
+
+
+class Rays(NamedTuple):
+    """Rays of the pixels of a view.
+
+    Attributes
+    ----------
+    origin : [m]
+    direction : unit vectors; zero where no ray belongs to the pixel
+    valid : whether a ray belongs to the pixel
+    """
+
+    origin: Float[np.ndarray, "row column 3"]
+    direction: Float[np.ndarray, "row column 3"]
+    valid: Bool[np.ndarray, "row column"]
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A camera: where it stands, where it looks, how it projects.
+
+    Attributes
+    ----------
+    kind : the projection
+    position : [m]
+    direction, up : unit vectors; other lengths are scaled to one
+    horizontal, vertical : full view angles [deg]; of a parallel view the width and
+        height of what it sees [m]
+    shift, lift : the picture moved right and up, in widths and heights of itself
+    fore, aft : clipping planes [m]; aft 0 is infinitely far. Distances along the
+        axis in parallel, perspective and (from the axis) cylindrical views, else radii
+
+    Raises
+    ------
+    InputError : numbers out of range or not finite, up parallel to the direction
+
+    Examples
+    --------
+    >>> view = View(kind="angular", horizontal=180, vertical=180)
+    >>> rays = view.rays(3, 3)
+    >>> rays.direction[1, 1].tolist(), rays.valid.all()
+    ([0.0, 1.0, 0.0], np.True_)
+    """
+
+    kind: Kind = "perspective"
+    position: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
+    direction: Float[np.ndarray, "3"] = field(
+        default_factory=lambda: np.array([0.0, 1.0, 0.0])
+    )
+    up: Float[np.ndarray, "3"] = field(
+        default_factory=lambda: np.array([0.0, 0.0, 1.0])
+    )
+    horizontal: float = 45.0
+    vertical: float = 45.0
+    shift: float = 0.0
+    lift: float = 0.0
+    fore: float = 0.0
+    aft: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in PROJECTIONS:
+            raise InputError(
+                f'view kind "{self.kind}"; one of {", ".join(PROJECTIONS)} expected'
+            )
+        for name in ("position", "direction", "up"):
+            vector = np.asarray(getattr(self, name), dtype=float)
+            if vector.shape != (3,) or not np.isfinite(vector).all():
+                raise InputError(
+                    f"view {name} {vector.tolist()}; three finite numbers expected"
+                )
+            object.__setattr__(
+                self, name, vector if name == "position" else unit(vector)
+            )
+        self._check_numbers()
+        if np.linalg.norm(np.cross(self.direction, self.up)) < TINY:
+            raise InputError("the view's up vector is parallel to its direction")
+
+    def _check_numbers(self) -> None:
+        for name in ("horizontal", "vertical", "shift", "lift", "fore", "aft"):
+            if not math.isfinite(getattr(self, name)):
+                raise InputError(f"view {name} is not finite; a number is expected")
+        for name, largest in zip(
+            ("horizontal", "vertical"), self._projection.largest, strict=True
+        ):
+            size = getattr(self, name)
+            if not TINY < size <= largest:
+                limit = f" to {largest:g}" if largest < math.inf else " or more"
+                raise InputError(
+                    f"{name} size {size:g} of a {self.kind} view;"
+                    f" above 0{limit} expected"
+                )
+        if self.fore < -TINY or self.aft < -TINY:
+            raise InputError("a clipping plane of the view lies behind its position")
+        if TINY < self.aft <= self.fore:
+            raise InputError(
+                f"the view's aft plane at {self.aft:g} m; farther than its fore"
+                f" plane at {self.fore:g} m expected"
+            )
+
+    @property
+    def _projection(self) -> Projection:
+        return PROJECTIONS[self.kind]
+
+    @cached_property
+    def _axes(self) -> Float[np.ndarray, "3 3"]:
+        # Rows: right, up, forward
+        right = unit(np.cross(self.direction, self.up))
+        return np.stack([right, np.cross(right, self.direction), self.direction])
+
+    @property
+    def _half(self) -> tuple[float, float]:
+        # Plane coordinates of the right and upper edge of an unshifted picture
+        return self._projection.extent(self.horizontal, self.vertical)
+
+    def aspect(self) -> float:
+        """Height of the picture over its width, with square pixels."""
+        half_width, half_height = self._half
+        return half_height / half_width
+
+    def size_for(
+        self, resolution: int | tuple[int, int], *, pixel_aspect: float = 1.0
+    ) -> tuple[int, int]:
+        """Return the columns and rows of the largest picture within `resolution`.
+
+        Parameters
+        ----------
+        resolution : most columns and rows, or one number for both
+        pixel_aspect : height of a pixel over its width
+
+        >>> View(horizontal=60, vertical=40).size_for(400)
+        (400, 252)
+        """
+        columns, rows = (
+            (resolution, resolution) if isinstance(resolution, int) else resolution
+        )
+        if columns < 1 or rows < 1:
+            raise InputError(f"resolution {resolution}; 1 or more expected")
+        aspect = self.aspect()
+        # Rounded like Radiance's normaspect
+        if aspect * columns > pixel_aspect * rows:
+            columns = int(rows / aspect * pixel_aspect + 0.5)
+        else:
+            rows = int(columns * aspect / pixel_aspect + 0.5)
+        return max(columns, 1), max(rows, 1)
+
+    def rays(
+        self,
+        columns: int,
+        rows: int,
+        jitter: Float[np.ndarray, "row column 2"] | None = None,
+    ) -> Rays:
+        """Rays through the pixels of a picture.
+
+        Parameters
+        ----------
+        columns, rows : size of the picture
+        jitter : where the ray meets its pixel, right and up from the lower left
+            corner, 0…1; the centre if not given
+        """
+        offset = np.full((rows, columns, 2), 0.5) if jitter is None else jitter
+        x = (np.arange(columns)[None, :] + offset[..., 0]) / columns
+        y = (np.arange(rows)[::-1, None] + offset[..., 1]) / rows
+        half_width, half_height = self._half
+        u = (x + self.shift - 0.5) * 2 * half_width
+        v = (y + self.lift - 0.5) * 2 * half_height
+        local, valid = self._projection.to_direction(u, v)
+        direction = np.where(valid[..., None], local, 0) @ self._axes
+        origin = self.position + self.fore * self._stretch(local) * direction
+        if self.kind == "parallel":
+            origin = (
+                origin + u[..., None] * self._axes[0] + v[..., None] * self._axes[1]
+            )
+        return Rays(np.where(valid[..., None], origin, 0), direction, valid)
+
+    def _stretch(self, local: Float[np.ndarray, "*batch 3"]) -> np.ndarray:
+        # Length of each ray between planes that are one metre apart
+        along = np.ones((*local.shape[:-1], 1))
+        if self.kind == "perspective":
+            along = local[..., 2:]
+        elif self.kind == "cylindrical":
+            along = np.hypot(local[..., :1], local[..., 2:])
+        stretch: np.ndarray = 1 / np.maximum(along, TINY)
+        return stretch
+
+    def reach(
+        self, direction: Float[np.ndarray, "*batch 3"]
+    ) -> Float[np.ndarray, "*batch"]:
+        """Lengths of rays from the fore to the aft plane [m], infinite without one."""
+        if self.aft <= TINY:
+            return np.full(direction.shape[:-1], np.inf)
+        length: np.ndarray = (self.aft - self.fore) * self._stretch(
+            direction @ self._axes.T
+        )
+        return length[..., 0]
+
+    def pixel(
+        self, direction: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
+    ) -> Float[np.ndarray, "*batch 2"]:
+        """Row and column at which directions appear, with fractions of a pixel.
+
+        They may lie outside the picture; nan where the projection does not reach, as
+        behind a perspective view, and everywhere in a parallel one.
+
+        >>> View().pixel(np.array([0.0, 2.0, 0.0]), columns=40, rows=30).tolist()
+        [15.0, 20.0]
+        """
+        local = unit(direction) @ self._axes.T
+        u, v = self._projection.to_plane(local.reshape(-1, 3))
+        where = self._pixel(u, v, columns, rows)
+        return where.reshape(*local.shape[:-1], 2)
+
+    def pixel_of_point(
+        self, point: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
+    ) -> Float[np.ndarray, "*batch 2"]:
+        """Row and column at which points appear, with fractions of a pixel."""
+        if self.kind != "parallel":
+            return self.pixel(point - self.position, columns=columns, rows=rows)
+        local = (point - self.position) @ self._axes.T
+        return self._pixel(local[..., 0], local[..., 1], columns, rows)
+
+    def _pixel(
+        self, u: np.ndarray, v: np.ndarray, columns: int, rows: int
+    ) -> np.ndarray:
+        half_width, half_height = self._half
+        x = u / (2 * half_width) + 0.5 - self.shift
+        y = v / (2 * half_height) + 0.5 - self.lift
+        return np.stack([(1 - y) * rows, x * columns], axis=-1)
+
+
+def solid_angles(
+    view: View, columns: int, rows: int
+) -> Float[np.ndarray, "row column"]:
+    """Solid angles of the pixels of a picture [sr].
+
+    Of a pixel that the projection covers in part, as at the rim of a hemispherical
+    view, only that part counts, so that sums over whole views are exact. Pixels of a
+    parallel view see one direction: zero.
+
+    >>> view = View(kind="hemispherical", horizontal=180, vertical=180)
+    >>> round(float(solid_angles(view, 64, 64).sum() / np.pi), 9)
+    2.0
+    """
+    half_width, half_height = PROJECTIONS[view.kind].extent(
+        view.horizontal, view.vertical
+    )
+    u = (np.arange(columns + 1) / columns + view.shift - 0.5) * 2 * half_width
+    v = (np.arange(rows + 1)[::-1] / rows + view.lift - 0.5) * 2 * half_height
+    angles: np.ndarray = PROJECTIONS[view.kind].solid_angles(u, v)
+    return angles
