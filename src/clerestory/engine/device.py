@@ -42,8 +42,12 @@ class Finding:
     good: bool
 
 
-def load(device: Device = "auto") -> ModuleType:
-    """Start the device and return the module of tracing functions that run on it.
+def load(device: Device = "auto", module: str = "estimate") -> ModuleType:
+    """Start the device and return a module of tracing functions that run on it.
+
+    Parameters
+    ----------
+    module : of this package
 
     Raises
     ------
@@ -54,7 +58,7 @@ def load(device: Device = "auto") -> ModuleType:
     mitsuba = importlib.import_module("mitsuba")
     if mitsuba.variant() != _VARIANT[chosen]:
         mitsuba.set_variant(_VARIANT[chosen])
-    return importlib.import_module("clerestory.engine.estimate")
+    return importlib.import_module(f"clerestory.engine.{module}")
 
 
 @cache
