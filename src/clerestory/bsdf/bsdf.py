@@ -9,16 +9,17 @@ the room side front and swaps the names while it reads a file; it uses the
 "Transmission Front" of the file for daylight all the same, and so do we.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float, Int
 
 from clerestory.bsdf.colour import rgb_from_xyz
 from clerestory.bsdf.product import Product
 from clerestory.bsdf.scattering import (
     OTHER_SIDE,
+    TOGETHER,
     Function,
     ScatteringFunction,
 )
@@ -29,6 +30,9 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+
+_Directions = Float[np.ndarray, "pair 3"]
+_Answers = Float[np.ndarray, " pair"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,11 +150,11 @@ class Bsdf:
             "transmission_front", channel=channel, partition=partition
         )
         factors = front.flux_factors()[None]
-        if channel == "visible" and self._in_colour("transmission_front"):
+        if channel == "visible" and self.in_colour("transmission_front"):
             measure = front.incidents.projected_solid_angles()
             xyz = [
                 part.average(front.exits, front.incidents) * measure
-                for part in self._xyz("transmission_front")
+                for part in self.xyz("transmission_front")
             ]
             factors = rgb_from_xyz(np.stack(xyz))
         return TransferMatrix(
@@ -197,13 +201,9 @@ class Bsdf:
 
         A function the layer does not have is zero.
         """
-        incident, leaving = np.broadcast_arrays(incident, leaving)
-        value = np.zeros(incident.shape[:-1])
-        for name, pairs in _by_function(incident, leaving).items():
-            if self.has(name, channel=channel) and np.any(pairs):
-                part = self.scattering(name, channel=channel)
-                value[pairs] = part.evaluate(incident[pairs], leaving[pairs])
-        return value
+        return self._over_pairs(
+            lambda part, i, o: part.evaluate(i, o), incident, leaving, channel, 0.0
+        )
 
     def resolution(
         self,
@@ -216,13 +216,13 @@ class Bsdf:
 
         It is π, the whole hemisphere, for a function the layer does not have.
         """
-        incident, leaving = np.broadcast_arrays(incident, leaving)
-        size = np.full(incident.shape[:-1], np.pi)
-        for name, pairs in _by_function(incident, leaving).items():
-            if self.has(name, channel=channel) and np.any(pairs):
-                part = self.scattering(name, channel=channel)
-                size[pairs] = part.resolution(incident[pairs], leaving[pairs])
-        return size
+        return self._over_pairs(
+            lambda part, i, o: part.resolution(i, o),
+            incident,
+            leaving,
+            channel,
+            np.pi,
+        )
 
     def sample(
         self,
@@ -247,13 +247,38 @@ class Bsdf:
             leaving = leaving * [1, 1, -1]
         return leaving, density
 
-    def _in_colour(self, name: Function) -> bool:
+    def _over_pairs(
+        self,
+        ask: Callable[[ScatteringFunction, _Directions, _Directions], _Answers],
+        incident: Float[np.ndarray, "*incident 3"],
+        leaving: Float[np.ndarray, "*leaving 3"],
+        channel: str,
+        missing: float,
+    ) -> Float[np.ndarray, "*pair"]:
+        # Ask each function about its pairs, some thousands at a time
+        incident, leaving = np.broadcast_arrays(incident, leaving)
+        answer = np.full(incident.shape[:-1], missing)
+        flat, i, o = answer.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
+        parts: dict[Function, ScatteringFunction] = {}
+        for start in range(0, len(flat), 4 * TOGETHER):
+            part = slice(start, start + 4 * TOGETHER)
+            for name, pairs in _by_function(i[part], o[part]).items():
+                if len(pairs) and self.has(name, channel=channel):
+                    if name not in parts:
+                        parts[name] = self.scattering(name, channel=channel)
+                    these = i[part].take(pairs, axis=0), o[part].take(pairs, axis=0)
+                    flat[start + pairs] = ask(parts[name], *these)
+        return answer
+
+    def in_colour(self, name: Function) -> bool:
+        """Whether the colour of a visible function is known."""
         return any(
             all(self.has(name, channel=channel) for channel in pair)
             for pair in (("cie-x", "cie-z"), ("cie-u", "cie-v"))
         )
 
-    def _xyz(self, name: Function) -> tuple[ScatteringFunction, ...]:
+    def xyz(self, name: Function) -> tuple[ScatteringFunction, ...]:
+        """Scattering of the tristimulus values X, Y and Z, for what is in colour."""
         y = self.scattering(name)
         if self.has(name, channel="cie-x"):
             x, z = (self.scattering(name, channel=c) for c in ("cie-x", "cie-z"))
@@ -263,13 +288,13 @@ class Bsdf:
 
 
 def _by_function(
-    incident: Float[np.ndarray, "*pair 3"], leaving: Float[np.ndarray, "*pair 3"]
-) -> dict[Function, Bool[np.ndarray, "*pair"]]:
+    incident: Float[np.ndarray, "pair 3"], leaving: Float[np.ndarray, "pair 3"]
+) -> dict[Function, Int[np.ndarray, " some"]]:
     # Which pairs each function is for
-    from_sky, to_room = incident[..., 2] < 0, leaving[..., 2] > 0
+    from_sky, to_room = incident[:, 2] < 0, leaving[:, 2] > 0
     return {
-        "transmission_front": np.asarray(from_sky & to_room),
-        "transmission_back": np.asarray(~from_sky & ~to_room),
-        "reflection_front": np.asarray(from_sky & ~to_room),
-        "reflection_back": np.asarray(~from_sky & to_room),
+        "transmission_front": np.flatnonzero(from_sky & to_room),
+        "transmission_back": np.flatnonzero(~from_sky & ~to_room),
+        "reflection_front": np.flatnonzero(from_sky & ~to_room),
+        "reflection_back": np.flatnonzero(~from_sky & to_room),
     }

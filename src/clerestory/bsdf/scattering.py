@@ -19,6 +19,9 @@ Function = Literal[
 ]
 FUNCTIONS: tuple[Function, ...] = get_args(Function)
 
+# Pairs that are evaluated together: their arrays stay in the processor's cache.
+TOGETHER = 1 << 14
+
 OTHER_SIDE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
     "transmission_back": "transmission_front",

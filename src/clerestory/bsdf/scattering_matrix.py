@@ -14,12 +14,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bsdf.overlap import opposite_patches, patches_in_patches
-from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.scattering import TOGETHER, ScatteringFunction
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
-
-# Pairs that are evaluated together: their arrays stay in the processor's cache.
-_TOGETHER = 1 << 14
+from clerestory.hemisphere.patch_table import find_patches
 
 
 @final
@@ -73,10 +71,12 @@ class ScatteringMatrix(ScatteringFunction):
         incident, leaving = np.broadcast_arrays(incident, leaving)
         value = np.empty(incident.shape[:-1])
         flat, i, o = value.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
-        for start in range(0, len(flat), _TOGETHER):
-            part = slice(start, start + _TOGETHER)
-            leave, enter = self.exits.find(_upright(o[part])), self._enter(i[part])
-            flat[part] = self.values[leave, enter]
+        table, columns = self.values.ravel(), len(self.incidents)
+        for start in range(0, len(flat), TOGETHER):
+            part = slice(start, start + TOGETHER)
+            place = find_patches(self.exits, o[part]).astype(np.int64) * columns
+            place += find_patches(self.incidents, -i[part])
+            flat[part] = np.take(table, place)
         return value
 
     def hemispherical(
@@ -128,8 +128,9 @@ class ScatteringMatrix(ScatteringFunction):
     ) -> Float[np.ndarray, "*pair"]:
         """Projected solid angle of the leaving patch that holds each pair [sr]."""
         leaving, _ = np.broadcast_arrays(leaving, incident)
-        patch = self.exits.find(_upright(leaving))
-        return np.asarray(self.exits.projected_solid_angles()[patch])
+        patch = find_patches(self.exits, leaving.reshape(-1, 3))
+        size = self.exits.projected_solid_angles()[patch]
+        return np.asarray(size.reshape(leaving.shape[:-1]))
 
     def average(
         self, exits: RingPartition, incidents: RingPartition
@@ -165,10 +166,5 @@ class ScatteringMatrix(ScatteringFunction):
     def _enter(
         self, incident: Float[np.ndarray, "*batch 3"]
     ) -> Int[np.ndarray, "*batch"]:
-        return self.incidents.find(_upright(incident * [-1, -1, 1]))
-
-
-def _upright(direction: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
-    # Mirror directions of the sky side to the room side; the rim is in
-    height = np.maximum(np.abs(direction[..., 2:]), 1e-300)
-    return np.concatenate([direction[..., :2], height], axis=-1)
+        patch = find_patches(self.incidents, -np.reshape(incident, (-1, 3)))
+        return np.asarray(patch.reshape(np.shape(incident)[:-1]))

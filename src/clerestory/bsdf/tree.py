@@ -14,22 +14,27 @@ branches stand, dimension i being bit i of the branch. The root is slot 0.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, final
 
 import numpy as np
 from jaxtyping import Float, Int32, Int64
 
 from clerestory.bsdf.reversed import ReversedFunction
-from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.scattering import TOGETHER, ScatteringFunction
 from clerestory.bsdf.tree_average import average_tree
-from clerestory.bsdf.tree_table import Slices, cells, look_up, slices
+from clerestory.bsdf.tree_table import (
+    Slices,
+    cells,
+    dense_top,
+    look_up,
+    slices,
+    values_at,
+)
 from clerestory.bsdf.tree_text import DEEPEST
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.hemisphere.square import disc_from_square, square_from_disc
-
-# Pairs that are evaluated together: their arrays stay in the processor's cache.
-_TOGETHER = 1 << 14
+from clerestory.hemisphere.square import cells_from_disc, disc_from_square
 
 # Radiance keeps normal incidence this far off the unused half of a rank 3 tree.
 _OFF_MIDDLE = 1e-6
@@ -38,6 +43,7 @@ _OFF_MIDDLE = 1e-6
 _MOST_CELLS = 1 << 22
 
 _Pairs = Float[np.ndarray, " pairs"]
+_Places = Int32[np.ndarray, " pairs"]
 
 
 @final
@@ -92,7 +98,11 @@ class ScatteringTree(ScatteringFunction):
         leaving: Float[np.ndarray, "*pair 3"],
     ) -> Float[np.ndarray, "*pair"]:
         """BSDF [1/sr] for pairs of directions."""
-        return self._over_pairs(lambda value, _: value, incident, leaving)
+        return self._over_pairs(
+            lambda place: values_at(self.slots, self._top, place, depth=self.depth),
+            incident,
+            leaving,
+        )
 
     def resolution(
         self,
@@ -100,7 +110,13 @@ class ScatteringTree(ScatteringFunction):
         leaving: Float[np.ndarray, "*pair 3"],
     ) -> Float[np.ndarray, "*pair"]:
         """Projected solid angle of the leaving cell that holds each pair [sr]."""
-        return self._over_pairs(lambda _, level: np.pi * 0.25**level, incident, leaving)
+        return self._over_pairs(
+            lambda place: (
+                np.pi * 0.25 ** look_up(self.slots, place, depth=self.depth)[1]
+            ),
+            incident,
+            leaving,
+        )
 
     def hemispherical(
         self, incident: Float[np.ndarray, "*batch 3"]
@@ -108,7 +124,7 @@ class ScatteringTree(ScatteringFunction):
         """Share of the light from each direction that is scattered in all."""
         x, y, _ = _components(incident)
         place, which = np.unique(
-            self._incident_place(x, y), axis=1, return_inverse=True
+            np.stack(self._incident_place(x, y)), axis=1, return_inverse=True
         )
         share = np.empty(place.shape[1])
         for part in self._groups(place.shape[1]):
@@ -131,7 +147,7 @@ class ScatteringTree(ScatteringFunction):
         x, y, _ = _components(incident)
         u = np.reshape(u, (-1, 2))
         place, which = np.unique(
-            self._incident_place(x, y), axis=1, return_inverse=True
+            np.stack(self._incident_place(x, y)), axis=1, return_inverse=True
         )
         which = which.ravel()
         leaving, density = np.empty((len(x), 3)), np.empty(len(x))
@@ -139,7 +155,7 @@ class ScatteringTree(ScatteringFunction):
             of = np.flatnonzero((which >= part.start) & (which < part.stop))
             found = slices(self.slots, place[:, part], depth=self.depth)
             point, density[of] = _choose(found, which[of] - part.start, u[of])
-            disc = np.stack(disc_from_square(*point))
+            disc = disc_from_square(*point)
             if self.rank == 3:
                 disc = _turn(disc, *_azimuth(x[of], y[of]))
             height = np.sqrt(np.maximum(1 - disc[0] ** 2 - disc[1] ** 2, 0))
@@ -181,9 +197,13 @@ class ScatteringTree(ScatteringFunction):
     def own_partitions(self) -> None:
         """None: a tree is not made of patches."""
 
+    @cached_property
+    def _top(self) -> tuple[int, Int32[np.ndarray, " tops"]]:
+        return dense_top(self.slots, self.rank, self.depth)
+
     def _over_pairs(
         self,
-        read: Callable[[_Pairs, Int32[np.ndarray, " pairs"]], _Pairs],
+        read: Callable[[tuple[_Places, ...]], _Pairs],
         incident: Float[np.ndarray, "*pair 3"],
         leaving: Float[np.ndarray, "*pair 3"],
     ) -> Float[np.ndarray, "*pair"]:
@@ -191,33 +211,28 @@ class ScatteringTree(ScatteringFunction):
         shape = incident.shape[:-1]
         incident, leaving = incident.reshape(-1, 3), leaving.reshape(-1, 3)
         result = np.empty(len(incident))
-        for start in range(0, len(result), _TOGETHER):
-            part = slice(start, start + _TOGETHER)
-            x, y, _ = incident[part].T
-            place = (
-                *self._incident_place(x, y),
-                *self._exit_place(leaving[part], x, y),
-            )
-            result[part] = read(*look_up(self.slots, place, depth=self.depth))
+        for start in range(0, len(result), TOGETHER):
+            part = slice(start, start + TOGETHER)
+            x, y = incident[part, 0], incident[part, 1]
+            place = self._incident_place(x, y), self._exit_place(leaving[part], x, y)
+            result[part] = read((*place[0], *place[1]))
         return result.reshape(shape)
 
-    def _incident_place(self, x: _Pairs, y: _Pairs) -> Int32[np.ndarray, "fixed pairs"]:
+    def _incident_place(self, x: _Pairs, y: _Pairs) -> tuple[_Places, ...]:
         if self.rank == 4:
-            return self._place(*square_from_disc(-x, -y))
-        return self._place(0.5 - _OFF_MIDDLE - 0.5 * np.hypot(x, y))
+            return cells_from_disc(-x, -y, halvings=self.depth)
+        inwards = 0.5 - _OFF_MIDDLE - 0.5 * np.sqrt(x * x + y * y)
+        place = (inwards * (1 << self.depth)).astype(np.int32)
+        return (np.clip(place, 0, (1 << self.depth) - 1, out=place),)
 
     def _exit_place(
         self, leaving: Float[np.ndarray, "pairs 3"], x: _Pairs, y: _Pairs
-    ) -> Int32[np.ndarray, "2 pairs"]:
-        disc = leaving[:, :2].T
+    ) -> tuple[_Places, _Places]:
+        disc = leaving[:, 0], leaving[:, 1]
         if self.rank == 3:
             cosine, sine = _azimuth(x, y)
             disc = _turn(disc, cosine, -sine)
-        return self._place(*square_from_disc(*disc))
-
-    def _place(self, *coordinate: _Pairs) -> Int32[np.ndarray, "axis pairs"]:
-        place = (np.stack(coordinate) * (1 << self.depth)).astype(np.int32)
-        return np.clip(place, 0, (1 << self.depth) - 1, out=place)
+        return cells_from_disc(*disc, halvings=self.depth)
 
     def _groups(self, count: int) -> list[slice]:
         # Incident places whose cells fit the memory together, were they all smallest
@@ -237,17 +252,19 @@ def _components(
 
 def _azimuth(x: _Pairs, y: _Pairs) -> tuple[_Pairs, _Pairs]:
     # Cosine and sine of the azimuth in which light from (x, y) goes straight on
-    radius = np.hypot(x, y)
-    upright = radius == 0
+    radius = np.sqrt(x * x + y * y)
+    upright = np.flatnonzero(radius == 0)
     radius[upright] = 1.0
-    return np.where(upright, -1.0, -x / radius), -y / radius
+    cosine, sine = -x / radius, -y / radius
+    cosine[upright] = -1.0
+    return cosine, sine
 
 
 def _turn(
-    disc: Float[np.ndarray, "2 pairs"], cosine: _Pairs, sine: _Pairs
-) -> Float[np.ndarray, "2 pairs"]:
+    disc: tuple[_Pairs, _Pairs], cosine: _Pairs, sine: _Pairs
+) -> tuple[_Pairs, _Pairs]:
     x, y = disc
-    return np.stack([cosine * x - sine * y, sine * x + cosine * y])
+    return cosine * x - sine * y, sine * x + cosine * y
 
 
 def _choose(

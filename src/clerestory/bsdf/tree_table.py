@@ -11,6 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Int, Int32, Int64
 
+# Bits of a path that `dense_top` looks at in one step: 65,536 cells at most.
+_TOP_BITS = 16
+
 
 class Cells(NamedTuple):
     """Cells of one size in a tree.
@@ -70,6 +73,51 @@ def look_up(
         np.copyto(code, below, where=inner)
         level += inner
     return code.view(np.float32), level
+
+
+def dense_top(
+    slots: Int32[np.ndarray, " slots"], rank: int, depth: int
+) -> tuple[int, Int32[np.ndarray, " tops"]]:
+    """Halvings of the coarse levels, and the slot of each of their cells.
+
+    These levels are joined into one, so that a look-up takes them in a single step. A
+    cell within a coarser one has its value.
+    """
+    halvings = min(depth, _TOP_BITS // rank)
+    top = slots[:1]
+    branches = np.arange(1 << rank, dtype=np.int32)
+    for _ in range(halvings):
+        code = np.repeat(top, 1 << rank)
+        inner = np.flatnonzero(code < 0)
+        code[inner] = slots[~code[inner] + np.resize(branches, len(code))[inner]]
+        top = code
+    return halvings, top
+
+
+def values_at(
+    slots: Int32[np.ndarray, " slots"],
+    top: tuple[int, Int32[np.ndarray, " tops"]],
+    place: tuple[Int32[np.ndarray, " pairs"], ...],
+    *,
+    depth: int,
+) -> Float32[np.ndarray, " pairs"]:
+    """Values at places, as from `look_up`, in fewer steps.
+
+    Parameters
+    ----------
+    top : from `dense_top`
+    place : whole numbers along each of the tree's dimensions
+    """
+    rank, (halvings, codes) = len(place), top
+    path = _path(place, depth)
+    code = np.take(codes, path >> rank * (depth - halvings))
+    for height in reversed(range(depth - halvings)):
+        inner = np.flatnonzero(code < 0)
+        if not len(inner):
+            break
+        branch = (path[inner] >> rank * height).astype(np.int32) & ((1 << rank) - 1)
+        code[inner] = np.take(slots, ~code[inner] + branch)
+    return code.view(np.float32)
 
 
 def cells(slots: Int32[np.ndarray, " slots"], rank: int) -> Iterator[Cells]:

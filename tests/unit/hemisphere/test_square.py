@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from clerestory.hemisphere.square import disc_from_square, square_from_disc
+from clerestory.hemisphere.square import (
+    cells_from_disc,
+    disc_from_square,
+    square_from_disc,
+)
 
 
 def test_round_trip_from_the_square():
@@ -58,3 +62,21 @@ def test_centre_axes_and_corners(disc, square):
     disc, square = np.array([disc, square], dtype=float)[..., None]
     np.testing.assert_allclose(square_from_disc(*disc), square, atol=1e-15)
     np.testing.assert_allclose(disc_from_square(*square), disc, atol=1e-15)
+
+
+@pytest.mark.parametrize("halvings", [0, 1, 2, 5, 7, 11, 15])
+def test_fast_cells_are_those_of_the_map_even_beside_their_borders(halvings):
+    """Random points, points within 1e-9 of corners of cells, axes, diagonals, rim."""
+    rng = np.random.default_rng(5)
+    radius, turn = np.sqrt(rng.random(100_000)), rng.random(100_000) * 2 * np.pi
+    x, y = radius * np.cos(turn), radius * np.sin(turn)
+    corner = rng.integers(0, (1 << halvings) + 1, (2, 20_000)) / (1 << halvings)
+    close = disc_from_square(*(corner + rng.uniform(-1e-9, 1e-9, corner.shape)))
+    line = np.linspace(-1, 1, 2001)
+    still = np.zeros_like(line)
+    diagonal = line * 0.5**0.5
+    x = np.concatenate([x, close[0], line, still, diagonal, diagonal])
+    y = np.concatenate([y, close[1], still, line, diagonal, -diagonal])
+    place = np.stack(square_from_disc(x, y)) * (1 << halvings)
+    expected = np.clip(np.floor(place), 0, (1 << halvings) - 1)
+    np.testing.assert_array_equal(cells_from_disc(x, y, halvings=halvings), expected)
