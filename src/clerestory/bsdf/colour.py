@@ -14,8 +14,8 @@ def _xyz(chromaticity: Float[np.ndarray, "*batch 2"]) -> Float[np.ndarray, "*bat
     return np.stack([x / y, np.ones_like(y), (1 - x - y) / y], axis=-1)
 
 
-def _rgb_to_xyz() -> Float[np.ndarray, "3 3"]:
-    # Scale the primaries so that equal parts make white
+def rgb_to_xyz() -> Float[np.ndarray, "3 3"]:
+    """Matrix that takes Radiance's RGB to XYZ; equal parts make white."""
     primaries = _xyz(_PRIMARIES).T
     return primaries * np.linalg.solve(primaries, _xyz(_WHITE))
 
@@ -28,7 +28,7 @@ def rgb_from_xyz(
     >>> rgb_from_xyz(np.full((3, 1, 1), 0.5)).ravel().round(6).tolist()
     [0.5, 0.5, 0.5]
     """
-    rgb = np.tensordot(np.linalg.inv(_rgb_to_xyz()), xyz, axes=1)
+    rgb = np.tensordot(np.linalg.inv(rgb_to_xyz()), xyz, axes=1)
 
     # Keep the luminance Y and mix in grey until no primary is negative
     luminance, least = xyz[1], rgb.min(axis=0)
