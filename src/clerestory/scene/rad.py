@@ -2,7 +2,8 @@
 
 Commands (`!xform …`, `!cat …`) are followed here. A relative path in a command is
 looked for in the folder of the file given to `read_rad`, then in the folder of the
-file that holds the command, then in the current directory.
+file that holds the command, then in the current directory. A BSDF file is looked for
+beside the file that names it, in the current directory and in the folders of RAYPATH.
 
 References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2 (ray.html).
 """
@@ -10,7 +11,12 @@ References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2 (ray
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import InputError
+from clerestory.scene.arguments import Definition
+from clerestory.scene.definition import material
+from clerestory.scene.library import library_file
 from clerestory.scene.model import (
     DistantSource,
     Glow,
@@ -20,11 +26,11 @@ from clerestory.scene.model import (
     Scene,
     Source,
     Surface,
+    Void,
     insert_material,
 )
 from clerestory.scene.placed import Placed, placed_items
 from clerestory.scene.placement import Placement
-from clerestory.scene.primitives import material
 from clerestory.scene.statements import Alias, Directive, PolygonRun, Primitive
 
 # What "void" stands for among modifiers: no material at all
@@ -73,6 +79,7 @@ class _Reading:
     in_force: dict[str, str] = field(default_factory=lambda: {"void": _VOID})
     surfaces: list[Surface] = field(default_factory=list)
     distant: list[DistantSource] = field(default_factory=list)
+    bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
 
     def add(self, placed: Placed) -> None:
         match placed.item:
@@ -126,7 +133,15 @@ class _Reading:
         self.distant.append(replace(item, material=key))
 
     def _define(self, item: Primitive, file: str, placement: Placement) -> None:
-        value = material(item, file=file)
+        value = material(
+            Definition(
+                item,
+                file,
+                placed=placement.transform,
+                named=lambda name: self._named(name, file, item.line),
+                bsdf=lambda name: self._bsdf(name, file, item.line),
+            )
+        )
         modifying = self._key(item.modifier, file, item.line)
         if modifying != _VOID:
             raise InputError(
@@ -135,9 +150,18 @@ class _Reading:
                 file=file,
                 line=item.line,
             )
-        if isinstance(value, Glow):
-            value = replace(value, radius=value.radius * placement.transform.scale)
         self.in_force[item.name] = insert_material(self.materials, value)
+
+    def _named(self, name: str, file: str, line: int) -> Material:
+        key = self._key(name, file, line)
+        return Void() if key == _VOID else self.materials[key]
+
+    def _bsdf(self, name: str, file: str, line: int) -> Bsdf:
+        # One value for each file, so that equal materials are known as such
+        path = library_file(name, beside=file, line=line).resolve()
+        if path not in self.bsdfs:
+            self.bsdfs[path] = read_bsdf(path)
+        return self.bsdfs[path]
 
     def _alias(self, item: Alias, file: str) -> None:
         # Materials here are modified by void alone, so an alias may add nothing else

@@ -11,7 +11,7 @@ FLOOR = "grey polygon floor 0 0 9 0 0 0 1 0 0 1 1 0\n"
 CASES = {
     # What is not known
     "material": ("void brass x 0 0 0", 2, 'unknown type "brass"'),
-    "unsupported": ("void metal x 0 0 5 1 1 1 0 0", 2, 'metal "x": this type is not'),
+    "unsupported": ("void mist x 0 0 0", 2, 'mist "x": this type is not'),
     "pattern": ("void brightfunc x 2 a b 0 0", 2, 'brightfunc "x": this type is not'),
     "surface": ("grey instance x 1 a.oct 0 0", 2, 'instance "x": this type is not'),
     "modifier": ("wood sphere x 0 0 4 0 0 0 1", 2, 'undefined modifier "wood"'),
