@@ -1,0 +1,110 @@
+"""Pictures: radiance or irradiance of every pixel, and the view they were taken from.
+
+Row 0 is the top. Values are physical: exposures and colour corrections of a file are
+divided out when it is read.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float32
+
+from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.errors import InputError
+from clerestory.scene.view import View
+
+Quantity = Literal["radiance", "irradiance"]
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What every pixel of a view receives.
+
+    Attributes
+    ----------
+    radiance : red, green and blue [W/(m²·sr)]; of an irradiance picture, as rpict -i
+        makes it, the irradiance of the surface that the pixel shows [W/m²]
+    view : where it was taken from, if known
+    header : further lines of the file's header: commands that made it, notes
+    pixel_aspect : height of a pixel over its width
+    quantity : radiance or irradiance
+
+    Raises
+    ------
+    InputError : another shape, a value that is not finite
+
+    Examples
+    --------
+    >>> grey = Picture(np.ones((2, 3, 3), dtype=np.float32))
+    >>> grey.rows, grey.columns, float(grey.luminance()[0, 0])
+    (2, 3, 179.0)
+    """
+
+    radiance: Float32[np.ndarray, "row column 3"]
+    view: View | None = None
+    header: tuple[str, ...] = ()
+    pixel_aspect: float = 1.0
+    quantity: Quantity = "radiance"
+
+    def __post_init__(self) -> None:
+        values = np.asarray(self.radiance, dtype=np.float32)
+        if values.ndim != 3 or values.shape[2] != 3 or values.size == 0:
+            raise InputError(
+                f"pixels of shape {values.shape}; (rows, columns, 3) expected"
+            )
+        if not np.isfinite(values).all():
+            row, column, _ = np.argwhere(~np.isfinite(values))[0]
+            raise InputError(
+                f"the pixel in row {row}, column {column} is not finite;"
+                " numbers expected"
+            )
+        if not 0 < self.pixel_aspect < np.inf:
+            raise InputError(
+                f"pixel aspect {self.pixel_aspect}; a positive number expected"
+            )
+        object.__setattr__(self, "radiance", values)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return int(self.radiance.shape[0])
+
+    @property
+    def columns(self) -> int:
+        """Number of columns."""
+        return int(self.radiance.shape[1])
+
+    def luminance(self) -> Float32[np.ndarray, "row column"]:
+        """Luminance of every pixel [cd/m²].
+
+        Raises
+        ------
+        InputError : the picture holds irradiance
+        """
+        if self.quantity != "radiance":
+            raise InputError("an irradiance picture has no luminance; use illuminance")
+        return photometric(self)
+
+    def illuminance(self) -> Float32[np.ndarray, "row column"]:
+        """Illuminance of the surface behind every pixel [lux].
+
+        Raises
+        ------
+        InputError : the picture holds radiance
+        """
+        if self.quantity != "irradiance":
+            raise InputError("a radiance picture has no illuminance; use luminance")
+        return photometric(self)
+
+
+def photometric(picture: Picture) -> Float32[np.ndarray, "row column"]:
+    """Luminance [cd/m²] or illuminance [lux] of every pixel, as the picture holds."""
+    weights = np.array(LUMINANCE_WEIGHTS, dtype=np.float32) * LUMINOUS_EFFICACY
+    values: np.ndarray = picture.radiance @ weights.astype(np.float32)
+    return values
+
+
+def photometric_unit(picture: Picture) -> str:
+    """Return the unit of `photometric`: cd/m² or lux."""
+    return "cd/m²" if picture.quantity == "radiance" else "lux"

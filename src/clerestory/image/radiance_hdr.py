@@ -1,0 +1,152 @@
+"""Radiance's pictures (.hdr, .pic): four bytes a pixel, three mantissas, one exponent.
+
+Pixels are RGB radiance, or CIE XYZ with Y in cd/m². Ward, "Real pixels", Graphics
+Gems II (1991).
+"""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float32, UInt8
+
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.errors import InputError
+from clerestory.files import read_bytes, replace_file
+from clerestory.image.picture import Picture
+from clerestory.image.primaries import RADIANCE, conversion, xyz_to_rgb
+from clerestory.image.radiance_header import (
+    Header,
+    parse_header,
+    parse_resolution,
+    split_header,
+)
+from clerestory.image.run_length import RunLengthError, decode, encode
+from clerestory.scene.view_text import format_view, opens_view
+
+# The exponent's byte counts from here (color.h: COLXS)
+_EXCESS = 128
+
+# Values below are written as black (color.c: setcolr)
+_BLACK = 1e-32
+
+
+def read_radiance(path: str | Path) -> Picture:
+    """Return a picture in Radiance's format, its exposure divided out.
+
+    Raises
+    ------
+    InputError : not such a picture, a broken header, pixels missing
+    """
+    data = read_bytes(path)
+    try:
+        lines, resolution_line, start = split_header(data)
+        header = parse_header(lines)
+        resolution = parse_resolution(resolution_line)
+        rows, width = resolution.scanlines
+        pixels = np.frombuffer(data, dtype=np.uint8)[start:]
+        quads = decode(pixels, rows=rows, width=width)
+    except RunLengthError as error:
+        raise InputError(f"broken pixels: {error}", file=path) from error
+    except InputError as error:
+        raise InputError(error.message, file=path, line=error.line) from error
+    values = _physical(_floats(resolution.upright(quads)), header)
+    return Picture(
+        values,
+        view=header.view,
+        header=header.lines,
+        pixel_aspect=header.pixel_aspect,
+        quantity=header.quantity,
+    )
+
+
+def _floats(
+    quads: UInt8[np.ndarray, "row column 4"],
+) -> Float32[np.ndarray, "row column 3"]:
+    # The middle of the interval that a mantissa stands for; exponent 0 is black
+    exponent = np.arange(256)
+    unit = np.ldexp(np.float32(1), exponent - _EXCESS - 8)
+    unit[0] = 0
+    values = quads[..., :3].astype(np.float32)
+    values += np.float32(0.5)
+    values *= unit[quads[..., 3]][..., None]
+    return values
+
+
+def _physical(
+    values: Float32[np.ndarray, "row column 3"], header: Header
+) -> Float32[np.ndarray, "row column 3"]:
+    if (header.scale != 1).any():
+        values = values / header.scale.astype(np.float32)
+    if header.encoding == "xyz":
+        matrix = xyz_to_rgb() / LUMINOUS_EFFICACY
+    elif header.primaries != RADIANCE:
+        matrix = conversion(header.primaries, RADIANCE)
+    else:
+        return values
+    return values @ matrix.T.astype(np.float32)
+
+
+def write_radiance(
+    picture: Picture, path: str | Path, *, exposure: float = 1.0, xyz: bool = False
+) -> None:
+    """Write a picture in Radiance's format.
+
+    Values are kept to one part in 256 of the largest of their pixel; negative ones,
+    which the format has not, become 0, and those beyond 10³⁸ the largest it has.
+
+    Parameters
+    ----------
+    picture, path : what to write, and where
+    exposure : factor on the pixels, told in the header; for viewers that ignore it
+    xyz : CIE XYZ instead of red, green and blue
+
+    Raises
+    ------
+    OutputError : the file cannot be written
+    """
+    values = picture.radiance
+    scale = exposure
+    if xyz:
+        values = values @ np.linalg.inv(xyz_to_rgb()).T.astype(np.float32)
+        # So that Y over the header's exposure is in cd/m²
+        scale = exposure / LUMINOUS_EFFICACY
+    pixels = _quads(values * np.float32(exposure))
+    with replace_file(path) as stream:
+        stream.write(_header(picture, scale, xyz=xyz).encode())
+        stream.write(encode(pixels))
+
+
+def _header(picture: Picture, scale: float, *, xyz: bool) -> str:
+    lines = ["#?RADIANCE", *_kept_lines(picture)]
+    if picture.view is not None:
+        lines.append(f"VIEW= {format_view(picture.view)}")
+    if picture.quantity != parse_header(lines).quantity:
+        lines.append(f"QUANTITY={picture.quantity}")
+    if scale != 1:
+        lines.append(f"EXPOSURE={scale:.9e}")
+    if picture.pixel_aspect != 1:
+        lines.append(f"PIXASPECT={picture.pixel_aspect:.9g}")
+    lines.append(f"FORMAT=32-bit_rle_{'xyze' if xyz else 'rgbe'}")
+    size = f"-Y {picture.rows} +X {picture.columns}"
+    return "\n".join([*lines, "", size, ""])
+
+
+def _kept_lines(picture: Picture) -> list[str]:
+    # One line each; behind a tab, programs do not take them for the picture's view
+    lines = [" ".join(line.splitlines()) for line in picture.header if line.strip()]
+    if picture.view is not None:
+        return lines
+    return ["\t" + line if opens_view(line) else line for line in lines]
+
+
+def _quads(
+    values: Float32[np.ndarray, "row column 3"],
+) -> UInt8[np.ndarray, "row column 4"]:
+    values = np.clip(values, 0, np.float32(255 / 256 * 2.0**127))
+    largest = values.max(axis=-1)
+    _, exponent = np.frexp(largest)
+    quads = np.empty((*largest.shape, 4), dtype=np.uint8)
+    quads[..., :3] = np.ldexp(values, (8 - exponent)[..., None])
+    quads[..., 3] = exponent + _EXCESS
+    quads[largest <= _BLACK] = 0
+    return quads

@@ -1,0 +1,225 @@
+"""Headers of Radiance pictures: text lines, an empty line, the resolution.
+
+The lines of programs that a picture went through stay in it; those of the pictures
+that went into it stand behind a tab and do not count.
+"""
+
+import math
+import re
+import warnings
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.image.picture import Quantity
+from clerestory.image.primaries import RADIANCE, Primaries
+from clerestory.scene.view import View
+from clerestory.scene.view_text import opens_view, parse_view
+from clerestory.scene.xform import number
+
+_LONGEST = 1 << 20
+_MOST_PIXELS = 1 << 27
+_RESOLUTION = re.compile(r"([-+])([XY]) *(\d{1,9}) +([-+])([XY]) *(\d{1,9})\s*$")
+
+# Programs whose option -i makes irradiance pictures
+_RENDERERS = re.compile(r"(?:\S*/)?(?:rpict|rtpict|rvu|rpiece|rtrace)\s")
+_FORMATS = {"32-bit_rle_rgbe": "rgb", "32-bit_rle_xyze": "xyz"}
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Order of the pixels in a file.
+
+    Attributes
+    ----------
+    columns, rows : size of the picture
+    by_column : scanlines are columns
+    upward, leftward : rows run from the bottom, columns from the right
+    """
+
+    columns: int
+    rows: int
+    by_column: bool = False
+    upward: bool = False
+    leftward: bool = False
+
+    @property
+    def scanlines(self) -> tuple[int, int]:
+        """Number of scanlines and pixels in each."""
+        shape = (self.rows, self.columns)
+        return shape[::-1] if self.by_column else shape
+
+    def upright(
+        self, pixels: UInt8[np.ndarray, "lines width 4"]
+    ) -> UInt8[np.ndarray, "row column 4"]:
+        """Scanlines as rows from the top, columns from the left."""
+        if self.by_column:
+            pixels = pixels.transpose(1, 0, 2)
+        return pixels[:: -1 if self.upward else 1, :: -1 if self.leftward else 1]
+
+
+@dataclass
+class Header:
+    """What the lines of a header say.
+
+    Attributes
+    ----------
+    encoding : whether pixels are rgb or xyz
+    scale : what pixels were multiplied with, per channel
+    """
+
+    encoding: str = "rgb"
+    scale: Float[np.ndarray, "3"] = field(default_factory=lambda: np.ones(3))
+    pixel_aspect: float = 1.0
+    primaries: Primaries = RADIANCE
+    view: View | None = None
+    quantity: Quantity = "radiance"
+    lines: tuple[str, ...] = ()
+
+
+def split_header(data: bytes) -> tuple[list[str], str, int]:
+    """Return the lines of a header, the resolution line, where pixels begin.
+
+    Raises
+    ------
+    InputError : no end of the header
+    """
+    end = re.search(rb"\n\r?\n", data[:_LONGEST])
+    stop = -1 if end is None else data.find(b"\n", end.end(), end.end() + 100)
+    if end is None or stop < 0:
+        raise InputError(
+            "the header has no end; an empty line and a resolution expected"
+        )
+    lines = [line.rstrip("\r") for line in _text(data[: end.start()]).split("\n")]
+    return lines[1:], _text(data[end.end() : stop]), stop + 1
+
+
+def _text(data: bytes) -> str:
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def parse_resolution(line: str) -> Resolution:
+    """Return the order of pixels that a line such as "-Y 600 +X 800" tells.
+
+    >>> parse_resolution("+X 3 -Y 4")
+    Resolution(columns=3, rows=4, by_column=True, upward=False, leftward=False)
+    """
+    match = _RESOLUTION.match(line)
+    if match is None or match[2] == match[5]:
+        raise InputError(
+            f'resolution "{line[:40].strip()}"; one like "-Y 600 +X 800" expected'
+        )
+    sign = {match[2]: match[1], match[5]: match[4]}
+    size = {match[2]: int(match[3]), match[5]: int(match[6])}
+    if not 0 < size["X"] * size["Y"] <= _MOST_PIXELS:
+        raise InputError(
+            f"a picture of {size['X']} × {size['Y']} pixels;"
+            f" 1 to {_MOST_PIXELS / 1e6:.0f} million expected"
+        )
+    return Resolution(
+        columns=size["X"],
+        rows=size["Y"],
+        by_column=match[2] == "X",
+        upward=sign["Y"] == "+",
+        leftward=sign["X"] == "-",
+    )
+
+
+def parse_header(lines: list[str]) -> Header:
+    """Return what the lines of a header say.
+
+    Exposures, pixel aspects and colour corrections multiply; of views the last counts,
+    and it may leave open what those before it said.
+
+    Raises
+    ------
+    InputError : a number or a format that cannot be
+    """
+    header = Header()
+    kept = []
+    for i, line in enumerate(lines, start=2):
+        try:
+            if not _take(line, header):
+                kept.append(line)
+        except InputError as error:
+            raise InputError(error.message, line=i) from error
+    header.lines = tuple(kept)
+    return header
+
+
+def _take(line: str, header: Header) -> bool:
+    # Whether the line is fully said by the header's values
+    name, equals, value = line.partition("=")
+    if equals and name == "FORMAT":
+        header.encoding = _encoding(value.strip())
+    elif equals and name == "EXPOSURE":
+        header.scale = header.scale * _positive(value, name)
+    elif equals and name == "PIXASPECT":
+        header.pixel_aspect *= _positive(value, name)
+    elif equals and name == "COLORCORR":
+        header.scale = header.scale * [_positive(x, name) for x in _words(value, 3)]
+    elif equals and name == "PRIMARIES":
+        header.primaries = _primaries(value)
+    elif equals and name == "QUANTITY" and value.strip() in ("radiance", "irradiance"):
+        header.quantity = "irradiance" if "irr" in value else "radiance"
+    elif opens_view(line) and "-v" in line:
+        _take_view(line, header)
+        return line.startswith("VIEW=")
+    else:
+        _take_quantity(line, header)
+        return False
+    return True
+
+
+def _take_view(line: str, header: Header) -> None:
+    try:
+        header.view = parse_view(line, header.view)
+    except InputError as error:
+        warnings.warn(
+            f"the picture's view is not used: {error.message}",
+            ClerestoryWarning,
+            stacklevel=2,
+        )
+    _take_quantity(line, header)
+
+
+def _take_quantity(line: str, header: Header) -> None:
+    if _RENDERERS.match(line):
+        for word in line.split():
+            if word in ("-i", "-i+", "-i-"):
+                header.quantity = "radiance" if word == "-i-" else "irradiance"
+
+
+def _encoding(name: str) -> str:
+    if name not in _FORMATS:
+        raise InputError(f'format "{name}"; one of {", ".join(_FORMATS)} expected')
+    return _FORMATS[name]
+
+
+def _positive(word: str, name: str) -> float:
+    value = number(word.strip())
+    if value is None or not 1e-30 < value < 1e30 or not math.isfinite(value):
+        raise InputError(f'{name} "{word.strip()[:30]}"; a positive number expected')
+    return value
+
+
+def _words(value: str, count: int) -> list[str]:
+    words = value.split()
+    if len(words) != count:
+        raise InputError(
+            f"{len(words)} words in {value.strip()[:40]!r}; {count} expected"
+        )
+    return words
+
+
+def _primaries(value: str) -> Primaries:
+    numbers = [number(word) for word in _words(value, 8)]
+    xy = [x for x in numbers if x is not None]
+    if len(xy) != 8:
+        raise InputError(f"PRIMARIES {value.strip()[:60]!r}; 8 numbers expected")
+    return Primaries((xy[0], xy[1]), (xy[2], xy[3]), (xy[4], xy[5]), (xy[6], xy[7]))

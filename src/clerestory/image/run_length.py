@@ -1,0 +1,239 @@
+"""The run-length codes of Radiance's pictures, old and new, read and written.
+
+A scanline in the new code is 2 2 high low, then its four components one after the
+other, each a sequence of a count up to 128 with as many bytes, or of 128 + count with
+one byte to repeat. In the old code whole pixels follow each other, and 1 1 1 n repeats
+the last one n times; several in a row give the count's bytes, lowest first.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Int, UInt8
+
+# Lengths of scanlines that are written in the new code (color.c: MINELEN, MAXELEN)
+SHORTEST, LONGEST = 8, 0x7FFF
+
+# A repetition pays from this length on; the longest that one code can tell
+_SHORTEST_RUN, _LONGEST_RUN, _LONGEST_LITERAL = 4, 127, 128
+_RUN = 128
+
+_Bytes = UInt8[np.ndarray, " bytes"]
+
+
+class RunLengthError(ValueError):
+    """The bytes are no scanlines of the size asked for."""
+
+
+def decode(
+    data: _Bytes, *, rows: int, width: int
+) -> UInt8[np.ndarray, "{rows} {width} 4"]:
+    """Return the four bytes of every pixel, scanline by scanline.
+
+    Raises
+    ------
+    RunLengthError : the data end too soon, or a run leaves its scanline
+    """
+    # Four bytes a pixel and nothing repeated: the plain form
+    if data.size == rows * width * 4 and not _is_new(data, 0, width):
+        quads = data.reshape(rows, width, 4)
+        if not (quads[..., :3] == 1).all(axis=-1).any():
+            return quads
+    parts = []
+    start = row = 0
+    while row < rows:
+        if _is_new(data, start, width):
+            # As many scanlines in the new code as follow each other
+            codes, starts, end = _find_codes(data, start, rows - row, width)
+            part = _expand(data[start:end], codes - start, starts - start, width)
+        else:
+            part, end = _decode_old(data, start, width)
+        parts.append(part)
+        start, row = end, row + len(part)
+    return np.concatenate(parts)
+
+
+def _is_new(data: _Bytes, start: int, width: int) -> bool:
+    head = data[start : start + 4]
+    if not SHORTEST <= width <= LONGEST or head.size < 4:
+        return False
+    if head[0] != 2 or head[1] != 2 or head[2] > 127:
+        return False
+    if (int(head[2]) << 8) + int(head[3]) != width:
+        raise RunLengthError("a scanline gives another length than the header")
+    return True
+
+
+def _find_codes(
+    data: _Bytes, start: int, most: int, width: int
+) -> tuple[Int[np.ndarray, " codes"], Int[np.ndarray, " rows"], int]:
+    # Positions of codes and of scanlines from `start` on, and where these end
+    found = _find_together(data, start, most, width)
+    if found is None:
+        found = _find_in_order(data, start, most, width)
+    codes, starts, end = found
+    if end > data.size:
+        raise RunLengthError("the data end within a scanline")
+    return codes, starts, end
+
+
+def _find_in_order(
+    data: _Bytes, start: int, most: int, width: int
+) -> tuple[np.ndarray, np.ndarray, int]:
+    # One code after the other; a terminator of runs lets broken data end
+    raw = data.tobytes() + bytes([255]) * 2
+    head = bytes([2, 2, width >> 8, width & 255])
+    codes: list[int] = []
+    starts: list[int] = []
+    at = start
+    while len(starts) < most and raw.startswith(head, at):
+        starts.append(at)
+        at += 4
+        left = 4 * width
+        while left > 0:
+            codes.append(at)
+            code = raw[at] if at < len(raw) else 255
+            left -= code - _RUN if code > _RUN else code
+            at += 2 if code > _RUN else code + 1
+        if at > data.size:
+            break
+    return np.array(codes, dtype=np.int64), np.array(starts, dtype=np.int64), at
+
+
+def _find_together(
+    data: _Bytes, start: int, most: int, width: int
+) -> tuple[np.ndarray, np.ndarray, int] | None:
+    # All scanlines at once, from every place that looks like the head of one; None
+    # where there are too many of them, or codes that stand for nothing
+    head = np.flatnonzero(data[start:-3] == 2) + start
+    for i, value in enumerate((2, width >> 8, width & 255), start=1):
+        head = head[data[head + i] == value]
+    if head.size > 2 * most + 16:
+        return None
+    padded = np.append(data, np.uint8(255))
+    at, left = head + 4, np.full(head.size, 4 * width)
+    line = np.arange(head.size)
+    end = np.full(head.size, data.size + 1)
+    codes, lines = [], []
+    for _ in range(4 * width):
+        code = padded[np.minimum(at, data.size)].astype(np.int64)
+        codes.append(at)
+        lines.append(line)
+        run = code > _RUN
+        left = left - np.where(run, code - _RUN, code)
+        at = at + np.where(run, 2, code + 1)
+        busy = left > 0
+        if not busy.all():
+            end[line[~busy]] = at[~busy]
+            at, left, line = at[busy], left[busy], line[busy]
+            if not line.size:
+                break
+    if line.size:
+        return None
+    return _chain(head, end, np.concatenate(codes), np.concatenate(lines), start, most)
+
+
+def _chain(
+    head: np.ndarray,
+    end: np.ndarray,
+    codes: np.ndarray,
+    lines: np.ndarray,
+    start: int,
+    most: int,
+) -> tuple[np.ndarray, np.ndarray, int]:
+    # Keep the scanlines that really follow each other
+    after = dict(zip(head.tolist(), range(head.size), strict=True))
+    chosen: list[int] = []
+    at = start
+    while len(chosen) < most and at in after:
+        chosen.append(after[at])
+        at = int(end[chosen[-1]])
+    kept = np.zeros(head.size, dtype=bool)
+    kept[chosen] = True
+    return np.sort(codes[kept[lines]]), head[chosen], at
+
+
+def _expand(data: _Bytes, codes: np.ndarray, starts: np.ndarray, width: int) -> _Bytes:
+    # How often each byte is repeated: heads and codes never, literals once
+    times = np.ones(data.size, dtype=np.int64)
+    times[starts[:, None] + np.arange(4)] = 0
+    times[codes] = 0
+    count = data[codes].astype(np.int64)
+    run = count > _RUN
+    count[run] -= _RUN
+    times[codes[run] + 1] = count[run]
+    # Codes must end where components do
+    ends = np.cumsum(count)
+    borders = width * np.arange(1, 4 * starts.size + 1)
+    at = np.searchsorted(ends, borders)
+    if at[-1] >= ends.size or (ends[at] != borders).any():
+        raise RunLengthError("a run leaves its scanline")
+    plain = np.repeat(data, times).reshape(starts.size, 4, width)
+    return plain.transpose(0, 2, 1)
+
+
+def _decode_old(data: _Bytes, start: int, width: int) -> tuple[np.ndarray, int]:
+    # A scanline takes at most four bytes a pixel, and three counts beyond
+    chunk = data[start : start + 4 * width]
+    quads = chunk[: chunk.size // 4 * 4].reshape(-1, 4)
+    repeat = (quads[:, :3] == 1).all(axis=1)
+    # Each further repetition in a row counts in the next higher byte
+    index = np.arange(len(quads))
+    since = index - np.maximum.accumulate(np.where(repeat, -1, index))
+    shift = np.minimum(8 * (since - 1), 32)
+    count = np.where(repeat, quads[:, 3].astype(np.int64) << np.maximum(shift, 0), 1)
+    ends = np.cumsum(np.minimum(count, width + 1))
+    last = int(np.searchsorted(ends, width))
+    if last == len(quads):
+        raise RunLengthError("the data end within a scanline")
+    if ends[last] != width or repeat[0]:
+        raise RunLengthError("a run leaves its scanline")
+    source = np.maximum.accumulate(np.where(repeat, -1, index))[: last + 1]
+    row = np.repeat(quads[source], count[: last + 1], axis=0)
+    return row[None], start + 4 * (last + 1)
+
+
+def encode(pixels: UInt8[np.ndarray, "rows width 4"]) -> bytes:
+    """Return scanlines in the new code; plain ones where it does not apply."""
+    width = pixels.shape[1]
+    if not SHORTEST <= width <= LONGEST:
+        return pixels.tobytes()
+    flat = np.ascontiguousarray(pixels.transpose(0, 2, 1)).reshape(-1)
+    start, length, run = _segments(flat, width)
+    # Where each piece goes: a head before each scanline, one byte before literals
+    heads = start % (4 * width) == 0
+    size = np.where(run, 2, length + 1) + 4 * heads
+    at = np.cumsum(size) - size + 4 * heads
+    out = np.empty(int(size.sum()), dtype=np.uint8)
+    literal = np.ones(out.size, dtype=bool)
+    head = (at[heads] - 4)[:, None] + np.arange(4)
+    out[head] = np.array([2, 2, width >> 8, width & 255], dtype=np.uint8)
+    out[at] = np.where(run, _RUN + length, length)
+    out[at[run] + 1] = flat[start[run]]
+    literal[head] = literal[at] = literal[at[run] + 1] = False
+    out[literal] = flat[np.repeat(~run, length)]
+    return out.tobytes()
+
+
+def _segments(
+    flat: _Bytes, width: int
+) -> tuple[np.ndarray, np.ndarray, Bool[np.ndarray, " pieces"]]:
+    # Cut where the value changes, and at the ends of components
+    new = np.empty(flat.size, dtype=bool)
+    new[0] = True
+    np.not_equal(flat[1:], flat[:-1], out=new[1:])
+    new[::width] = True
+    start = np.flatnonzero(new)
+    run = np.diff(start, append=flat.size) >= _SHORTEST_RUN
+    # Join neighbours that are too short to pay
+    joined = ~run & ~np.append(True, run[:-1]) & (start % width != 0)
+    start, run = start[~joined], run[~joined]
+    length = np.diff(start, append=flat.size)
+    # Cut what is too long for one code
+    longest = np.where(run, _LONGEST_RUN, _LONGEST_LITERAL)
+    pieces = -(-length // longest)
+    within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    offset = within * np.repeat(longest, pieces)
+    return (
+        np.repeat(start, pieces) + offset,
+        np.minimum(np.repeat(length, pieces) - offset, np.repeat(longest, pieces)),
+        np.repeat(run, pieces),
+    )
