@@ -29,6 +29,13 @@ from clerestory.scene.model import (
     Void,
     insert_material,
 )
+from clerestory.scene.pattern import Pattern
+from clerestory.scene.pattern_reader import (
+    PATTERNS,
+    modified,
+    read_pattern,
+    with_pattern,
+)
 from clerestory.scene.placed import Placed, placed_items
 from clerestory.scene.placement import Placement
 from clerestory.scene.statements import Alias, Directive, PolygonRun, Primitive
@@ -80,6 +87,7 @@ class _Reading:
     surfaces: list[Surface] = field(default_factory=list)
     distant: list[DistantSource] = field(default_factory=list)
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
+    patterns: dict[str, Pattern] = field(default_factory=dict)
 
     def add(self, placed: Placed) -> None:
         match placed.item:
@@ -100,6 +108,12 @@ class _Reading:
                     self.surfaces.append(replace(surface, material=key))
 
     def _key(self, modifier: str, file: str, line: int) -> str:
+        if modifier in self.patterns:
+            raise InputError(
+                f'the modifier "{modifier}" is a pattern; a material expected',
+                file=file,
+                line=line,
+            )
         if modifier not in self.in_force:
             raise InputError(
                 f'undefined modifier "{modifier}"; a material defined before this line,'
@@ -133,6 +147,9 @@ class _Reading:
         self.distant.append(replace(item, material=key))
 
     def _define(self, item: Primitive, file: str, placement: Placement) -> None:
+        if item.kind in PATTERNS:
+            self._define_pattern(item, file, placement)
+            return
         value = material(
             Definition(
                 item,
@@ -142,15 +159,30 @@ class _Reading:
                 bsdf=lambda name: self._bsdf(name, file, item.line),
             )
         )
-        modifying = self._key(item.modifier, file, item.line)
-        if modifying != _VOID:
+        pattern = self._modifying_pattern(item, file)
+        if pattern is not None:
+            value = with_pattern(value, pattern, item=item, file=file)
+        self.patterns.pop(item.name, None)
+        self.in_force[item.name] = insert_material(self.materials, value)
+
+    def _define_pattern(self, item: Primitive, file: str, placement: Placement) -> None:
+        outer = self._modifying_pattern(item, file)
+        pattern = read_pattern(item, file=file, placed=placement.transform)
+        self.patterns[item.name] = modified(pattern, outer)
+        self.in_force.pop(item.name, None)
+
+    def _modifying_pattern(self, item: Primitive, file: str) -> Pattern | None:
+        # The pattern that modifies an item, None for void
+        if item.modifier in self.patterns:
+            return self.patterns[item.modifier]
+        if self._key(item.modifier, file, item.line) != _VOID:
             raise InputError(
                 f'{item.kind} "{item.name}" is modified by the material'
-                f' "{item.modifier}"; void expected',
+                f' "{item.modifier}"; void or a pattern expected',
                 file=file,
                 line=item.line,
             )
-        self.in_force[item.name] = insert_material(self.materials, value)
+        return None
 
     def _named(self, name: str, file: str, line: int) -> Material:
         key = self._key(name, file, line)
@@ -171,6 +203,10 @@ class _Reading:
                 file=file,
                 line=item.line,
             )
+        if item.target in self.patterns and item.modifier in ("inherit", "void"):
+            self.patterns[item.name] = self.patterns[item.target]
+            self.in_force.pop(item.name, None)
+            return
         key = self._key(item.target, file, item.line)
         if (
             item.modifier != "inherit"
@@ -182,4 +218,5 @@ class _Reading:
                 file=file,
                 line=item.line,
             )
+        self.patterns.pop(item.name, None)
         self.in_force[item.name] = key

@@ -1,0 +1,1 @@
+"""Radiance's function language (calcomp), over arrays, with every run bounded."""

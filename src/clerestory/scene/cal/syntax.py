@@ -1,0 +1,290 @@
+"""The text of function files (.cal) as trees: names, definitions, expressions.
+
+A definition is `name = expression;`, `name : expression;` or `f(x, y) = expression;`.
+Powers bind to the right and stronger than products, products stronger than sums; a
+sign binds to what follows it directly, so -2^2 is 4. Comments stand in braces.
+Trees are flat where texts are long: a sum of a thousand terms is one node.
+
+Reference: G. Ward, Radiance, "calcomp" (icalc manual page, section Expressions).
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from clerestory.errors import InputError
+
+# Brackets nested deeper than this are a mistake, and would exhaust the stack
+_DEEPEST = 40
+
+_TOKEN = re.compile(
+    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+    r"|(?P<name>[A-Za-z`][\w.`]*)|(?P<channel>\$\d{1,3})|(?P<sign>[-+*/^(),;=:]))",
+    re.ASCII,
+)
+
+
+@dataclass(frozen=True)
+class Number:
+    """A constant."""
+
+    value: float
+
+
+@dataclass(frozen=True)
+class Name:
+    """A variable, a parameter of the function around it, or a function handed on."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function applied to its arguments."""
+
+    name: str
+    arguments: tuple["Node", ...]
+
+
+@dataclass(frozen=True)
+class Negative:
+    """The opposite of a value."""
+
+    value: "Node"
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Terms or factors taken from left to right: a + b - c, or a * b / c."""
+
+    first: "Node"
+    rest: tuple[tuple[str, "Node"], ...]
+
+
+@dataclass(frozen=True)
+class Power:
+    """A base raised to an exponent."""
+
+    base: "Node"
+    exponent: "Node"
+
+
+Node = Number | Name | Call | Negative | Chain | Power
+
+
+@dataclass(frozen=True)
+class Definition:
+    """What a name stands for; `parameters` is None for a variable."""
+
+    name: str
+    parameters: tuple[str, ...] | None
+    body: Node
+    line: int
+
+
+def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Definition]:
+    """Return the definitions in a text; of several of one name, the last holds.
+
+    Raises
+    ------
+    InputError : with file and line, where the text is none of definitions
+
+    Examples
+    --------
+    >>> made = parse_definitions("{ square } sq(x) : x*x; two = 2;")
+    >>> sorted(made), made["sq"].parameters
+    (['sq', 'two'], ('x',))
+    """
+    cursor = _Cursor(_without_comments(text, file), file)
+    definitions = {}
+    while cursor.kind != "end":
+        if cursor.text == ";":
+            cursor.advance()
+            continue
+        definition = _definition(cursor)
+        definitions[definition.name] = definition
+        if cursor.kind != "end":
+            cursor.expect(";")
+    return definitions
+
+
+def parse_expression(text: str, *, file: str | None = None, line: int = 1) -> Node:
+    """Return the tree of a single expression.
+
+    Raises
+    ------
+    InputError : the text is no expression
+
+    Examples
+    --------
+    >>> parse_expression("-x^2")
+    Power(base=Negative(value=Name(name='x')), exponent=Number(value=2.0))
+    """
+    cursor = _Cursor(_without_comments(text, file), file, line=line)
+    node = _sum(cursor)
+    if cursor.kind != "end":
+        raise cursor.error(f'"{cursor.text}" follows a complete expression')
+    return node
+
+
+def _without_comments(text: str, file: str | None) -> str:
+    # Blank out what stands in braces, which nest, and keep the lines
+    kept, depth, opened = [], 0, 0
+    for at, letter in enumerate(text):
+        if letter == "{":
+            opened = at if depth == 0 else opened
+            depth += 1
+        kept.append(letter if depth == 0 or letter == "\n" else " ")
+        if letter == "}":
+            depth = max(depth - 1, 0)
+    if depth:
+        line = text.count("\n", 0, opened) + 1
+        raise InputError('a comment is not closed; "}" expected', file=file, line=line)
+    return "".join(kept)
+
+
+class _Cursor:
+    # A place among the words of a text
+
+    def __init__(self, text: str, file: str | None, *, line: int = 1) -> None:
+        self.source, self.file, self.line = text, file, line
+        self.at, self.depth = 0, 0
+        self.kind, self.text = "", ""
+        self.advance()
+
+    def advance(self) -> None:
+        match = _TOKEN.match(self.source, self.at)
+        if match is None:
+            left = self.source[self.at :].lstrip()
+            self.line += self.source.count("\n", self.at, len(self.source) - len(left))
+            if left:
+                raise self.error(f'unexpected character "{left[0]}"')
+            self.kind, self.text, self.at = "end", "", len(self.source)
+            return
+        self.kind = match.lastgroup or ""
+        self.line += self.source.count("\n", self.at, match.start(self.kind))
+        self.text, self.at = match[self.kind], match.end()
+
+    def take(self) -> str:
+        text = self.text
+        self.advance()
+        return text
+
+    def expect(self, sign: str) -> None:
+        if self.text != sign:
+            found = f'"{self.text}"' if self.text else "the end"
+            raise self.error(f'{found} stands where "{sign}" is expected')
+        self.advance()
+
+    def error(self, message: str) -> InputError:
+        if self.file is None:
+            return InputError(message)
+        return InputError(message, file=self.file, line=self.line)
+
+
+def _definition(cursor: _Cursor) -> Definition:
+    line = cursor.line
+    if cursor.kind != "name":
+        raise cursor.error(f'"{cursor.text}" stands where a name is expected')
+    name, parameters = plain_name(cursor.take()), None
+    if cursor.text == "(":
+        cursor.advance()
+        parameters = _parameters(cursor)
+    if cursor.text not in ("=", ":"):
+        found = f'"{cursor.text}"' if cursor.text else "the end"
+        raise cursor.error(f'{found} stands where "=" or ":" is expected')
+    cursor.advance()
+    return Definition(name, parameters, _sum(cursor), line)
+
+
+def _parameters(cursor: _Cursor) -> tuple[str, ...]:
+    names = []
+    while True:
+        if cursor.kind != "name":
+            raise cursor.error(
+                f'"{cursor.text}" stands where the name of a parameter is expected'
+            )
+        names.append(plain_name(cursor.take()))
+        if cursor.text != ",":
+            break
+        cursor.advance()
+    cursor.expect(")")
+    return tuple(names)
+
+
+def plain_name(name: str) -> str:
+    """Return a name without the marks that make it local or global."""
+    return name.strip("`") or "`"
+
+
+def _sum(cursor: _Cursor) -> Node:
+    return _chain(cursor, "+-", _product)
+
+
+def _product(cursor: _Cursor) -> Node:
+    return _chain(cursor, "*/", _power)
+
+
+def _chain(cursor: _Cursor, signs: str, operand: Callable[[_Cursor], Node]) -> Node:
+    first, rest = operand(cursor), []
+    while cursor.kind == "sign" and cursor.text in signs:
+        sign = cursor.take()
+        rest.append((sign, operand(cursor)))
+    return Chain(first, tuple(rest)) if rest else first
+
+
+def _power(cursor: _Cursor) -> Node:
+    # Collect a ^ b ^ c, then fold it from the right
+    operands = [_signed(cursor)]
+    while cursor.text == "^":
+        cursor.advance()
+        operands.append(_signed(cursor))
+        if len(operands) > _DEEPEST:
+            raise cursor.error(f"more than {_DEEPEST} powers of powers")
+    node = operands.pop()
+    while operands:
+        node = Power(operands.pop(), node)
+    return node
+
+
+def _signed(cursor: _Cursor) -> Node:
+    if cursor.text == "-":
+        cursor.advance()
+        value = _primary(cursor)
+        return Number(-value.value) if isinstance(value, Number) else Negative(value)
+    if cursor.text == "+":
+        cursor.advance()
+    return _primary(cursor)
+
+
+def _primary(cursor: _Cursor) -> Node:
+    kind = cursor.kind
+    if kind == "number":
+        return Number(float(cursor.take()))
+    if kind == "channel":
+        return Name(cursor.take())
+    if kind == "name":
+        name = plain_name(cursor.take())
+        if cursor.text != "(":
+            return Name(name)
+        return Call(name, _inside(cursor))
+    if cursor.text == "(":
+        (node,) = _inside(cursor, one=True)
+        return node
+    found = f'"{cursor.text}"' if cursor.text else "the end"
+    raise cursor.error(f"{found} stands where a value is expected")
+
+
+def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:
+    # What stands in brackets
+    cursor.depth += 1
+    if cursor.depth > _DEEPEST:
+        raise cursor.error(f"brackets are nested more than {_DEEPEST} deep")
+    cursor.expect("(")
+    nodes = [_sum(cursor)]
+    while cursor.text == "," and not one:
+        cursor.advance()
+        nodes.append(_sum(cursor))
+    cursor.expect(")")
+    cursor.depth -= 1
+    return tuple(nodes)

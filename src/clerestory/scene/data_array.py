@@ -1,0 +1,169 @@
+"""Tables of numbers over one or more axes (.dat), interpolated as Radiance does.
+
+Between grid points the value is linear in each coordinate. Beyond the ends of an axis
+it continues straight for one interval and then falls off as one over the distance.
+
+A file holds the number of axes; for each axis `begin end count`, or `0 0 count` and
+the positions where they are uneven; then the values, the last axis changing fastest.
+
+Reference: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System",
+section 2.3 (data files).
+"""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+
+# More than this is no table of a luminaire or sky
+_MOST_VALUES = 50_000_000
+_MOST_AXES = 5
+
+
+@dataclass(frozen=True, eq=False)
+class DataArray:
+    """Values on a grid.
+
+    Attributes
+    ----------
+    axes : positions along each axis, growing or falling
+    values : at the crossings
+
+    Raises
+    ------
+    InputError : axes that do not fit the values or do not run one way
+    """
+
+    axes: tuple[Float[np.ndarray, " positions"], ...]
+    values: Float[np.ndarray, "..."]
+
+    def __post_init__(self) -> None:
+        if tuple(len(a) for a in self.axes) != self.values.shape:
+            raise InputError(
+                f"values of shape {self.values.shape} on axes of"
+                f" {[len(a) for a in self.axes]} positions; as many expected"
+            )
+        for axis in self.axes:
+            step = np.diff(axis)
+            if len(axis) < 2 or not (np.all(step > 0) or np.all(step < 0)):
+                raise InputError(
+                    "the positions of an axis do not grow or fall all the way"
+                )
+        if not np.all(np.isfinite(self.values)):
+            raise InputError("a value is not finite; finite numbers expected")
+
+    def value(
+        self, position: Float[np.ndarray, "points axes"]
+    ) -> Float[np.ndarray, " points"]:
+        """Return the interpolated values.
+
+        Examples
+        --------
+        >>> line = DataArray((np.array([0.0, 1, 3]),), np.array([0.0, 10, 20]))
+        >>> line.value(np.array([[0.5], [2.0], [5.0]])).tolist()
+        [5.0, 15.0, 30.0]
+        """
+        cells = [_cell(axis, x) for axis, x in zip(self.axes, position.T, strict=True)]
+        return _interpolated(self.values, [], cells)
+
+
+def read_data_array(path: str | Path) -> DataArray:
+    """Return the table in a file.
+
+    Raises
+    ------
+    InputError : with the file, where it is missing or no table
+    """
+    words = read_text(path).split()
+    try:
+        numbers = np.array(words, dtype=float)
+    except ValueError as error:
+        raise InputError(f"not a data file: {error}", file=path) from error
+    reader = _Reader(numbers, path)
+    count = reader.whole("number of axes", 1, _MOST_AXES)
+    axes = [_axis(reader) for _ in range(count)]
+    shape = tuple(len(a) for a in axes)
+    size = math.prod(shape)
+    if size > _MOST_VALUES:
+        raise InputError(f"{size} values; {_MOST_VALUES} at most expected", file=path)
+    values = reader.take(size, "values").reshape(shape)
+    try:
+        return DataArray(tuple(axes), values)
+    except InputError as error:
+        raise InputError(error.message, file=path) from error
+
+
+@dataclass
+class _Reader:
+    numbers: Float[np.ndarray, " words"]
+    path: str | Path
+    at: int = 0
+
+    def take(self, count: int, what: str) -> Float[np.ndarray, " count"]:
+        part = self.numbers[self.at : self.at + count]
+        if len(part) < count:
+            raise InputError(
+                f"the file ends after {len(part)} of {count} {what}", file=self.path
+            )
+        self.at += count
+        return part
+
+    def whole(self, what: str, least: int, most: int) -> int:
+        [number] = self.take(1, what)
+        if not (least <= number <= most and number == int(number)):
+            raise InputError(
+                f"{what} is {number:g}; a whole number from {least} to {most} expected",
+                file=self.path,
+            )
+        return int(number)
+
+
+def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
+    begin, end = reader.take(2, "limits of an axis")
+    count = reader.whole("number of positions on an axis", 2, _MOST_VALUES)
+    if begin == end:
+        return reader.take(count, "positions of an axis")
+    return np.linspace(begin, end, count)
+
+
+def _cell(
+    axis: Float[np.ndarray, " positions"], x: Float[np.ndarray, " points"]
+) -> tuple[np.ndarray, np.ndarray]:
+    # The interval of each point, and where it lies in it: 0 to 1, or beyond
+    if axis[0] > axis[-1]:
+        axis, x = -axis, -x
+    cell = np.clip(np.searchsorted(axis, x, side="right") - 1, 0, len(axis) - 2)
+    return cell, (x - axis[cell]) / (axis[cell + 1] - axis[cell])
+
+
+def _interpolated(
+    values: Float[np.ndarray, "..."],
+    chosen: list[np.ndarray],
+    cells: list[tuple[np.ndarray, np.ndarray]],
+) -> Float[np.ndarray, " points"]:
+    # Both ends of the first axis left, each interpolated along the axes after it
+    if not cells:
+        value: np.ndarray = values[tuple(chosen)]
+        return value
+    (cell, share), rest = cells[0], cells[1:]
+    low = _interpolated(values, [*chosen, cell], rest)
+    high = _interpolated(values, [*chosen, cell + 1], rest)
+    return _along(low, high, share)
+
+
+def _along(
+    low: Float[np.ndarray, " points"],
+    high: Float[np.ndarray, " points"],
+    t: Float[np.ndarray, " points"],
+) -> Float[np.ndarray, " points"]:
+    # Straight up to one interval outside, then as one over the distance
+    straight = low * (1 - t) + high * t
+    above = (2 * high - low) / np.where(t > 2, t + 1, 1.0)
+    below = (2 * low - high) / np.where(t < -1, -t, 1.0)
+    value: np.ndarray = np.where(t > 2, above, np.where(t < -1, below, straight))
+    return value
