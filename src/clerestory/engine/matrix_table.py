@@ -1,0 +1,94 @@
+"""BSDFs on patches for kernels: values, and where to look for incident light.
+
+The four functions of a layer stand one behind the other, each a matrix of exit
+rows and incident columns. A path arrives against the light, so it knows the exit
+and draws the incident patch in proportion to what that patch sends there.
+"""
+
+from collections.abc import Sequence
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.engine.patches import PatchTable
+
+
+class MatrixTable:
+    """Scattering matrices of one layer, on common partitions.
+
+    Parameters
+    ----------
+    functions : by number of the function, three matrices for colours or one; None
+        where the layer has no such function
+    """
+
+    def __init__(self, functions: Sequence[tuple[ScatteringMatrix, ...] | None]):
+        first = next(part[0] for part in functions if part is not None)
+        exits, incidents = len(first.exits), len(first.incidents)
+        measure = first.incidents.projected_solid_angles()
+        self.colours = max(len(part) for part in functions if part is not None)
+        values = np.zeros((len(functions), exits, incidents, self.colours))
+        proposal = np.zeros((len(functions), exits, incidents))
+        for number, part in enumerate(functions):
+            if part is not None:
+                values[number] = np.stack([p.values for p in part], axis=-1)
+                proposal[number] = np.mean(values[number], axis=-1)
+
+        # Share of the light of an exit that comes through each incident patch and those
+        # before it
+        flux = proposal * measure
+        total = flux.sum(axis=-1, keepdims=True)
+        running = np.cumsum(flux, axis=-1) / np.where(total > 0, total, 1)
+        running = running / np.where(total > 0, running[..., -1:], 1)
+        density = proposal / np.where(total > 0, total, 1)
+        self.exit, self.incident = PatchTable.of(first.exits), PatchTable.of(
+            first.incidents
+        )
+        self.exits, self.incidents = exits, incidents
+        self.values = mi.Float(values.ravel().astype(np.float32))
+        self.density = mi.Float(density.ravel().astype(np.float32))
+        self.running = mi.Float(running.ravel().astype(np.float32))
+        self.share = mi.Float(total.ravel().astype(np.float32))
+
+    def known(self, function, leaving):
+        """Return the row of a function for light that leaves along a direction."""
+        return function * self.exits + self.exit.find(leaving)
+
+    def gathered(self, function, leaving):
+        """Return the share of uniform light that leaves along a direction."""
+        return dr.gather(mi.Float, self.share, self.known(function, leaving))
+
+    def evaluate(self, function, incident, leaving):
+        """Return the BSDF [1/sr], and the density per projected solid angle."""
+        through = mi.Vector3f(-incident.x, -incident.y, incident.z)
+        cell = self.known(function, leaving) * self.incidents + self.incident.find(
+            through
+        )
+        return self._value(cell), dr.gather(mi.Float, self.density, cell)
+
+    def sample(self, function, leaving, u, v):
+        """Return a point of the disc that light comes from, its value and density."""
+        row = self.known(function, leaving) * self.incidents
+        patch = mi.UInt32(
+            dr.binary_search(
+                0,
+                self.incidents - 1,
+                lambda i: dr.gather(mi.Float, self.running, row + i) <= u,
+            )
+        )
+        cell = row + patch
+        high = dr.gather(mi.Float, self.running, cell)
+        low = dr.gather(mi.Float, self.running, cell - 1, patch > 0)
+        rest = dr.clip((u - low) / (high - low), 0, 0.9999999)
+        through = self.incident.sample(patch, rest, v)
+        density = dr.gather(mi.Float, self.density, cell)
+        return mi.Point2f(-through.x, -through.y), self._value(cell), density
+
+    def _value(self, cell):
+        if self.colours == 1:
+            return mi.Color3f(dr.gather(mi.Float, self.values, cell))
+        return mi.Color3f(
+            *[dr.gather(mi.Float, self.values, cell * 3 + i) for i in range(3)]
+        )

@@ -1,0 +1,332 @@
+"""Tensor trees for kernels: values, and where to look for incident light.
+
+A path arrives against the light, so it knows one direction and draws the other by
+walking down the tree: on each level into one of the four quarters of the unknown
+direction's square, in proportion to their means over what is still undecided of the
+known direction. The walk never enters a quarter without light, and never misses one
+with light.
+
+The functions of a layer stand one behind the other in one table of slots, laid out
+as in `bsdf.tree`.
+"""
+
+from collections.abc import Sequence
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from scipy.ndimage import maximum_filter
+
+from clerestory.bsdf.tree import ScatteringTree
+from clerestory.engine.square import disc_from_square, square_from_disc
+from clerestory.hemisphere import square
+
+# Edge of the grid on which the share of light gathered from all sides is tabulated.
+_GRID = 32
+
+# A function is given this chance at least, whatever the grid says.
+_LEAST = 1e-3
+
+# Rank 3 trees are turned round by points of their cells, this many along each axis;
+# what the points miss is met by a share of directions from the whole hemisphere.
+_WITHIN = 3
+_SPILL = 0.03
+_DEFENSIVE = 0.05
+
+
+class TreeTable:
+    """Tensor trees of one layer, all of one rank.
+
+    Parameters
+    ----------
+    functions : by number of the function, the trees of X, Y and Z, or one tree; None
+        where the layer has no such function
+    other : by number, the function of the other side that reciprocity makes equal, with
+        directions exchanged, where one is missing
+    """
+
+    def __init__(
+        self,
+        functions: Sequence[tuple[ScatteringTree, ...] | None],
+        other: Sequence[int],
+    ):
+        present = [part for part in functions if part is not None]
+        self.rank = present[0][0].rank
+        self.colours = max(len(part) for part in present)
+        self.middle = 1 if self.colours == 3 else 0
+        trees = [
+            None if part is None else part[min(colour, len(part) - 1)]
+            for part in functions
+            for colour in range(self.colours)
+        ]
+
+        # Rank 4 is drawn from as it is; rank 3 from trees with directions exchanged
+        numbers = range(len(functions))
+        known = [part is not None for part in functions]
+        own = [n if known[n] else o for n, o in zip(numbers, other, strict=True)]
+        self.own = mi.UInt32(np.array(own, dtype=np.uint32))
+        self.proposals = len(trees)
+        if self.rank == 3:
+            for number in numbers:
+                part = functions[own[number]]
+                tree = None if part is None else part[self.middle]
+                # What is read with directions exchanged is drawn from as it stands
+                trees.append(_exchanged(tree) if tree and known[number] else tree)
+        self._tabulate(trees)
+        shares = [self._shares(functions[n], functions[own[n]]) for n in numbers]
+        self.share = mi.Float(np.concatenate(shares).astype(np.float32))
+
+    def _tabulate(self, trees: list[ScatteringTree | None]) -> None:
+        zero = np.zeros(1, dtype=np.int32)
+        slots = [zero if tree is None else tree.slots for tree in trees]
+        means = [zero.view("f4") if tree is None else _means(tree) for tree in trees]
+        depth = [0 if tree is None else tree.depth for tree in trees]
+        start = np.concatenate([[0], np.cumsum([len(part) for part in slots])[:-1]])
+        self.slots = mi.Int32(np.concatenate(slots))
+        self.means = mi.Float(np.concatenate(means))
+        self.depth = mi.UInt32(np.array(depth, dtype=np.uint32))
+        self.start = mi.UInt32(start.astype(np.uint32))
+
+    def _shares(self, own, read) -> np.ndarray:
+        # Light gathered from all sides, for leaving directions over a grid
+        if read is None:
+            return np.zeros(_GRID * _GRID)
+        middle = (np.arange(_GRID) + 0.5) / _GRID
+        a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
+        x, y = square.disc_from_square(a, b)
+        height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+        direction = np.stack([x, y, height], axis=-1)
+        tree = read[self.middle]
+        exact = tree.reciprocal() if own is not None and self.rank == 4 else tree
+        return np.maximum(exact.hemispherical(direction), _LEAST)
+
+    def gathered(self, function, leaving):
+        """Return the share of uniform light that leaves along a direction, roughly."""
+        place = square_from_disc(leaving.x, leaving.y) * _GRID
+        row = dr.clip(mi.Int32(place.x), 0, _GRID - 1)
+        column = dr.clip(mi.Int32(place.y), 0, _GRID - 1)
+        cell = function * (_GRID * _GRID) + mi.UInt32(row * _GRID + column)
+        return dr.gather(mi.Float, self.share, cell)
+
+    def evaluate(self, function, incident, leaving):
+        """Return the BSDF [1/sr], or X, Y, Z, and the density per projected angle."""
+        if self.rank == 4:
+            value, density = self._read(function, incident, leaving, (2, 3))
+        else:
+            own = dr.gather(mi.UInt32, self.own, function)
+            swap = own != function
+            enter = dr.select(swap, leaving, incident)
+            leave = dr.select(swap, incident, leaving)
+            value, _ = self._read(own, enter, leave, ())
+            number = self.proposals + function
+            place = self._places(number, leaving, incident)
+            _, density = self._descend(number, place, (0,))
+            density = density * (1 - _DEFENSIVE) + _DEFENSIVE * dr.inv_pi
+        return value, density
+
+    def _read(self, function, incident, leaving, fixed):
+        # Values of all colours, and the density of drawing what is not fixed
+        number = function * self.colours + self.middle
+        place = self._places(number, incident, leaving)
+        luminous, density = self._descend(number, place, fixed)
+        if self.colours == 1:
+            return mi.Color3f(luminous), density
+        outer = []
+        for channel in (0, 2):
+            number = function * 3 + channel
+            place = self._places(number, incident, leaving)
+            outer.append(self._descend(number, place, ())[0])
+        return mi.Color3f(outer[0], luminous, outer[1]), density
+
+    def sample(self, function, leaving, u, v):
+        """Return a point of the disc that light comes from, its value and density."""
+        if self.rank == 4:
+            number = function * self.colours + self.middle
+            place = self._place(number, square_from_disc(leaving.x, leaving.y))
+            point = self._draw(number, {2: place[0], 3: place[1]}, (0, 1), u, v)
+            disc = -disc_from_square(point.x, point.y)
+        else:
+            # Keep a share for the whole hemisphere
+            everywhere = u < _DEFENSIVE
+            rest = dr.clip((u - _DEFENSIVE) / (1 - _DEFENSIVE), 0, 0.9999999)
+            number = self.proposals + function
+            radial = self._radial(number, leaving)
+            point = self._draw(number, {0: radial}, (1, 2), rest, v)
+            turned = disc_from_square(point.x, point.y)
+            cosine, sine = _azimuth(leaving)
+            disc = mi.Point2f(
+                cosine * turned.x - sine * turned.y, sine * turned.x + cosine * turned.y
+            )
+            disc = dr.select(
+                everywhere, disc_from_square(u / _DEFENSIVE, v), disc
+            )
+        height = dr.safe_sqrt(1 - dr.squared_norm(disc))
+        incident = mi.Vector3f(disc.x, disc.y, height)
+        value, density = self.evaluate(function, incident, leaving)
+        return disc, value, density
+
+    def _places(self, number, incident, leaving):
+        # Whole numbers of the finest cells along each dimension
+        if self.rank == 4:
+            one = self._place(number, square_from_disc(-incident.x, -incident.y))
+            other = self._place(number, square_from_disc(leaving.x, leaving.y))
+            return {0: one[0], 1: one[1], 2: other[0], 3: other[1]}
+        cosine, sine = _azimuth(incident)
+        turned = mi.Point2f(
+            cosine * leaving.x + sine * leaving.y, cosine * leaving.y - sine * leaving.x
+        )
+        other = self._place(number, square_from_disc(turned.x, turned.y))
+        return {0: self._radial(number, incident), 1: other[0], 2: other[1]}
+
+    def _place(self, number, point):
+        edge = mi.Int32(1) << mi.Int32(dr.gather(mi.UInt32, self.depth, number))
+        return [
+            mi.UInt32(dr.clip(mi.Int32(c * mi.Float(edge)), 0, edge - 1))
+            for c in (point.x, point.y)
+        ]
+
+    def _radial(self, number, direction):
+        # Half the distance from the rim, a little off the unused half of the tree
+        radius = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
+        inwards = dr.clip(0.5 - 1e-6 - 0.5 * radius, 0, 1)
+        return self._place(number, mi.Point2f(inwards, inwards))[0]
+
+    @dr.syntax
+    def _descend(self, number, place, fixed):
+        """Return the value of a cell, and how dense sampling would be in it."""
+        start = dr.gather(mi.UInt32, self.start, number)
+        code = dr.gather(mi.Int32, self.slots, start)
+        height = dr.gather(mi.UInt32, self.depth, number)
+        density = mi.Float(dr.inv_pi)
+        free = [d for d in range(self.rank) if d not in fixed]
+        while code < 0:
+            height -= 1
+            block = start + mi.UInt32(~code)
+            branch = mi.UInt32(0)
+            kept = mi.UInt32(0)
+            for dimension in range(self.rank):
+                bit = ((place[dimension] >> height) & 1) << dimension
+                branch |= bit
+                if dimension in fixed:
+                    kept |= bit
+            if dr.hint(len(free) == 2, mode="scalar"):
+                total = mi.Float(0)
+                for a in range(2):
+                    for b in range(2):
+                        quarter = block + kept + ((a << free[0]) | (b << free[1]))
+                        total += dr.gather(mi.Float, self.means, quarter)
+                here = dr.gather(mi.Float, self.means, block + branch)
+                density *= dr.select(total > 0, 4 * here / total, 0)
+            code = dr.gather(mi.Int32, self.slots, block + branch)
+        return dr.reinterpret_array(mi.Float, code), density
+
+    @dr.syntax
+    def _draw(self, number, known, free, u, v):
+        """Return a point of the square of the unknown direction."""
+        start = dr.gather(mi.UInt32, self.start, number)
+        code = dr.gather(mi.Int32, self.slots, start)
+        height = dr.gather(mi.UInt32, self.depth, number)
+        u, v = mi.Float(u), mi.Float(v)
+        corner = mi.Point2f(0)
+        size = mi.Float(1)
+        while code < 0:
+            height -= 1
+            block = start + mi.UInt32(~code)
+            for dimension, place in known.items():
+                block += ((place >> height) & 1) << dimension
+            low, high = 1 << free[0], 1 << free[1]
+            m00 = dr.gather(mi.Float, self.means, block)
+            m10 = dr.gather(mi.Float, self.means, block + low)
+            m01 = dr.gather(mi.Float, self.means, block + high)
+            m11 = dr.gather(mi.Float, self.means, block + (low + high))
+
+            # Choose a half along each side of the square; what is left of the number
+            # serves the next level
+            total = m00 + m01 + m10 + m11
+            first = dr.select(total > 0, (m00 + m01) / total, 0.5)
+            a = u >= first
+            u = dr.select(a, (u - first) / (1 - first), u / first)
+            lower, upper = dr.select(a, m10, m00), dr.select(a, m11, m01)
+            both = lower + upper
+            second = dr.select(both > 0, lower / both, 0.5)
+            b = v >= second
+            v = dr.select(b, (v - second) / (1 - second), v / second)
+            u, v = dr.clip(u, 0, 0.9999999), dr.clip(v, 0, 0.9999999)
+            size *= 0.5
+            corner.x += dr.select(a, size, 0)
+            corner.y += dr.select(b, size, 0)
+            branch = dr.select(a, mi.UInt32(low), 0) + dr.select(b, mi.UInt32(high), 0)
+            code = dr.gather(mi.Int32, self.slots, block + branch)
+        return mi.Point2f(corner.x + size * u, corner.y + size * v)
+
+
+def _azimuth(direction):
+    # Cosine and sine of the azimuth in which light from a direction goes straight on
+    radius = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
+    upright = radius == 0
+    scale = 1 / dr.select(upright, 1, radius)
+    return dr.select(upright, -1, -direction.x * scale), -direction.y * scale
+
+
+def _means(tree: ScatteringTree) -> np.ndarray:
+    # Mean value below each slot, from the smallest cells up
+    width = 1 << tree.rank
+    means = tree.slots.view(np.float32).astype(np.float64)
+    levels, code, at = [], tree.slots[:1], np.zeros(1, dtype=np.int64)
+    while True:
+        inner = code < 0
+        if not inner.any():
+            break
+        below = ~code[inner].astype(np.int64)
+        levels.append((at[inner], below))
+        at = (below[:, None] + np.arange(width)).ravel()
+        code = tree.slots[at]
+    for slot, below in reversed(levels):
+        means[slot] = means[below[:, None] + np.arange(width)].mean(axis=1)
+    return means.astype(np.float32)
+
+
+def _exchanged(tree: ScatteringTree) -> ScatteringTree:
+    # The rank 3 tree of the function with incident and leaving directions exchanged
+    edge = 1 << tree.depth
+    grid = (np.arange(_WITHIN) + 0.5) / _WITHIN
+    radial = (np.arange(edge // 2)[:, None] + grid).ravel() / edge
+    square_axis = (np.arange(edge)[:, None] + grid).ravel() / edge
+    a, b = np.meshgrid(square_axis, square_axis, indexing="ij")
+    x, y = square.disc_from_square(a.ravel(), b.ravel())
+    other = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
+    value = np.zeros((edge, edge, edge))
+    for step, inwards in enumerate(radial):
+        # A known direction whose straight-on azimuth is zero
+        radius = 1 - 2 * inwards
+        known = np.array([-radius, 0.0, np.sqrt(1 - radius * radius)])
+        found = tree.evaluate(other, np.broadcast_to(known, other.shape))
+        cells = found.reshape(edge, _WITHIN, edge, _WITHIN).mean(axis=(1, 3))
+        value[step // _WITHIN] += cells / _WITHIN
+
+    # Cells of one sense cut into the neighbours of those of the other
+    value += _SPILL * maximum_filter(value, size=3, mode="nearest")
+    value[edge // 2 :] = 0
+    return ScatteringTree(_full_slots(value), 3, tree.depth)
+
+
+def _full_slots(value: np.ndarray) -> np.ndarray:
+    # Slots of a tree with all its smallest cells, level by level
+    rank, depth = value.ndim, value.shape[0].bit_length() - 1
+    place = np.arange(1 << depth)
+    order = np.zeros(value.shape, dtype=np.int64)
+    for dimension in range(rank):
+        apart = np.zeros_like(place)
+        for bit in range(depth):
+            apart |= ((place >> bit) & 1) << (rank * bit + dimension)
+        shape = [-1 if axis == dimension else 1 for axis in range(rank)]
+        order |= apart.reshape(shape)
+    leaves = np.empty(value.size, dtype=np.float32)
+    leaves[order.ravel()] = value.ravel()
+    levels, first = [], 0
+    for level in range(depth):
+        count = 1 << rank * level
+        first += count
+        block = first + (np.arange(count) << rank)
+        levels.append(~block.astype(np.int32))
+    return np.concatenate([*levels, leaves.view(np.int32)])
