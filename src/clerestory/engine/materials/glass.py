@@ -1,0 +1,100 @@
+"""`radiance_glass`: a thin pane, clear or tinted.
+
+    {"type": "radiance_glass", "transmissivity": [0.9, 0.9, 0.9], "index": 1.52}
+
+Reference: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", type glass; M. Born
+and E. Wolf, Principles of Optics, section 1.5.2 (Fresnel's formulas).
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.materials.properties import colour
+
+
+def define() -> type:
+    """Return the plugin's class for the current variant."""
+
+    class RadianceGlass(mi.BSDF):
+        """A thin pane: Fresnel reflection and absorption in both passes, no refraction.
+
+        Internal reflections are summed for both polarisations, as glass.c of
+        Radiance does; the transmissivity is that of the pane's bulk at normal
+        incidence.
+        """
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.colour = colour(props, "transmissivity", 0.96)
+            self.index = mi.Float(props.get("index", 1.52))
+            dr.make_opaque(self.colour, self.index)
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            self.m_components = [
+                mi.BSDFFlags.DeltaReflection | sides,
+                mi.BSDFFlags.Null | sides,
+            ]
+            self.m_flags = self.m_components[0] | self.m_components[1]
+
+        def coefficients(self, cos_theta):
+            """Reflectance and transmittance of the pane at an angle."""
+            cos_theta = dr.maximum(cos_theta, 1e-4)
+            inner = dr.sqrt(1 - (1 - dr.square(cos_theta)) / dr.square(self.index))
+            bulk = dr.maximum(self.colour, 1e-15) ** (1 / inner)
+            electric = (cos_theta - self.index * inner) / (
+                cos_theta + self.index * inner
+            )
+            magnetic = (inner - self.index * cos_theta) / (
+                inner + self.index * cos_theta
+            )
+            reflected, transmitted = mi.Color3f(0), mi.Color3f(0)
+            for amplitude in (electric, magnetic):
+                r = dr.square(amplitude)
+                loss = 1 - dr.square(r * bulk)
+                passed = dr.square(1 - r) * bulk / loss
+                transmitted += 0.5 * passed
+                reflected += 0.5 * (r + r * bulk * passed)
+            return reflected, transmitted
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            reflected, transmitted = self.coefficients(dr.abs(si.wi.z))
+            through = mi.luminance(transmitted)
+            choose = through / (through + mi.luminance(reflected))
+            passes = sample1 < choose
+            pdf = dr.select(passes, choose, 1 - choose)
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = dr.select(passes, -si.wi, mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z))
+            bs.pdf = pdf
+            bs.eta = 1.0
+            bs.sampled_type = dr.select(
+                passes,
+                mi.UInt32(+mi.BSDFFlags.Null),
+                mi.UInt32(+mi.BSDFFlags.DeltaReflection),
+            )
+            bs.sampled_component = dr.select(passes, mi.UInt32(1), mi.UInt32(0))
+            weight = dr.select(passes, transmitted, reflected) / pdf
+            return bs, dr.select(active & (pdf > 0), weight, 0)
+
+        def eval_null_transmission(self, si, active=True):
+            return self.coefficients(dr.abs(si.wi.z))[1]
+
+        def eval(self, ctx, si, wo, active=True):
+            return mi.Color3f(0)
+
+        def pdf(self, ctx, si, wo, active=True):
+            return mi.Float(0)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            return mi.Color3f(0), mi.Float(0)
+
+        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
+            bs, weight = self.sample(ctx, si, sample1, sample2, active)
+            return mi.Color3f(0), mi.Float(0), bs, weight
+
+        def traverse(self, callback):
+            callback.put("transmissivity", self.colour, mi.ParamFlags.Differentiable)
+            callback.put("index", self.index, mi.ParamFlags.Differentiable)
+
+        def to_string(self):
+            return f"RadianceGlass[{self.colour}, {self.index}]"
+
+    return RadianceGlass

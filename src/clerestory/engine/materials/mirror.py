@@ -1,0 +1,51 @@
+"""`radiance_mirror`: a perfect mirror with a black back.
+
+    {"type": "radiance_mirror", "reflectance": [0.9, 0.9, 0.9]}
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.materials.properties import colour
+
+
+def define() -> type:
+    """Return the plugin's class for the current variant."""
+
+    class RadianceMirror(mi.BSDF):
+        """Specular reflection from the front; nothing from the back."""
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.colour = colour(props, "reflectance", 1.0)
+            self.m_components = [mi.BSDFFlags.DeltaReflection | mi.BSDFFlags.FrontSide]
+            self.m_flags = self.m_components[0]
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z)
+            bs.pdf = 1.0
+            bs.eta = 1.0
+            bs.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
+            return bs, dr.select(active & (si.wi.z > 0), self.colour, 0)
+
+        def eval(self, ctx, si, wo, active=True):
+            return mi.Color3f(0)
+
+        def pdf(self, ctx, si, wo, active=True):
+            return mi.Float(0)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            return mi.Color3f(0), mi.Float(0)
+
+        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
+            bs, weight = self.sample(ctx, si, sample1, sample2, active)
+            return mi.Color3f(0), mi.Float(0), bs, weight
+
+        def traverse(self, callback):
+            callback.put("reflectance", self.colour, mi.ParamFlags.Differentiable)
+
+        def to_string(self):
+            return f"RadianceMirror[{self.colour}]"
+
+    return RadianceMirror

@@ -1,0 +1,85 @@
+"""`radiance_mixture`: two materials side by side, too finely to be seen apart.
+
+    {"type": "radiance_mixture", "amount": 0.8,
+     "foreground": {"type": "radiance_plastic"}, "background": {"type": "null"}}
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.materials.properties import number
+
+
+def define() -> type:
+    """Return the plugin's class for the current variant."""
+
+    class RadianceMixture(mi.BSDF):
+        """Mean of two materials, weighted by the share of the foreground."""
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.amount = number(props, "amount", 0.5)
+            self.foreground = props["foreground"]
+            self.background = props["background"]
+            parts = (self.foreground, self.background)
+            self.m_components = [
+                part.flags(i) for part in parts for i in range(part.component_count())
+            ]
+            self.m_flags = parts[0].flags() | parts[1].flags()
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            # Choose one by its share, and use the random number again
+            front = sample1 < self.amount
+            again = dr.select(
+                front,
+                sample1 / self.amount,
+                (sample1 - self.amount) / (1 - self.amount),
+            )
+            again = dr.minimum(again, dr.one_minus_epsilon(mi.Float))
+            one, gain = self.foreground.sample(ctx, si, again, sample2, active & front)
+            two, other = self.background.sample(
+                ctx, si, again, sample2, active & ~front
+            )
+            bs = dr.select(front, one, two)
+            weight = dr.select(front, gain, other)
+
+            # Either could have led to a direction that is not singular
+            peak = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+            chance = dr.select(front, self.amount, 1 - self.amount)
+            bs.pdf = dr.select(
+                peak, bs.pdf * chance, self.pdf(ctx, si, bs.wo, active & ~peak)
+            )
+            return bs, dr.select(active, weight, 0)
+
+        def eval_null_transmission(self, si, active=True):
+            return self.amount * self.foreground.eval_null_transmission(si, active) + (
+                1 - self.amount
+            ) * self.background.eval_null_transmission(si, active)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            value, pdf = self.foreground.eval_pdf(ctx, si, wo, active)
+            other, other_pdf = self.background.eval_pdf(ctx, si, wo, active)
+            return dr.lerp(other, value, self.amount), dr.lerp(
+                other_pdf, pdf, self.amount
+            )
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
+            value, pdf = self.eval_pdf(ctx, si, wo, active)
+            bs, weight = self.sample(ctx, si, sample1, sample2, active)
+            return value, pdf, bs, weight
+
+        def traverse(self, callback):
+            callback.put("amount", self.amount, mi.ParamFlags.Differentiable)
+            callback.put("foreground", self.foreground, mi.ParamFlags.Differentiable)
+            callback.put("background", self.background, mi.ParamFlags.Differentiable)
+
+        def to_string(self):
+            return f"RadianceMixture[{self.foreground}, {self.background}]"
+
+    return RadianceMixture

@@ -1,0 +1,122 @@
+"""`radiance_plastic`: plastic and metal, with a round or an elliptical highlight.
+
+    {"type": "radiance_plastic", "reflectance": [0.5, 0.4, 0.3], "specularity": 0.05,
+     "roughness": 0.1}
+
+`metallic` gives the highlight the colour of the rest; `roughness_v` and `up` make it
+elliptical, with `roughness` along `up`. At roughness zero it is a mirror image whose
+strength grows towards grazing angles.
+
+Radiance lessens the diffuse part of such a smooth coat by the angle of view, and for
+lamps and sun by that of the light as well. Here it is the angle of view alone, as for
+Radiance's ambient light: only this part of the material is not reciprocal.
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.materials.coat import grazing_share
+from clerestory.engine.materials.highlight import Highlight
+from clerestory.engine.materials.properties import colour, number
+
+
+def define() -> type:
+    """Return the plugin's class for the current variant."""
+
+    class RadiancePlastic(mi.BSDF):
+        """Diffuse and specular reflection, alike on both sides."""
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.colour = colour(props, "reflectance", 0.5)
+            self.specularity = number(props, "specularity", 0.0)
+            self.metallic = number(props, "metallic", False)
+            self.highlight = Highlight(props)
+            diffuse = mi.BSDFFlags.DiffuseReflection
+            glossy = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.DeltaReflection
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            self.m_components = [diffuse | sides, glossy | sides]
+            self.m_flags = self.m_components[0] | self.m_components[1]
+
+        def shares(self, cos_theta):
+            """Diffuse and specular reflectance, and the chance of the latter."""
+            added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
+            rest = 1 - self.specularity
+            tint = 1 - self.metallic * (1 - self.colour)
+            specular = tint * (self.specularity * (1 - added)) + added
+            diffuse = self.colour * (rest * (1 - added))
+            strength = dr.max(specular)
+            chance = strength / (strength + dr.max(diffuse))
+            return diffuse, specular, dr.select(strength > 0, chance, 0)
+
+        def evaluate(self, si, wi, wo, active):
+            """BRDF × cosine and pdf, without the mirror's peak; wi on the side z > 0."""
+            active = active & (wi.z > 0) & (wo.z > 0)
+            diffuse, specular, chance = self.shares(wi.z)
+            value, pdf = self.highlight.reflected(self.highlight.at(si), wi, wo)
+            peak = self.highlight.smooth
+            value = dr.select(peak, 0, value * wo.z) * specular
+            pdf = dr.select(peak, 0, pdf * chance)
+            value += diffuse * (dr.inv_pi * wo.z)
+            pdf += (1 - chance) * dr.inv_pi * wo.z
+            return dr.select(active, value, 0), dr.select(active, pdf, 0)
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            side = dr.sign(si.wi.z)
+            wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
+            _, specular, chance = self.shares(wi.z)
+            shiny = sample1 < chance
+            peak = shiny & self.highlight.smooth
+
+            # Reflect about a facet, or go anywhere diffusely
+            shape = self.highlight.at(si)
+            wo = dr.select(
+                shiny,
+                self.highlight.sample_reflected(shape, wi, sample2),
+                mi.warp.square_to_cosine_hemisphere(sample2),
+            )
+            value, pdf = self.evaluate(si, wi, wo, active)
+            weight = dr.select(peak, specular / chance, value / pdf)
+            pdf = dr.select(peak, chance, pdf)
+            valid = active & (wo.z > 0) & (wi.z > 0) & (pdf > 0)
+
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = mi.Vector3f(wo.x, wo.y, wo.z * side)
+            bs.pdf = dr.select(valid, pdf, 0)
+            bs.eta = 1.0
+            bs.sampled_type = dr.select(
+                shiny,
+                dr.select(
+                    peak,
+                    mi.UInt32(+mi.BSDFFlags.DeltaReflection),
+                    mi.UInt32(+mi.BSDFFlags.GlossyReflection),
+                ),
+                mi.UInt32(+mi.BSDFFlags.DiffuseReflection),
+            )
+            bs.sampled_component = dr.select(shiny, mi.UInt32(1), mi.UInt32(0))
+            return bs, dr.select(valid, weight, 0)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
+            wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
+            return self.evaluate(si, wi, wo, active)
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
+            value, pdf = self.eval_pdf(ctx, si, wo, active)
+            bs, weight = self.sample(ctx, si, sample1, sample2, active)
+            return value, pdf, bs, weight
+
+        def traverse(self, callback):
+            callback.put("reflectance", self.colour, mi.ParamFlags.Differentiable)
+            callback.put("specularity", self.specularity, mi.ParamFlags.Differentiable)
+
+        def to_string(self):
+            return f"RadiancePlastic[{self.colour}, {self.specularity}]"
+
+    return RadiancePlastic

@@ -1,0 +1,184 @@
+"""`radiance_trans`: translucent sheets, with round or elliptical highlights.
+
+    {"type": "radiance_trans", "reflectance": [0.9, 0.9, 0.9], "specularity": 0.05,
+     "roughness": 0.1, "transmission": 0.6, "transmitted_specular": 0.5}
+
+Of what the highlight leaves, `transmission` passes, and of that the share
+`transmitted_specular` without being diffused: straight on at roughness zero, where
+shadow rays may follow it, and in a lobe otherwise. See `radiance_plastic` for the rest.
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.materials.coat import grazing_share
+from clerestory.engine.materials.highlight import Highlight
+from clerestory.engine.materials.properties import colour, number
+
+
+def define() -> type:
+    """Return the plugin's class for the current variant."""
+
+    class RadianceTrans(mi.BSDF):
+        """Diffuse and specular reflection and transmission, alike on both sides."""
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.colour = colour(props, "reflectance", 0.5)
+            self.specularity = number(props, "specularity", 0.0)
+            self.transmission = number(props, "transmission", 0.5)
+            self.unscattered = number(props, "transmitted_specular", 0.0)
+            self.highlight = Highlight(props)
+            flags = mi.BSDFFlags
+            sides = flags.FrontSide | flags.BackSide
+            if self.highlight.is_smooth:
+                mirrored, passed = flags.DeltaReflection, flags.Null
+            else:
+                mirrored, passed = flags.GlossyReflection, flags.GlossyTransmission
+            self.m_components = [
+                flags.DiffuseReflection | sides,
+                flags.DiffuseTransmission | sides,
+                mirrored | sides,
+                passed | sides,
+            ]
+            self.m_flags = sides
+            for component in self.m_components:
+                self.m_flags = self.m_flags | component
+
+        def shares(self, cos_theta):
+            """Share of each way: diffuse back and through, specular back and through."""
+            added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
+            rest = (1 - self.specularity) * (1 - added)
+            passed = self.transmission * rest
+            straight = passed * self.unscattered
+            return (
+                self.colour * (rest - passed),
+                self.colour * (passed - straight),
+                mi.Color3f(1 - rest),
+                self.colour * straight,
+            )
+
+        def chances(self, shares):
+            """Probability of sampling each way."""
+            strength = [dr.max(share) for share in shares]
+            total = sum(strength)
+            return [dr.select(total > 0, each / total, 0) for each in strength]
+
+        def evaluate(self, si, wi, wo, active):
+            """BSDF × cosine and pdf, without peaks; wi on the side z > 0."""
+            active = active & (wi.z > 0) & (wo.z != 0)
+            shares = self.shares(wi.z)
+            chances = self.chances(shares)
+            shape, smooth = self.highlight.at(si), self.highlight.smooth
+            cosine = dr.abs(wo.z)
+            even = dr.inv_pi * cosine
+
+            # Back to the side the light comes from
+            lobe, density = self.highlight.reflected(shape, wi, wo)
+            lobe = dr.select(smooth, 0, lobe * cosine)
+            back = shares[0] * even + shares[2] * lobe
+            back_pdf = chances[0] * even + dr.select(smooth, 0, chances[2] * density)
+
+            # Through to the other side
+            lobe, density = self.highlight.passed(shape, wi, wo)
+            lobe = dr.select(smooth, 0, lobe)
+            through = shares[1] * even + shares[3] * lobe
+            through_pdf = chances[1] * even + dr.select(smooth, 0, chances[3] * density)
+
+            reflects = wo.z > 0
+            value = dr.select(reflects, back, through)
+            pdf = dr.select(reflects, back_pdf, through_pdf)
+            return dr.select(active, value, 0), dr.select(active, pdf, 0)
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            side = dr.sign(si.wi.z)
+            wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
+            shares = self.shares(wi.z)
+            chances = self.chances(shares)
+            shape = self.highlight.at(si)
+
+            # Choose the way, then the direction
+            back = sample1 < chances[0]
+            diffuse = sample1 < chances[0] + chances[1]
+            mirrored = ~diffuse & (sample1 < chances[0] + chances[1] + chances[2])
+            even = mi.warp.square_to_cosine_hemisphere(sample2)
+            even.z = dr.select(back, even.z, -even.z)
+            straight = dr.select(
+                self.highlight.smooth,
+                -wi,
+                self.highlight.sample_passed(shape, wi, sample2),
+            )
+            shiny = dr.select(
+                mirrored, self.highlight.sample_reflected(shape, wi, sample2), straight
+            )
+            wo = dr.select(diffuse, even, shiny)
+            reflects = back | mirrored
+
+            value, pdf = self.evaluate(si, wi, wo, active)
+            peak = ~diffuse & self.highlight.smooth
+            chance = dr.select(mirrored, chances[2], chances[3])
+            share = dr.select(mirrored, shares[2], shares[3])
+            weight = dr.select(peak, share / chance, value / pdf)
+            pdf = dr.select(peak, chance, pdf)
+            valid = active & (wi.z > 0) & ((wo.z > 0) == reflects) & (pdf > 0)
+
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = mi.Vector3f(wo.x, wo.y, wo.z * side)
+            bs.pdf = dr.select(valid, pdf, 0)
+            bs.eta = 1.0
+            bs.sampled_type = self.kinds(diffuse, reflects, peak)
+            bs.sampled_component = dr.select(reflects, mi.UInt32(0), mi.UInt32(1)) + (
+                dr.select(diffuse, mi.UInt32(0), mi.UInt32(2))
+            )
+            return bs, dr.select(valid, weight, 0)
+
+        def kinds(self, diffuse, reflects, peak):
+            """Mitsuba's name of what was sampled."""
+
+            def flag(back, through):
+                return dr.select(reflects, mi.UInt32(+back), mi.UInt32(+through))
+
+            flags = mi.BSDFFlags
+            return dr.select(
+                diffuse,
+                flag(flags.DiffuseReflection, flags.DiffuseTransmission),
+                dr.select(
+                    peak,
+                    flag(flags.DeltaReflection, flags.Null),
+                    flag(flags.GlossyReflection, flags.GlossyTransmission),
+                ),
+            )
+
+        def eval_null_transmission(self, si, active=True):
+            straight = self.shares(dr.abs(si.wi.z))[3]
+            return dr.select(self.highlight.smooth & active, straight, 0)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
+            wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
+            return self.evaluate(si, wi, wo, active)
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
+            value, pdf = self.eval_pdf(ctx, si, wo, active)
+            bs, weight = self.sample(ctx, si, sample1, sample2, active)
+            return value, pdf, bs, weight
+
+        def traverse(self, callback):
+            for name, value in (
+                ("reflectance", self.colour),
+                ("specularity", self.specularity),
+                ("transmission", self.transmission),
+                ("transmitted_specular", self.unscattered),
+            ):
+                callback.put(name, value, mi.ParamFlags.Differentiable)
+
+        def to_string(self):
+            return f"RadianceTrans[{self.colour}, {self.transmission}]"
+
+    return RadianceTrans
