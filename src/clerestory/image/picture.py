@@ -37,7 +37,7 @@ class Picture:
     Examples
     --------
     >>> grey = Picture(np.ones((2, 3, 3), dtype=np.float32))
-    >>> grey.rows, grey.columns, float(grey.luminance()[0, 0])
+    >>> grey.rows, grey.columns, round(float(grey.luminance()[0, 0]), 3)
     (2, 3, 179.0)
     """
 

@@ -151,7 +151,9 @@ def _chain(
     return np.sort(codes[kept[lines]]), head[chosen], at
 
 
-def _expand(data: _Bytes, codes: np.ndarray, starts: np.ndarray, width: int) -> _Bytes:
+def _expand(
+    data: _Bytes, codes: np.ndarray, starts: np.ndarray, width: int
+) -> UInt8[np.ndarray, "rows width 4"]:
     # How often each byte is repeated: heads and codes never, literals once
     times = np.ones(data.size, dtype=np.int64)
     times[starts[:, None] + np.arange(4)] = 0
