@@ -122,7 +122,7 @@ def spread(u, v, number: int):
     return u - dr.floor(u), v - dr.floor(v)
 
 
-def _towards(origin, point) -> mi.Ray3f:
+def towards(origin, point) -> mi.Ray3f:
     # A ray that ends just before a point, also from an origin moved off its surface
     across = point - origin
     distance = dr.norm(across)
@@ -131,10 +131,20 @@ def _towards(origin, point) -> mi.Ray3f:
     return ray
 
 
-@dr.syntax
 def visibility(model: LoweredScene, origin, line: Connection, active: mi.Bool):
     """Return the share of light that passes along a connection, by channel."""
-    ray = _towards(origin, line.point)
+    return passed(model, origin, lambda start: towards(start, line.point), active)
+
+
+@dr.syntax
+def passed(model: LoweredScene, origin, aim, active: mi.Bool):
+    """Return the share of light that comes straight to a point, by channel.
+
+    Parameters
+    ----------
+    aim : function that returns the ray from a point to where the light comes from
+    """
+    ray = aim(origin)
     seen = mi.Color3f(1)
     if dr.hint(model.panes, mode="scalar"):
         # Look through panes of glass until something opaque stands in the way
@@ -145,11 +155,16 @@ def visibility(model: LoweredScene, origin, line: Connection, active: mi.Bool):
             si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, blocked)
             si.sh_frame = mi.Frame3f(si.n)
             si.wi = si.to_local(-ray.d)
-            pane = blocked & mi.has_flag(si.bsdf().flags(), mi.BSDFFlags.Null)
-            through = si.bsdf().eval_null_transmission(si, pane)
-            seen = dr.select(blocked, dr.select(pane, seen * through, 0), seen)
+            shape = dr.reinterpret_array(mi.UInt32, si.shape)
+            proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, blocked) != 0
+            lamp = dr.gather(mi.UInt32, model.lamp_of_shape, shape, blocked) > 0
+            pane = blocked & mi.has_flag(si.bsdf().flags(), mi.BSDFFlags.Null) & ~lamp
+            through = si.bsdf().eval_null_transmission(si, pane & ~proxy)
+            through = dr.select(proxy, 1, dr.select(pane, through, 0))
+            seen = dr.select(blocked, seen * through, seen)
+            pane = blocked & (dr.max(seen) > 0)
             start = offset(model, si, ray.d, pane)
-            ray = _towards(dr.select(pane, start, ray.o), line.point)
+            ray = aim(dr.select(pane, start, ray.o))
             looking &= pane
     else:
         seen = dr.select(active & model.scene.ray_test(ray, active), 0, seen)
@@ -264,8 +279,8 @@ def walk(
         sample, factor = bsdf.sample(context, si, lobe, mi.Point2f(u, v), active)
 
         # Continue the path; panes that it passes straight leave it as it was
-        diffuse = mi.has_flag(sample.sampled_type, mi.BSDFFlags.DiffuseReflection)
-        delta = mi.has_flag(sample.sampled_type, mi.BSDFFlags.DeltaReflection)
+        diffuse = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Diffuse)
+        delta = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta)
         null = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Null)
         weight *= factor
         direction = si.to_world(sample.wo)

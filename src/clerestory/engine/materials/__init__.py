@@ -6,7 +6,7 @@ side of a surface, as Radiance's do, but for `radiance_mirror` and the two media
 share one kernel.
 
 `register` defines the plugins for the variant in use; Mitsuba's base class is another
-one in each variant. `plugin` describes a material of a scene.
+one in each variant. `plugin` describes a material of a scene, `load` makes it.
 """
 
 import mitsuba as mi
@@ -19,9 +19,9 @@ from clerestory.engine.materials import (
     plastic,
     trans,
 )
-from clerestory.engine.materials.describe import plugin
+from clerestory.engine.materials.describe import load, plugin
 
-__all__ = ["absorber", "plugin", "register"]
+__all__ = ["absorber", "load", "plugin", "register"]
 
 _PLUGINS = {
     "radiance_plastic": plastic,

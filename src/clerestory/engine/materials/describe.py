@@ -1,10 +1,10 @@
 """From a material of a scene to the description of its Mitsuba plugin."""
 
-from collections.abc import Mapping
+import mitsuba as mi
 
-import numpy as np
-
+from clerestory.engine import bsdf_file
 from clerestory.scene.model import (
+    BsdfSurface,
     Dielectric,
     Glass,
     Glow,
@@ -27,8 +27,14 @@ from clerestory.scene.model import (
 Description = dict[str, object]
 
 
-def plugin(material: Material) -> Description:
-    """Return the Mitsuba description of a material.
+def load(material: Material) -> mi.BSDF:
+    """Return the Mitsuba BSDF of a material."""
+    made = plugin(material)
+    return made if isinstance(made, mi.BSDF) else mi.load_dict(made)
+
+
+def plugin(material: Material) -> Description | mi.BSDF:
+    """Return the Mitsuba description of a material; for a BSDF file, the plugin itself.
 
     Surfaces that shine take part in a trace as absorbers: what they send is scored
     elsewhere. An illum and a mirror with an alternate are what replaces them.
@@ -81,23 +87,12 @@ def plugin(material: Material) -> Description:
             }
         case Mirror(alternate=other) | Illum(alternate=other):
             return plugin(other)
+        case BsdfSurface():
+            return bsdf_file.plugin(material)
         case Void():
             return {"type": "null"}
         case Glow() | Light() | Spotlight():
             return {"type": "radiance_plastic", "reflectance": [0.0, 0.0, 0.0]}
-
-
-def is_grey(description: Mapping[str, object]) -> bool:
-    """Whether a material acts alike on all channels, by its description.
-
-    Three numbers in a description are a colour, but for the up vector.
-    """
-    for name, value in description.items():
-        if isinstance(value, Mapping) and not is_grey(value):
-            return False
-        if isinstance(value, list) and name != "up" and np.ptp(value) != 0:
-            return False
-    return True
 
 
 def _sheet(

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
-
 # Radiance calls surfaces of smaller squared roughness smooth (normal.c, SP_PURE)
 _SMOOTHEST = 1e-6
 
@@ -63,7 +62,7 @@ class Highlight:
         roughness = float(props.get("roughness", 0.0))
         other = float(props.get("roughness_v", roughness))
         self.up = None
-        if props.has_property("up"):
+        if "up" in props:
             self.up = mi.Vector3f([float(each) for each in props["up"]])
             dr.make_opaque(self.up)
         # Plain numbers to Python; the same in all kernels, as they are opaque
@@ -112,9 +111,7 @@ class Highlight:
         u = length * turn_cos * dr.sqrt(shape.u2)
         v = length * turn_sin * dr.sqrt(shape.v2)
         half = dr.normalize(
-            mi.Vector3f(
-                u * shape.cos - v * shape.sin, u * shape.sin + v * shape.cos, 1
-            )
+            mi.Vector3f(u * shape.cos - v * shape.sin, u * shape.sin + v * shape.cos, 1)
         )
         return 2 * dr.dot(wi, half) * half - wi
 
@@ -144,5 +141,3 @@ class Highlight:
         turn_sin, turn_cos = dr.sincos(2 * dr.pi * sample.y)
         local = mi.Vector3f(sine * turn_cos, sine * turn_sin, 1 + fall)
         return mi.Frame3f(-wi).to_world(local)
-
-

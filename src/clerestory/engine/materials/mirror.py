@@ -1,6 +1,6 @@
 """`radiance_mirror`: a perfect mirror with a black back.
 
-    {"type": "radiance_mirror", "reflectance": [0.9, 0.9, 0.9]}
+{"type": "radiance_mirror", "reflectance": [0.9, 0.9, 0.9]}
 """
 
 import drjit as dr

@@ -1,7 +1,7 @@
 """`radiance_mixture`: two materials side by side, too finely to be seen apart.
 
-    {"type": "radiance_mixture", "amount": 0.8,
-     "foreground": {"type": "radiance_plastic"}, "background": {"type": "null"}}
+{"type": "radiance_mixture", "amount": 0.8,
+ "foreground": {"type": "radiance_plastic"}, "background": {"type": "null"}}
 """
 
 import drjit as dr

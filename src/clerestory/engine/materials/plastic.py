@@ -50,7 +50,7 @@ def define() -> type:
             return diffuse, specular, dr.select(strength > 0, chance, 0)
 
         def evaluate(self, si, wi, wo, active):
-            """BRDF × cosine and pdf, without the mirror's peak; wi on the side z > 0."""
+            """BRDF × cosine and pdf, without the mirror's peak; wi at z > 0."""
             active = active & (wi.z > 0) & (wo.z > 0)
             diffuse, specular, chance = self.shares(wi.z)
             value, pdf = self.highlight.reflected(self.highlight.at(si), wi, wo)

@@ -46,7 +46,7 @@ def define() -> type:
                 self.m_flags = self.m_flags | component
 
         def shares(self, cos_theta):
-            """Share of each way: diffuse back and through, specular back and through."""
+            """Shares: diffuse back and through, specular back and through."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = (1 - self.specularity) * (1 - added)
             passed = self.transmission * rest
