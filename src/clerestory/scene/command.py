@@ -1,4 +1,7 @@
-"""Inline commands of .rad files: xform and cat, read natively; no shell is involved."""
+"""Inline commands of .rad files, run natively: xform, cat and the generators.
+
+No shell is involved, and no program is started.
+"""
 
 import math
 import shlex
@@ -8,6 +11,7 @@ from pathlib import Path
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
+from clerestory.scene.generators.catalogue import GENERATORS, generate
 from clerestory.scene.placement import Placement
 from clerestory.scene.xform import parse_transform
 
@@ -17,14 +21,22 @@ _MOST_COPIES = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Inclusion:
-    """Files that a command reads, and the places where it puts copies of them."""
+    """What a command includes, and the places where it puts copies.
+
+    Attributes
+    ----------
+    files : what it reads
+    placements : one for each copy
+    text : what a generator makes, on a single line; empty if files are read
+    """
 
     files: tuple[str, ...]
     placements: tuple[Placement, ...]
+    text: str = ""
 
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
-    """Return what the command `xform …` or `cat …` includes, alone or in a pipe.
+    """Return what `xform …`, `cat …` or a generator includes, alone or in a pipe.
 
     Parameters
     ----------
@@ -33,10 +45,17 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
 
     Raises
     ------
-    InputError : another command, or options that xform does not know
+    InputError : another command, or options that it does not know
     """
     stages = _stages(text)
-    files, placements = _first_stage(stages[0], text, find)
+    program = _program(stages[0])
+    made = ""
+    files: list[str] = []
+    placements = [Placement()]
+    if program in GENERATORS:
+        made = generate(program, stages[0][1:], find)
+    else:
+        files, placements = _first_stage(stages[0], text, find)
     for words in stages[1:]:
         outer, more = (
             _xform(words[1:], find) if _program(words) == "xform" else ([], ["?"])
@@ -46,7 +65,7 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
         if len(outer) * len(placements) > _MOST_COPIES:
             raise InputError(f"the command makes more than {_MOST_COPIES} copies")
         placements = [inner.then(o) for o in outer for inner in placements]
-    return Inclusion(tuple(files), tuple(placements))
+    return Inclusion(tuple(files), tuple(placements), made)
 
 
 def _stages(text: str) -> list[list[str]]:
@@ -100,9 +119,9 @@ def _program(words: list[str]) -> str:
 
 def _refusal(text: str, part: str) -> InputError:
     return InputError(
-        f'"{part}" in the command "{text.strip()}" is not run, only xform and cat are'
-        " read here; run the command yourself, save what it prints as a .rad file and"
-        " include that file"
+        f'"{part}" in the command "{text.strip()}" is not run, only xform, cat,'
+        f" {', '.join(GENERATORS)} are; run the command yourself, save what it prints"
+        " as a .rad file and include that file"
     )
 
 

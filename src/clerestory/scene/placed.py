@@ -1,6 +1,7 @@
 """The items of a .rad file and of all it includes, each in its place in the scene."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -66,10 +67,19 @@ class _Walk:
     def items(
         self, path: Path, placement: Placement, within: tuple[Path, ...]
     ) -> Iterator[Placed]:
-        file = str(path)
         if path not in self.loaded:
-            self.loaded[path] = _load(path)
-        for item in self.loaded[path]:
+            self.loaded[path] = _parsed(read_text(path), str(path))
+        yield from self._put(self.loaded[path], path, placement, within)
+
+    def _put(
+        self,
+        items: tuple[Item | Command, ...],
+        path: Path,
+        placement: Placement,
+        within: tuple[Path, ...],
+    ) -> Iterator[Placed]:
+        file = str(path)
+        for item in items:
             match item:
                 case Command():
                     yield from self._included(item, path, placement, within)
@@ -87,30 +97,41 @@ class _Walk:
         placement: Placement,
         within: tuple[Path, ...],
     ) -> Iterator[Placed]:
-        for found, inner in self._inclusion(command, path, placement, within):
-            yield from self.items(found, inner, (*within, path))
+        inclusion, placements = self._inclusion(command, path, placement)
+        if inclusion.text:
+            # A generator's text has one line, that of its command
+            text = "\n" * (command.line - 1) + inclusion.text
+            made = _parsed(text, str(path))
+            for inner in placements:
+                yield from self._put(made, path, inner, within)
+            return
+        found = self._found(inclusion, command, path, within)
+        for inner in placements:
+            for included in found:
+                yield from self.items(included, inner, (*within, path))
 
     def _inclusion(
-        self,
-        command: Command,
-        path: Path,
-        placement: Placement,
-        within: tuple[Path, ...],
-    ) -> list[tuple[Path, Placement]]:
-        # Paths and placements that a command stands for, in order
-        try:
-            inclusion: Inclusion = parse_command(
+        self, command: Command, path: Path, placement: Placement
+    ) -> tuple[Inclusion, list[Placement]]:
+        # What a command stands for, and where its copies come to lie
+        with _located(path, command.line):
+            inclusion = parse_command(
                 command.text, find=lambda name: self._find(name, path)
             )
+            return inclusion, [p.then(placement) for p in inclusion.placements]
+
+    def _found(
+        self,
+        inclusion: Inclusion,
+        command: Command,
+        path: Path,
+        within: tuple[Path, ...],
+    ) -> list[Path]:
+        with _located(path, command.line):
             files = [self._find(name, path) for name in inclusion.files]
             for found in files:
                 _refuse_recursion(found, (*within, path))
-            placements = [inner.then(placement) for inner in inclusion.placements]
-        except InputError as error:
-            if error.file is not None:
-                raise
-            raise InputError(error.message, file=path, line=command.line) from error
-        return [(found, place) for place in placements for found in files]
+        return files
 
     def _find(self, name: str, path: Path) -> Path:
         folders = dict.fromkeys([self.top, path.parent, Path()])
@@ -121,6 +142,17 @@ class _Walk:
         raise InputError(f'the file "{name}" is missing; looked for in {tried}')
 
 
+@contextmanager
+def _located(path: Path, line: int) -> Iterator[None]:
+    # Errors without a place get this one
+    try:
+        yield
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise InputError(error.message, file=path, line=line) from error
+
+
 def _refuse_recursion(found: Path, within: tuple[Path, ...]) -> None:
     if any(found.samefile(p) for p in within):
         chain = " → ".join(p.name for p in (*within, found))
@@ -129,10 +161,9 @@ def _refuse_recursion(found: Path, within: tuple[Path, ...]) -> None:
         raise InputError(f"files are nested more than {_DEEPEST} deep")
 
 
-def _load(path: Path) -> tuple[Item | Command, ...]:
-    file = str(path)
+def _parsed(text: str, file: str) -> tuple[Item | Command, ...]:
     items: list[Item | Command] = []
-    for statement in parse_statements(read_text(path), file=file):
+    for statement in parse_statements(text, file=file):
         match statement:
             case PolygonRun():
                 items.append(checked(statement, file=file))

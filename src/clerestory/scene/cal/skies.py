@@ -12,6 +12,7 @@ Energy 50 (3), 1993. Arguments and horizon are those of Radiance's two files.
 from collections.abc import Mapping
 
 import numpy as np
+from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.scene.cal.library import Native, Surroundings, Values
@@ -38,13 +39,8 @@ def _over_ground(height: Values, sky: Values, ground: float) -> Values:
     return value
 
 
-def _toward_sun(
-    env: Surroundings, sun: tuple[float, ...]
-) -> tuple[Values, Values, np.ndarray]:
-    # Directions, the cosine of their angle to the sun, and the sun
-    direction = np.stack([env.value(name) for name in _DIRECTION], axis=1)
-    towards = np.array(sun)
-    return direction, direction @ towards, towards
+def _directions(env: Surroundings) -> Float[np.ndarray, "rays 3"]:
+    return np.stack([env.value(name) for name in _DIRECTION], axis=1)
 
 
 def _gensky(env: Surroundings) -> Values:
@@ -54,14 +50,13 @@ def _gensky(env: Surroundings) -> Values:
         case 1:
             sky = _clear(env, zenith)
         case 2:
-            up = np.stack([env.value(name) for name in _DIRECTION], axis=1)
-            sky = zenith * Overcast().relative(up, sun=np.array([0.0, 0.0, 1.0]))
+            up = np.array([0.0, 0.0, 1.0])
+            sky = zenith * Overcast().relative(_directions(env), sun=up)
         case 3:
             sky = np.full(height.shape, zenith)
         case 4:
             normalisation, *sun = _need(env, 7, "skybr")[3:7]
-            direction, _, towards = _toward_sun(env, tuple(sun))
-            relative = _intermediate(direction, towards)
+            relative = _intermediate(_directions(env), np.array(sun))
             sky = zenith * relative / normalisation
         case _:
             raise InputError(f"skybr has no sky {kind:g}; 1 to 4 expected")
@@ -70,7 +65,8 @@ def _gensky(env: Surroundings) -> Values:
 
 def _clear(env: Surroundings, zenith: float) -> Values:
     normalisation, *sun = _need(env, 7, "skybr")[3:7]
-    direction, cosine, _ = _toward_sun(env, tuple(sun))
+    direction = _directions(env)
+    cosine = direction @ np.array(sun)
     height = direction[:, 2]
     gamma = np.arccos(np.clip(cosine, -1, 1))
     indicatrix = 0.91 + 10 * np.exp(-3 * gamma) + 0.45 * cosine**2
@@ -93,7 +89,8 @@ def _intermediate(direction: np.ndarray, sun: np.ndarray) -> Values:
 
 def _perez(env: Surroundings) -> Values:
     scale, ground, a, b, c, d, e, *sun = _need(env, 10, "skybright")[:10]
-    direction, cosine, _ = _toward_sun(env, tuple(sun))
+    direction = _directions(env)
+    cosine = direction @ np.array(sun)
     gamma = np.arccos(np.clip(cosine, -1, 1))
     above = np.maximum(direction[:, 2], _LOWEST)
     gradation = 1 + a * np.exp(np.maximum(b / above, -700.0))

@@ -1,0 +1,1 @@
+"""Radiance's generators run natively: from a command's words to scene text."""
