@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from radiance import run
 
+from clerestory.image.arithmetic import crop, reduce, weighted_sum
 from clerestory.image.picture import Picture
 from clerestory.image.radiance_hdr import write_radiance
 from clerestory.image.read import read_picture
@@ -123,3 +124,42 @@ def test_radiance_finds_view_exposure_and_size(tmp_path):
     rays = run("vwrays a.hdr", folder=tmp_path)
     first = np.array(rays.split("\n")[0].split(), dtype=float)[3:]
     assert np.allclose(first, picture.view.rays(47, 31).direction[0, 0], atol=1e-5)
+
+
+@pytest.mark.parametrize("factor", [2, 3, 5])
+def test_reduction_is_that_of_pfilt(factor, tmp_path):
+    picture = noisy_picture(rows=30, columns=60)
+    write_radiance(picture, tmp_path / "a.hdr")
+    run(f"pfilt -1 -b -x /{factor} -y /{factor} a.hdr > b.hdr", folder=tmp_path)
+    theirs = read_picture(tmp_path / "b.hdr").radiance
+    source = read_picture(tmp_path / "a.hdr")
+    ours = reduce(source, columns=60 // factor, rows=30 // factor).radiance
+    # pfilt's result is kept to 1/256 of the largest component
+    largest = theirs.max(axis=2, keepdims=True)
+    assert (np.abs(ours - theirs) <= largest / 256).all()
+
+
+def test_weighted_sums_are_those_of_pcomb(tmp_path):
+    for name, seed in (("a", 3), ("b", 4)):
+        rng = np.random.default_rng(seed)
+        values = rng.uniform(1, 9, (20, 30, 3)).astype(np.float32)
+        write_radiance(Picture(values), tmp_path / f"{name}.hdr")
+    run("pcomb -s 2 a.hdr -s -.1 b.hdr > c.hdr", folder=tmp_path)
+    theirs = read_picture(tmp_path / "c.hdr").radiance
+    pictures = [read_picture(tmp_path / f"{name}.hdr") for name in "ab"]
+    ours = weighted_sum(pictures, [2, -0.1]).radiance
+    assert (np.abs(ours - theirs) <= theirs.max(axis=2, keepdims=True) / 256).all()
+
+
+def test_a_cut_out_s_view_means_what_vwrays_says(tmp_path):
+    view = View(kind="angular", horizontal=180, vertical=180)
+    values = np.ones((40, 40, 3), dtype=np.float32)
+    part = crop(Picture(values, view=view), left=5, top=20, columns=10, rows=12)
+    write_radiance(part, tmp_path / "part.hdr")
+    write_radiance(Picture(values, view=view), tmp_path / "whole.hdr")
+    theirs = [
+        np.array(run(f"vwrays {name}.hdr", folder=tmp_path).split(), float)
+        for name in ("part", "whole")
+    ]
+    whole = theirs[1].reshape(40, 40, 6)[20:32, 5:15]
+    assert np.allclose(theirs[0].reshape(12, 10, 6), whole, atol=2e-5)

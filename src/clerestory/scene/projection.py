@@ -44,6 +44,7 @@ class Projection:
         for a parallel view there is no limit
     extent : plane coordinate, horizontal and vertical, at the edges of a view whose
         full angles are given [deg]
+    angles : the inverse of `extent` [deg]
     to_direction : local unit directions of plane points, and where there are any
     to_plane : plane points of local unit directions, nan where there are none
     solid_angles : solid angles between grid lines of the plane [sr]; zero in a
@@ -52,6 +53,7 @@ class Projection:
 
     largest: tuple[float, float]
     extent: Callable[[float, float], tuple[float, float]]
+    angles: Callable[[float, float], tuple[float, float]]
     to_direction: Callable[[_Plane, _Plane], tuple[_Local, Bool[np.ndarray, "*shape"]]]
     to_plane: Callable[[_Local], tuple[_Plane, _Plane]]
     solid_angles: Callable[[_Lines, _Lines], Float[np.ndarray, "rows columns"]]
@@ -76,11 +78,19 @@ def _unit(local: _Local) -> _Local:
     return scaled
 
 
+def _degrees(angle: float) -> float:
+    return float(np.degrees(angle))
+
+
 # --------------------------------- Perspective ----------------------------------
 
 
 def _tangents(horizontal: float, vertical: float) -> tuple[float, float]:
     return np.tan(np.radians(horizontal) / 2), np.tan(np.radians(vertical) / 2)
+
+
+def _from_tangents(width: float, height: float) -> tuple[float, float]:
+    return _degrees(2 * np.arctan(width)), _degrees(2 * np.arctan(height))
 
 
 def _perspective_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
@@ -105,6 +115,10 @@ def _half_size(horizontal: float, vertical: float) -> tuple[float, float]:
     return horizontal / 2, vertical / 2
 
 
+def _from_half_size(width: float, height: float) -> tuple[float, float]:
+    return 2 * width, 2 * height
+
+
 def _parallel_direction(u: _Plane, _v: _Plane) -> tuple[_Local, np.ndarray]:
     direction = np.zeros((*np.shape(u), 3))
     direction[..., 2] = 1
@@ -125,6 +139,13 @@ def _parallel_solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 def _sines(horizontal: float, vertical: float) -> tuple[float, float]:
     return np.sin(np.radians(horizontal) / 2), np.sin(np.radians(vertical) / 2)
+
+
+def _from_sines(width: float, height: float) -> tuple[float, float]:
+    return (
+        _degrees(2 * np.arcsin(min(width, 1.0))),
+        _degrees(2 * np.arcsin(min(height, 1.0))),
+    )
 
 
 def _hemispherical_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
@@ -159,6 +180,10 @@ def _hemispherical_corner(u: _Plane, v: _Plane) -> _Plane:
 
 def _half_angles(horizontal: float, vertical: float) -> tuple[float, float]:
     return float(np.radians(horizontal) / 2), float(np.radians(vertical) / 2)
+
+
+def _from_half_angles(width: float, height: float) -> tuple[float, float]:
+    return _degrees(2 * width), _degrees(2 * height)
 
 
 def _angular_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
@@ -198,6 +223,10 @@ def _half_tangents(horizontal: float, vertical: float) -> tuple[float, float]:
     return np.tan(np.radians(horizontal) / 4), np.tan(np.radians(vertical) / 4)
 
 
+def _from_half_tangents(width: float, height: float) -> tuple[float, float]:
+    return _degrees(4 * np.arctan(width)), _degrees(4 * np.arctan(height))
+
+
 def _planisphere_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
     square = u * u + v * v
     scale = 2 / (1 + square)
@@ -225,6 +254,10 @@ def _angle_and_tangent(horizontal: float, vertical: float) -> tuple[float, float
     return float(np.radians(horizontal) / 2), np.tan(np.radians(vertical) / 2)
 
 
+def _from_angle_and_tangent(width: float, height: float) -> tuple[float, float]:
+    return _degrees(2 * width), _degrees(2 * np.arctan(height))
+
+
 def _cylindrical_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
     return _unit(np.stack([np.sin(u), v, np.cos(u)], axis=-1)), _everywhere(u)
 
@@ -244,6 +277,7 @@ PROJECTIONS: dict[Kind, Projection] = {
     "perspective": Projection(
         (180 - TINY, 180 - TINY),
         _tangents,
+        _from_tangents,
         _perspective_direction,
         _perspective_plane,
         _between(_perspective_corner),
@@ -251,6 +285,7 @@ PROJECTIONS: dict[Kind, Projection] = {
     "parallel": Projection(
         (np.inf, np.inf),
         _half_size,
+        _from_half_size,
         _parallel_direction,
         _parallel_plane,
         _parallel_solid_angles,
@@ -258,6 +293,7 @@ PROJECTIONS: dict[Kind, Projection] = {
     "hemispherical": Projection(
         (180 + TINY, 180 + TINY),
         _sines,
+        _from_sines,
         _hemispherical_direction,
         _hemispherical_plane,
         _between(_hemispherical_corner),
@@ -265,6 +301,7 @@ PROJECTIONS: dict[Kind, Projection] = {
     "angular": Projection(
         (360 + TINY, 360 + TINY),
         _half_angles,
+        _from_half_angles,
         _angular_direction,
         _angular_plane,
         _angular_solid_angles,
@@ -272,6 +309,7 @@ PROJECTIONS: dict[Kind, Projection] = {
     "planisphere": Projection(
         (360 - TINY, 360 - TINY),
         _half_tangents,
+        _from_half_tangents,
         _planisphere_direction,
         _planisphere_plane,
         _between(_planisphere_corner),
@@ -279,6 +317,7 @@ PROJECTIONS: dict[Kind, Projection] = {
     "cylindrical": Projection(
         (360 + TINY, 180 - TINY),
         _angle_and_tangent,
+        _from_angle_and_tangent,
         _cylindrical_direction,
         _cylindrical_plane,
         _between(_cylindrical_corner),

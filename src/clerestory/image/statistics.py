@@ -1,0 +1,71 @@
+"""Numbers that describe a picture: extremes, mean and percentiles of its luminance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool
+
+from clerestory.errors import InputError
+from clerestory.image.picture import Picture, photometric, photometric_unit
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Distribution of luminance [cd/m²], or illuminance [lux], over pixels.
+
+    Attributes
+    ----------
+    pixels : how many were counted
+    smallest, mean, largest : over them, each with equal weight
+    percentile : pairs of a percentage and the value that it lies below
+    unit : cd/m² or lux
+    """
+
+    pixels: int
+    smallest: float
+    mean: float
+    largest: float
+    percentile: tuple[tuple[float, float], ...]
+    unit: str
+
+    @property
+    def median(self) -> float:
+        """Value that half of the pixels lie below."""
+        return dict(self.percentile)[50.0]
+
+
+def statistics(
+    picture: Picture,
+    mask: Bool[np.ndarray, "row column"] | None = None,
+    *,
+    percentages: tuple[float, ...] = (1.0, 10.0, 25.0, 50.0, 75.0, 90.0, 99.0),
+) -> Statistics:
+    """Return the statistics of a picture, where the mask is true.
+
+    Raises
+    ------
+    InputError : a mask of another size, or one that leaves no pixel
+
+    Examples
+    --------
+    >>> ramp = np.arange(3, dtype=np.float32)[None, :, None] * np.ones(3, np.float32)
+    >>> round(statistics(Picture(ramp)).median)
+    179
+    """
+    values = photometric(picture)
+    if mask is not None:
+        if mask.shape != values.shape:
+            raise InputError(f"a mask of shape {mask.shape} on {values.shape} pixels")
+        values = values[mask]
+    if not values.size:
+        raise InputError("the mask leaves no pixel; one or more expected")
+    wanted = tuple(sorted({*percentages, 50.0}))
+    found = np.percentile(values, wanted)
+    return Statistics(
+        pixels=int(values.size),
+        smallest=float(values.min()),
+        mean=float(values.mean(dtype=float)),
+        largest=float(values.max()),
+        percentile=tuple(zip(wanted, found.tolist(), strict=True)),
+        unit=photometric_unit(picture),
+    )
