@@ -146,7 +146,7 @@ def shown():
             yield pytest.param(command, marks=marks)
 
 
-@pytest.mark.parametrize("command", shown())
+@pytest.mark.parametrize("command", list(shown()))
 def test_skies_look_like_radiances(command, tmp_path):
     """Radiance in 200 directions against rtrace, by the numbers Radiance prints."""
     rng = np.random.default_rng(3)
