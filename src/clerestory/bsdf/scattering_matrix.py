@@ -29,6 +29,7 @@ class ScatteringMatrix(ScatteringFunction):
     ----------
     values : BSDF from each incident patch to each exit patch [1/sr]
     exits, incidents : partitions of the hemispheres
+    standard_error : of each value [1/sr], where it was estimated; else None
 
     Raises
     ------
@@ -38,6 +39,7 @@ class ScatteringMatrix(ScatteringFunction):
     values: Float[np.ndarray, "exit incident"]
     exits: RingPartition
     incidents: RingPartition
+    standard_error: Float[np.ndarray, "exit incident"] | None = None
 
     def __post_init__(self) -> None:
         if self.values.shape != (len(self.exits), len(self.incidents)):

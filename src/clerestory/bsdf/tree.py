@@ -56,6 +56,8 @@ class ScatteringTree(ScatteringFunction):
     slots : values and branches, see the head of this module
     rank : 3 if every azimuth is alike, 4 otherwise
     depth : halvings of a coordinate down to the smallest cell
+    standard_error : of each cell [1/sr] on the same cells, where the values were
+        estimated; else None
 
     Raises
     ------
@@ -71,6 +73,7 @@ class ScatteringTree(ScatteringFunction):
     slots: Int32[np.ndarray, " slots"]
     rank: Literal[3, 4]
     depth: int
+    standard_error: "ScatteringTree | None" = None
 
     def __post_init__(self) -> None:
         if self.rank not in (3, 4) or not 0 <= self.depth <= DEEPEST:
