@@ -19,6 +19,7 @@ from clerestory.scene.definition import material
 from clerestory.scene.library import library_file
 from clerestory.scene.model import (
     DistantSource,
+    Emitter,
     Glow,
     Light,
     Material,
@@ -87,7 +88,9 @@ class _Reading:
     surfaces: list[Surface] = field(default_factory=list)
     distant: list[DistantSource] = field(default_factory=list)
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
+    # Patterns with all that modifies them, and alone
     patterns: dict[str, Pattern] = field(default_factory=dict)
+    bare: dict[str, Pattern] = field(default_factory=dict)
 
     def add(self, placed: Placed) -> None:
         match placed.item:
@@ -168,16 +171,21 @@ class _Reading:
     def _define_pattern(self, item: Primitive, file: str, placement: Placement) -> None:
         outer = self._modifying_pattern(item, file)
         pattern = read_pattern(item, file=file, placed=placement.transform)
-        self.patterns[item.name] = modified(pattern, outer)
-        self.in_force.pop(item.name, None)
+        self._name_pattern(item.name, pattern, outer)
 
-    def _modifying_pattern(self, item: Primitive, file: str) -> Pattern | None:
+    def _name_pattern(self, name: str, pattern: Pattern, outer: Pattern | None) -> None:
+        self.bare[name] = pattern
+        self.patterns[name] = modified(pattern, outer)
+        self.in_force.pop(name, None)
+
+    def _modifying_pattern(self, item: Primitive | Alias, file: str) -> Pattern | None:
         # The pattern that modifies an item, None for void
         if item.modifier in self.patterns:
             return self.patterns[item.modifier]
         if self._key(item.modifier, file, item.line) != _VOID:
+            kind = item.kind if isinstance(item, Primitive) else "alias"
             raise InputError(
-                f'{item.kind} "{item.name}" is modified by the material'
+                f'{kind} "{item.name}" is modified by the material'
                 f' "{item.modifier}"; void or a pattern expected',
                 file=file,
                 line=item.line,
@@ -196,25 +204,28 @@ class _Reading:
         return self.bsdfs[path]
 
     def _alias(self, item: Alias, file: str) -> None:
-        # Materials here are modified by void alone, so an alias may add nothing else
+        # "inherit" keeps what modifies the original; any other modifier replaces it
         if item.target == "void":
             raise InputError(
                 f'alias "{item.name}" stands for void; a material expected',
                 file=file,
                 line=item.line,
             )
-        if item.target in self.patterns and item.modifier in ("inherit", "void"):
-            self.patterns[item.name] = self.patterns[item.target]
-            self.in_force.pop(item.name, None)
+        inherits = item.modifier == "inherit"
+        outer = None if inherits else self._modifying_pattern(item, file)
+        if item.target in self.patterns:
+            whole, bare = self.patterns[item.target], self.bare[item.target]
+            self._name_pattern(item.name, whole if inherits else bare, outer)
             return
         key = self._key(item.target, file, item.line)
-        if (
-            item.modifier != "inherit"
-            and self._key(item.modifier, file, item.line) != _VOID
-        ):
+        value = self.materials[key]
+        if not inherits and isinstance(value, Emitter):
+            value = replace(value, name=item.name, pattern=outer)
+            key = insert_material(self.materials, value)
+        elif outer is not None:
             raise InputError(
-                f'alias "{item.name}" is modified by the material "{item.modifier}";'
-                " void or inherit expected",
+                f'alias "{item.name}" is modified by the pattern "{item.modifier}",'
+                " which only light, glow, illum and spotlight take here; void expected",
                 file=file,
                 line=item.line,
             )

@@ -263,3 +263,23 @@ def test_any_arguments_are_read_or_refused(read, kind, strings, reals):
         read(f"{GREY}void {kind} x {' '.join(words)}")
     except InputError as error:
         assert error.line == 2 or error.file.endswith(".xml")  # noqa: PT017
+
+
+def test_an_alias_replaces_what_modifies_its_original(read):
+    """As rtrace shows: void takes the pattern away, inherit keeps it."""
+    made = read(
+        "void brightfunc half 2 0.5 . 0 0\nhalf glow lamp 0 0 4 1 1 1 0\n"
+        "void brightfunc third 2 1/3 . 0 0\nvoid alias bare lamp\n"
+        "inherit alias same lamp\nthird alias other lamp\n"
+        "third alias both half\nboth glow dim 0 0 4 1 1 1 0\n"
+    )
+    up = np.array([[0.0, 0.0, 1.0]])
+    assert made["bare"].pattern is None
+    assert "same" not in made
+    assert made["other"].pattern.value(up).ravel() == pytest.approx([1 / 3] * 3)
+    assert made["dim"].pattern.value(up).ravel() == pytest.approx([1 / 6] * 3)
+
+
+def test_an_alias_cannot_put_a_pattern_on_a_surface(read):
+    with pytest.raises(InputError, match=r"rad:3: alias \"x\" is modified by the pat"):
+        read(GREY + "void brightfunc half 2 0.5 . 0 0\nhalf alias x grey")
