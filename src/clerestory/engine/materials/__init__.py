@@ -19,9 +19,10 @@ from clerestory.engine.materials import (
     plastic,
     trans,
 )
+from clerestory.engine.materials.coat import lamp_context
 from clerestory.engine.materials.describe import load, plugin
 
-__all__ = ["absorber", "load", "plugin", "register"]
+__all__ = ["absorber", "lamp_context", "load", "plugin", "register"]
 
 _PLUGINS = {
     "radiance_plastic": plastic,

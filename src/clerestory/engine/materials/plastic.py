@@ -7,15 +7,15 @@
 elliptical, with `roughness` along `up`. At roughness zero it is a mirror image whose
 strength grows towards grazing angles.
 
-Radiance lessens the diffuse part of such a smooth coat by the angle of view, and for
-lamps and sun by that of the light as well. Here it is the angle of view alone, as for
-Radiance's ambient light: only this part of the material is not reciprocal.
+Such a smooth coat weakens the diffuse part by the angle of view, and for light straight
+from lamps and sun by theirs as well (`coat.lamp_context`), as in Radiance. Only where
+it is the angle of view alone, the material is not reciprocal.
 """
 
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine.materials.coat import grazing_share
+from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
 from clerestory.engine.materials.highlight import Highlight
 from clerestory.engine.materials.properties import colour, number
 
@@ -49,13 +49,15 @@ def define() -> type:
             chance = strength / (strength + dr.max(diffuse))
             return diffuse, specular, dr.select(strength > 0, chance, 0)
 
-        def evaluate(self, si, wi, wo, active):
+        def evaluate(self, ctx, si, wi, wo, active):
             """BRDF × cosine and pdf, without the mirror's peak; wi at z > 0."""
             active = active & (wi.z > 0) & (wo.z > 0)
             diffuse, specular, chance = self.shares(wi.z)
             value, pdf = self.highlight.reflected(self.highlight.at(si), wi, wo)
             peak = self.highlight.smooth
             value = dr.select(peak, 0, value * wo.z) * specular
+            if straight_from_lamp(ctx):
+                diffuse *= 1 - grazing_share(self.specularity, peak, wo.z)
             pdf = dr.select(peak, 0, pdf * chance)
             value += diffuse * (dr.inv_pi * wo.z)
             pdf += (1 - chance) * dr.inv_pi * wo.z
@@ -75,7 +77,7 @@ def define() -> type:
                 self.highlight.sample_reflected(shape, wi, sample2),
                 mi.warp.square_to_cosine_hemisphere(sample2),
             )
-            value, pdf = self.evaluate(si, wi, wo, active)
+            value, pdf = self.evaluate(ctx, si, wi, wo, active)
             weight = dr.select(peak, specular / chance, value / pdf)
             pdf = dr.select(peak, chance, pdf)
             valid = active & (wo.z > 0) & (wi.z > 0) & (pdf > 0)
@@ -99,7 +101,7 @@ def define() -> type:
         def eval_pdf(self, ctx, si, wo, active=True):
             wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
             wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
-            return self.evaluate(si, wi, wo, active)
+            return self.evaluate(ctx, si, wi, wo, active)
 
         def eval(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[0]

@@ -11,7 +11,7 @@ shadow rays may follow it, and in a lobe otherwise. See `radiance_plastic` for t
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine.materials.coat import grazing_share
+from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
 from clerestory.engine.materials.highlight import Highlight
 from clerestory.engine.materials.properties import colour, number
 
@@ -64,7 +64,7 @@ def define() -> type:
             total = sum(strength)
             return [dr.select(total > 0, each / total, 0) for each in strength]
 
-        def evaluate(self, si, wi, wo, active):
+        def evaluate(self, ctx, si, wi, wo, active):
             """BSDF × cosine and pdf, without peaks; wi on the side z > 0."""
             active = active & (wi.z > 0) & (wo.z != 0)
             shares = self.shares(wi.z)
@@ -72,17 +72,20 @@ def define() -> type:
             shape, smooth = self.highlight.at(si), self.highlight.smooth
             cosine = dr.abs(wo.z)
             even = dr.inv_pi * cosine
+            coat = mi.Float(1)
+            if straight_from_lamp(ctx):
+                coat -= grazing_share(self.specularity, smooth, cosine)
 
             # Back to the side the light comes from
             lobe, density = self.highlight.reflected(shape, wi, wo)
             lobe = dr.select(smooth, 0, lobe * cosine)
-            back = shares[0] * even + shares[2] * lobe
+            back = shares[0] * (even * coat) + shares[2] * lobe
             back_pdf = chances[0] * even + dr.select(smooth, 0, chances[2] * density)
 
             # Through to the other side
             lobe, density = self.highlight.passed(shape, wi, wo)
             lobe = dr.select(smooth, 0, lobe)
-            through = shares[1] * even + shares[3] * lobe
+            through = shares[1] * (even * coat) + shares[3] * lobe
             through_pdf = chances[1] * even + dr.select(smooth, 0, chances[3] * density)
 
             reflects = wo.z > 0
@@ -114,7 +117,7 @@ def define() -> type:
             wo = dr.select(diffuse, even, shiny)
             reflects = back | mirrored
 
-            value, pdf = self.evaluate(si, wi, wo, active)
+            value, pdf = self.evaluate(ctx, si, wi, wo, active)
             peak = ~diffuse & self.highlight.smooth
             chance = dr.select(mirrored, chances[2], chances[3])
             share = dr.select(mirrored, shares[2], shares[3])
@@ -156,7 +159,7 @@ def define() -> type:
         def eval_pdf(self, ctx, si, wo, active=True):
             wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
             wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
-            return self.evaluate(si, wi, wo, active)
+            return self.evaluate(ctx, si, wi, wo, active)
 
         def eval(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[0]
