@@ -76,9 +76,7 @@ def _matrices(bsdf: Bsdf):
 def _rgb(xyz):
     # Colours outside Radiance's primaries fade towards grey, as in bsdf.colour
     rows = np.linalg.inv(rgb_to_xyz())
-    rgb = mi.Color3f(
-        *[sum(float(row[i]) * xyz[i] for i in range(3)) for row in rows]
-    )
+    rgb = mi.Color3f(*[sum(float(row[i]) * xyz[i] for i in range(3)) for row in rows])
     least, luminance = dr.min(rgb), xyz[1]
     share = dr.select(least < 0, luminance / (luminance - least), 1)
     return dr.maximum(luminance + share * (rgb - luminance), 0)

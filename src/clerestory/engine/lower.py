@@ -5,21 +5,33 @@ offsets grow with the distance from it, and models far from their origin are
 common.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.bsdf.scattering import FUNCTIONS
 from clerestory.engine import materials
+from clerestory.engine.lamps import Lamps, split_by_surface
 from clerestory.engine.windows import WindowTable, window_shapes
-from clerestory.scene.model import Glass, Plastic, Scene
-from clerestory.scene.tessellate import meshes
+from clerestory.scene.model import (
+    BsdfSurface,
+    Glow,
+    Illum,
+    Light,
+    Material,
+    Scene,
+    Spotlight,
+)
+from clerestory.scene.tessellate import Mesh, meshes
 from clerestory.scene.window import Window
 
-# Shapes that are windows carry this name and their number.
-_WINDOW = "window"
+# Shapes that are windows or lamps carry these names and their number.
+_WINDOW, _LAMP, _PROXY = "window", "lamp", "proxy"
+
+_SHINING = (Glow, Illum, Light, Spotlight)
 
 
 @dataclass
@@ -32,9 +44,13 @@ class LoweredScene:
     window_of_shape : by Mitsuba's shape number: 1 + window, or 0
     first_face : by Mitsuba's shape number: where its faces begin in `reach`
     reach : of each face, its largest coordinate [m], which its rounding grows with
-    panes : whether there is glass, through which shadow rays must look
+    panes : whether shadow rays may pass something
     grey : whether all materials are, so that one channel says all
     windows : tables of the receiving windows, None without any
+    lamps : tables of what shines
+    lamp_of_shape : by Mitsuba's shape number: 1 + lamp, or 0
+    thickness_of_shape : by Mitsuba's shape number, for BSDFs that stand for geometry
+        behind (positive) or before them: how far it reaches [m]; 0 for all others
     """
 
     scene: mi.Scene
@@ -44,6 +60,10 @@ class LoweredScene:
     panes: bool
     grey: bool
     windows: WindowTable | None
+    lamps: Lamps
+    lamp_of_shape: mi.UInt32
+    thickness_of_shape: mi.Float
+    proxies: bool
 
 
 def lower(
@@ -61,9 +81,22 @@ def lower(
     """
     materials.register()
     content: dict[str, object] = {"type": "scene"}
+    shining: list[Mesh] = []
+    thickness: list[float] = []
     for number, mesh in enumerate(meshes(scene)):
-        bsdf = mi.load_dict(materials.plugin(mesh.material))
-        content[f"mesh{number}"] = _mesh(mesh.vertices - origin, mesh.faces, bsdf)
+        material = mesh.material
+        bsdf = materials.load(material)
+        if isinstance(material, _SHINING):
+            for part in split_by_surface(mesh):
+                name = f"{_LAMP}{len(shining)}"
+                content[name] = _mesh(part.vertices - origin, part.faces, bsdf)
+                shining.append(part)
+            continue
+        name = f"mesh{number}"
+        if isinstance(material, BsdfSurface) and material.thickness:
+            name = f"{_PROXY}{len(thickness)}"
+            thickness.append(material.thickness)
+        content[name] = _mesh(mesh.vertices - origin, mesh.faces, bsdf)
     black = materials.absorber()
     table, shapes = window_shapes(receivers, origin)
     for number, (vertices, faces) in enumerate(shapes):
@@ -74,25 +107,38 @@ def lower(
         content["nothing"] = _mesh(corner, np.array([[0, 1, 2]]), black)
     lowered = mi.load_dict(content)
 
-    # Number the shapes that are windows, and the faces of all shapes
+    # Number the shapes that are windows, lamps or proxies, and the faces of all shapes
     ids = dr.reinterpret_array(mi.UInt32, lowered.shapes_dr()).numpy()
-    roles, first_face = np.zeros((2, int(ids.max()) + 1), dtype=np.uint32)
+    size = int(ids.max()) + 1
+    windows, lamps, first_face = np.zeros((3, size), dtype=np.uint32)
+    depth = np.zeros(size, dtype=np.float32)
     reach: list[np.ndarray] = []
+    panes = False
     for shape_id, shape in zip(ids, lowered.shapes(), strict=True):
         first_face[shape_id] = sum(len(faces) for faces in reach)
         reach.append(_reach(shape))
-        if shape.id().startswith(_WINDOW):
-            roles[shape_id] = 1 + int(shape.id().removeprefix(_WINDOW))
+        panes |= mi.has_flag(shape.bsdf().flags(), mi.BSDFFlags.Null)
+        kind = shape.id().rstrip("0123456789")
+        number = int(shape.id()[len(kind) :] or 0)
+        if kind == _WINDOW:
+            windows[shape_id] = 1 + number
+        elif kind == _LAMP:
+            lamps[shape_id] = 1 + number
+        elif kind == _PROXY:
+            depth[shape_id] = thickness[number]
 
-    used = list(scene.materials.values())
     return LoweredScene(
         scene=lowered,
-        window_of_shape=mi.UInt32(roles),
+        window_of_shape=mi.UInt32(windows),
         first_face=mi.UInt32(first_face),
         reach=mi.Float(np.concatenate(reach)),
-        panes=any(isinstance(m, Glass) for m in used),
-        grey=all(_is_grey(m) for m in used),
+        panes=panes or bool(thickness),
+        grey=all(is_grey(m) for m in scene.materials.values()),
         windows=table,
+        lamps=Lamps.of(shining, origin),
+        lamp_of_shape=mi.UInt32(lamps),
+        thickness_of_shape=mi.Float(depth),
+        proxies=bool(thickness),
     )
 
 
@@ -103,13 +149,25 @@ def _reach(mesh: mi.Mesh) -> Float[np.ndarray, " faces"]:
     return vertices.max(axis=1)[faces].max(axis=1)
 
 
-def _is_grey(material) -> bool:
-    match material:
-        case Plastic():
-            return bool(np.ptp(material.reflectance) == 0)
-        case Glass():
-            return bool(np.ptp(material.transmissivity) == 0)
-    return True
+def is_grey(material: Material) -> bool:
+    """Whether a material treats all channels alike; what it sends does not count."""
+    if isinstance(material, _SHINING):
+        return not isinstance(material, Illum) or is_grey(material.alternate)
+    parts = [getattr(material, f.name) for f in fields(material)]
+    if any(isinstance(p, Material) and not is_grey(p) for p in parts):
+        return False
+    if isinstance(material, BsdfSurface) and any(
+        material.bsdf.in_colour(name) for name in FUNCTIONS if material.bsdf.has(name)
+    ):
+        return False
+    colours = (
+        getattr(material, f.name)
+        for f in fields(material)
+        if f.name not in ("up", "roughness", "transform")
+    )
+    return all(
+        bool(np.ptp(colour) == 0) for colour in colours if np.shape(colour) == (3,)
+    )
 
 
 def _mesh(

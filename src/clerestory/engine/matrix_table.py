@@ -43,8 +43,9 @@ class MatrixTable:
         running = np.cumsum(flux, axis=-1) / np.where(total > 0, total, 1)
         running = running / np.where(total > 0, running[..., -1:], 1)
         density = proposal / np.where(total > 0, total, 1)
-        self.exit, self.incident = PatchTable.of(first.exits), PatchTable.of(
-            first.incidents
+        self.exit, self.incident = (
+            PatchTable.of(first.exits),
+            PatchTable.of(first.incidents),
         )
         self.exits, self.incidents = exits, incidents
         self.values = mi.Float(values.ravel().astype(np.float32))

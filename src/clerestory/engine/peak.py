@@ -69,7 +69,9 @@ class PeakTable:
     def transmittance(self, wi):
         """Return the share of light that passes straight to a direction."""
         cell = self._cell(wi) * 3
-        return mi.Color3f(*[dr.gather(mi.Float, self.passed, cell + i) for i in range(3)])
+        return mi.Color3f(
+            *[dr.gather(mi.Float, self.passed, cell + i) for i in range(3)]
+        )
 
     def without(self, value, wi, wo):
         """Return a value of the transmission without the peak."""

@@ -157,9 +157,7 @@ class TreeTable:
             disc = mi.Point2f(
                 cosine * turned.x - sine * turned.y, sine * turned.x + cosine * turned.y
             )
-            disc = dr.select(
-                everywhere, disc_from_square(u / _DEFENSIVE, v), disc
-            )
+            disc = dr.select(everywhere, disc_from_square(u / _DEFENSIVE, v), disc)
         height = dr.safe_sqrt(1 - dr.squared_norm(disc))
         incident = mi.Vector3f(disc.x, disc.y, height)
         value, density = self.evaluate(function, incident, leaving)

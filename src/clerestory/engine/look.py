@@ -1,0 +1,300 @@
+"""Radiance along rays: a picture's pixels, or what a sensor gathers.
+
+Paths run against the light. At every vertex one of the suns and one of the lamps are
+aimed at directly. The path goes on in a direction proposed by the material or by a
+place where light enters the room (`portals`), one sample from both in mixture; what
+it meets is shared with the direct aims by multiple importance sampling.
+
+Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation,
+1997, chapter 9 (balance heuristic, one-sample model).
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine import points as sampling
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.points import Points
+from clerestory.engine.portals import Portals
+from clerestory.engine.sky_light import SkyLight
+from clerestory.engine.walk import offset, passed, towards
+
+# Share of directions aimed at portals where these fill a good part of the view, and
+# what part [sr] is good.
+_AIMED = 0.5
+_GOOD = 0.05
+
+# Paths below this share of their first weight go on only by Russian roulette.
+_ROULETTE = 0.2
+
+_MOST_SEGMENTS = 1000
+
+
+@dataclass
+class LitScene:
+    """A scene with all that lights it."""
+
+    model: LoweredScene
+    sky: SkyLight
+    portals: Portals
+
+
+@dataclass
+class Draw:
+    """Sample numbers of a path at one of its vertices."""
+
+    points: Points
+    seed: mi.UInt32
+    index: mi.UInt32
+    vertex: mi.UInt32
+
+    def number(self, purpose: int):
+        """Return a number of the sequence."""
+        return sampling.coordinate(
+            self.points, self.seed, self.index, self.vertex, purpose
+        )
+
+    def other(self, purpose: int):
+        """Return a hashed number beside the sequence."""
+        dimension = self.vertex * 8 + (0x20000 + purpose)
+        return sampling.random_number(
+            self.seed, self.index + self.points.first, dimension
+        )
+
+
+@dataclass
+class Vertex:
+    """A place where light is gathered, and how it scatters.
+
+    Attributes
+    ----------
+    point : [m]
+    leave : function that returns the point moved off its surface towards a direction
+    scatter : function that returns BSDF × cosine, and the pdf of the material's own
+        sampling, for a direction
+    aimed : chance of aiming at portals
+    worth : of all portals from here
+    """
+
+    point: mi.Point3f
+    leave: object
+    scatter: object
+    aimed: mi.Float
+    worth: mi.Float
+
+    def mixture(self, lit: LitScene, direction, own, active):
+        """Return the pdf with which the path goes on along a direction."""
+        there = lit.portals.pdf(
+            self.point, direction, self.worth, active & (self.aimed > 0)
+        )
+        return self.aimed * there + (1 - self.aimed) * own
+
+
+def aims(lit: LitScene, point, smooth):
+    """Return the chance of aiming at portals, and what they are worth."""
+    if lit.portals.count == 0:
+        return mi.Float(0), mi.Float(1)
+    worth = lit.portals.total(point)
+    return dr.select(smooth, _AIMED * dr.minimum(worth / _GOOD, 1), 0), worth
+
+
+def sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
+    """Return the light of the suns that a vertex scatters, aimed at directly."""
+    if lit.sky.suns == 0:
+        return mi.Color3f(0)
+    u, v = draw.number(sampling.CONNECT_U), draw.number(sampling.CONNECT_V)
+    pick = draw.other(0) if lit.sky.suns > 1 else mi.Float(0)
+    direction, pdf, radiance = lit.sky.aim(pick, u, v)
+    value, own = vertex.scatter(direction)
+    lit_up = active & (dr.max(value) > 0)
+    mixed = vertex.mixture(lit, direction, own, lit_up)
+    start = vertex.leave(direction, lit_up)
+    seen = passed(lit.model, start, lambda o: mi.Ray3f(o, direction), lit_up)
+    return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
+
+
+def lamplight(lit: LitScene, vertex: Vertex, draw: Draw, active):
+    """Return the light of the lamps that a vertex scatters, aimed at directly."""
+    lamps = lit.model.lamps
+    if lamps.count == 0:
+        return mi.Color3f(0)
+    aim = lamps.aim(vertex.point, draw.other(1), draw.other(2), draw.other(3))
+    point, direction, cosine, pdf, lamp = aim
+    value, own = vertex.scatter(direction)
+    lit_up = active & (dr.max(value) > 0) & (cosine > 1e-6)
+    radiance = lamps.emitted(lamp, -direction, lit_up)
+    lit_up &= dr.max(radiance) > 0
+    mixed = vertex.mixture(lit, direction, own, lit_up)
+    start = vertex.leave(direction, lit_up)
+    seen = passed(lit.model, start, lambda o: towards(o, point), lit_up)
+    return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
+
+
+def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
+    """Begin at an irradiance sensor.
+
+    Returns
+    -------
+    light : irradiance from what is aimed at directly
+    ray, weight, pdf : how the path goes on
+    """
+
+    def scatter(direction):
+        cosine = dr.maximum(dr.dot(normal, direction), 0)
+        return mi.Color3f(cosine), cosine * dr.inv_pi
+
+    aimed, worth = aims(lit, position, mi.Bool(True))
+    vertex = Vertex(position, lambda d, a: position, scatter, aimed, worth)
+    light = sunlight(lit, vertex, draw, mi.Bool(True))
+    light += lamplight(lit, vertex, draw, mi.Bool(True))
+    u, v = draw.number(sampling.DIRECTION_U), draw.number(sampling.DIRECTION_V)
+    local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
+    direction = mi.Frame3f(normal).to_world(local)
+    if lit.portals.count:
+        aim = draw.number(sampling.LOBE) < aimed
+        there = lit.portals.aim(position, worth, u, v)
+        direction = dr.select(aim, there, direction)
+    value, own = scatter(direction)
+    pdf = vertex.mixture(lit, direction, own, mi.Bool(True))
+    weight = dr.select(pdf > 0, value / pdf, 0)
+    return light, mi.Ray3f(position, direction), weight, pdf
+
+
+@dr.syntax
+def look(
+    lit: LitScene,
+    points: Points,
+    ray: mi.Ray3f,
+    seed: mi.UInt32,
+    index: mi.UInt32,
+    weight: mi.Color3f,
+    pdf: mi.Float,
+    sharp: mi.Bool,
+    segments: mi.UInt32,
+    active: mi.Bool,
+):
+    """Follow paths until they end; return the light each brings [W/(m²·sr)].
+
+    Parameters
+    ----------
+    ray : first segment of each path
+    weight : what its light counts
+    pdf : of the first direction; 0: nothing was aimed at from its origin
+    sharp : whether the eye looks along the first segment
+    segments : most segments between diffuse scattering
+    """
+    model = lit.model
+    scene = model.scene
+    context = mi.BSDFContext()
+    weight = mi.Color3f(weight)
+
+    # ------------------------------- Loop state -------------------------------
+    light = mi.Color3f(0)  # gathered so far
+    origin = mi.Point3f(ray.o)  # last vertex at which lights were aimed at
+    start = dr.maximum(dr.max(weight), 1e-20)  # weight that roulette compares with
+    segment = mi.UInt32(1)  # segments between diffuse scattering, this one included
+    vertex = mi.UInt32(1)  # vertices so far, the start included
+
+    while active:
+        hit = scene.ray_intersect_preliminary(ray, active=active)
+        met = active & hit.is_valid()
+
+        # Take what shines at infinity; suns are shared with the direct aim
+        escaped = active & ~met
+        sky = lit.sky.radiance_of_dome(ray.d)
+        sun, aim = lit.sky.radiance_of_suns(ray.d, escaped)
+        share = dr.select(pdf > 0, pdf / (pdf + aim), 1)
+        light += dr.select(escaped, weight * (sky + sun * share), 0)
+
+        # Take what a lamp sends from its front; the eye sees illums as something else
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        role = dr.gather(mi.UInt32, model.lamp_of_shape, shape, met)
+        at_lamp = met & (role > 0)
+        cosine = -dr.dot(ray.d, si.n)
+        lamp = role - 1
+        veiled = dr.gather(mi.Bool, model.lamps.veiled, lamp, at_lamp)
+        shy = dr.gather(mi.Bool, model.lamps.shy, lamp, at_lamp)
+        at_lamp &= ~(veiled & (sharp | (cosine <= 0)))
+        shining = at_lamp & (cosine > 0) & (sharp | ~shy)
+        sent = model.lamps.emitted(lamp, -ray.d, shining)
+        aim = model.lamps.pdf(lamp, dr.squared_norm(si.p - origin), cosine, shining)
+        share = dr.select(pdf > 0, pdf / (pdf + aim), 1)
+        light += dr.select(shining, weight * sent * share, 0)
+
+        # Pass what only stands for geometry and shows it to the eye
+        active = met & ~at_lamp
+        depth = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
+        ignored = (depth != 0) & (sharp | ((depth > 0) != (cosine > 0)))
+
+        # Prepare the vertex: its frame and its material
+        si.sh_frame = mi.Frame3f(si.n)
+        si.wi = si.to_local(-ray.d)
+        bsdf = si.bsdf()
+        works = active & ~ignored
+        flags = bsdf.flags()
+        smooth = mi.has_flag(flags, mi.BSDFFlags.Smooth)
+        opaque = ~mi.has_flag(flags, mi.BSDFFlags.Null)
+        opaque &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
+        draw = Draw(points, seed, index, vertex)
+        aimed, worth = aims(lit, si.p, works & smooth & opaque)
+        behind = si.n * depth
+        place = Vertex(
+            si.p,
+            lambda d, a: (
+                dr.select(dr.dot(d, si.n) * cosine < 0, si.p - behind, si.p)
+                + (offset(model, si, d, a) - si.p)
+            ),
+            lambda d: bsdf.eval_pdf(context, si, si.to_local(d), works),
+            aimed,
+            worth,
+        )
+
+        # Aim at suns and lamps
+        near = works & smooth & (segment <= segments)
+        gained = sunlight(lit, place, draw, near) + lamplight(lit, place, draw, near)
+        light += dr.select(near, weight * gained, 0)
+
+        # Go on along the material's proposal, or towards a portal
+        chance = draw.number(sampling.LOBE)
+        u = draw.number(sampling.DIRECTION_U)
+        v = draw.number(sampling.DIRECTION_V)
+        to_portal = chance < aimed
+        lobe = dr.clip((chance - aimed) / (1 - aimed), 0, 0.9999999)
+        sample, factor = bsdf.sample(context, si, lobe, mi.Point2f(u, v), works)
+        direction = si.to_world(sample.wo)
+        if dr.hint(lit.portals.count > 0, mode="scalar"):
+            there = lit.portals.aim(si.p, worth, u, v)
+            direction = dr.select(to_portal, there, direction)
+        kind = sample.sampled_type
+        null = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Null) | ignored
+        delta = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Delta) & ~null
+        value, own = bsdf.eval_pdf(context, si, si.to_local(direction), works)
+        mixed = place.mixture(lit, direction, own, works & (aimed > 0))
+        both = dr.select(mixed > 0, value / mixed, 0)
+        spread = aimed > 0
+        kept = dr.select(spread & ~delta, both, factor / (1 - aimed))
+        weight *= dr.select(ignored, 1, kept)
+        direction = dr.select(ignored, ray.d, direction)
+        diffuse = ~null & ~delta & mi.has_flag(flags, mi.BSDFFlags.Diffuse)
+        origin = dr.select(null, origin, si.p)
+        leave = offset(model, si, direction, active)
+        through = ~null & (dr.dot(direction, si.n) * cosine < 0)
+        leave = dr.select(through, leave - behind, leave)
+        ray = mi.Ray3f(leave, direction)
+        density = dr.select(spread, mixed, sample.pdf)
+        pdf = dr.select(null, pdf, dr.select(delta, 0, density))
+        sharp &= null | delta
+        segment += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
+        active &= (dr.max(weight) > 0) & (segment <= segments)
+
+        # Let weak paths go on only by chance, then with the weight of those that end
+        survive = dr.minimum(dr.max(weight) / (start * _ROULETTE), 1)
+        number = sampling.random_number(seed, index + points.first, vertex + 0x10000)
+        weight = dr.select(survive < 1, weight / survive, weight)
+        active &= (number < survive) & (vertex < _MOST_SEGMENTS)
+        vertex += 1
+
+    return light

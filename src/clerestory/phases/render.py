@@ -1,0 +1,196 @@
+"""Pictures and illuminances at one instant, by tracing paths through the scene.
+
+The scene holds everything: surfaces, lamps, and a sky and sun as sources at infinity,
+as `gensky` and `gendaylit` describe them. Every pixel and sensor has a standard error.
+"""
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory import __version__
+from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.engine import device as devices
+from clerestory.engine.device import Device
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.image.picture import Picture
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.view import View
+
+Progress = Callable[[float, str], None]
+
+# Used when neither samples nor an error is asked for.
+DEFAULT_RELATIVE_ERROR = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Rendering:
+    """A picture and how sure it is.
+
+    Attributes
+    ----------
+    picture : radiance of the pixels [W/(m²·sr)]
+    error : standard error of each value
+    paths : traced in all
+    """
+
+    picture: Picture
+    error: Float[np.ndarray, "row column 3"]
+    paths: int
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """Irradiance of sensors at one instant.
+
+    Attributes
+    ----------
+    irradiance : RGB [W/m²]
+    error : standard error of each value
+    paths : traced in all
+    """
+
+    irradiance: Float[np.ndarray, "sensor 3"]
+    error: Float[np.ndarray, "sensor 3"]
+    paths: int
+
+    def illuminance(self) -> Float[np.ndarray, " sensor"]:
+        """Illuminance of each sensor [lux]."""
+        lux: np.ndarray = self.irradiance @ _weights()
+        return lux
+
+
+def render(
+    scene: Scene,
+    view: View,
+    *,
+    columns: int,
+    rows: int,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> Rendering:
+    """Trace a picture.
+
+    Parameters
+    ----------
+    scene : surfaces and all that lights them
+    view : camera; pixels outside its projection stay black
+    columns, rows : size of the picture; see `View.size_for`
+    samples : paths per pixel
+    relative_error : instead of samples: root mean square of the pixels' standard
+        errors to reach, over their mean; 0.02 if neither is given
+    bounces : most diffuse reflections, as Radiance's -ab; no limit by default
+    seed : whole number ≥ 0; the same seed on the same device gives the same bits
+    device : "auto" takes a GPU if there is one
+    progress : called with the share done, 0…1, and a note
+
+    Raises
+    ------
+    InputError : samples and relative_error both given, or a number out of range
+    DeviceError : no usable device
+    """
+    if columns < 1 or rows < 1 or columns * rows > 1 << 26:
+        raise InputError(
+            f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected"
+        )
+    _check_light(scene)
+    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
+    lit = engine.trace_picture(scene, view, columns, rows, effort)
+    _warn_if_short(lit, "picture", relative_error)
+    picture = Picture(
+        lit.value.reshape(rows, columns, 3).astype(np.float32),
+        view=view,
+        header=(f"SOFTWARE= clerestory {__version__}",),
+    )
+    return Rendering(picture, lit.error.reshape(rows, columns, 3), lit.paths)
+
+
+def irradiance(
+    scene: Scene,
+    sensors: Sensors,
+    *,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> Gathered:
+    """Trace the irradiance of sensors under the scene's own sky and lamps [W/m²].
+
+    The relative error is reached at every sensor; those darker than 1 % of the mean
+    are judged as if they had that much. See `render` for the other parameters.
+    """
+    if len(sensors.position) == 0:
+        raise InputError("no sensors given; at least one expected")
+    if bounces == 0:
+        raise InputError(
+            "bounces = 0; the first gather of a sensor counts: 1 or more expected"
+        )
+    _check_light(scene)
+    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
+    lit = engine.trace_irradiance(scene, sensors, effort)
+    _warn_if_short(lit, "irradiance", relative_error)
+    return Gathered(lit.value, lit.error, lit.paths)
+
+
+def _weights() -> Float[np.ndarray, "3"]:
+    return np.array(LUMINANCE_WEIGHTS) * LUMINOUS_EFFICACY
+
+
+def _check_light(scene: Scene) -> None:
+    shining = [m for m in scene.materials.values() if hasattr(m, "radiance")]
+    if not shining:
+        raise InputError(
+            "nothing in the scene shines; a light, a glow or a sky expected"
+        )
+
+
+def _engine(
+    samples: int | None,
+    relative_error: float | None,
+    bounces: int | None,
+    seed: int,
+    device: Device,
+    progress: Progress | None,
+) -> tuple[Any, Any]:
+    if samples is not None and relative_error is not None:
+        raise InputError("both samples and relative_error given; one of them expected")
+    if samples is not None and not 1 <= samples <= 1 << 22:
+        raise InputError(f"samples = {samples}; a whole number from 1 to 2^22 expected")
+    if samples is None and relative_error is None:
+        relative_error = DEFAULT_RELATIVE_ERROR
+    if relative_error is not None and not 1e-5 <= relative_error < 1:
+        raise InputError(f"relative_error = {relative_error}; 0.00001 to 1 expected")
+    if bounces is not None and bounces < 0:
+        raise InputError(f"bounces = {bounces}; 0 or more expected")
+    if not 0 <= seed < 1 << 26:
+        raise InputError(f"seed = {seed}; a whole number from 0 to 2^26 - 1 expected")
+    engine = devices.load(device, "pixels")
+    effort = engine.Effort(
+        samples=samples,
+        relative_error=relative_error,
+        bounces=bounces,
+        seed=seed,
+        progress=progress,
+    )
+    return engine, effort
+
+
+def _warn_if_short(lit: Any, what: str, relative_error: float | None) -> None:
+    if not lit.reached:
+        warnings.warn(
+            f"{what}: the relative error {relative_error} was not reached"
+            f" after {lit.paths:,} paths; look at the standard errors",
+            ClerestoryWarning,
+            stacklevel=3,
+        )
