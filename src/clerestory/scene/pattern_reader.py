@@ -26,11 +26,13 @@ from clerestory.scene.cal.syntax import (
     parse_expression,
 )
 from clerestory.scene.composite import Illum, Material
-from clerestory.scene.data_array import read_data_array
+from clerestory.scene.data_array import DataArray, read_data_array
 from clerestory.scene.emitter import Glow, Light, Spotlight
 from clerestory.scene.library import library_file
 from clerestory.scene.pattern import Pattern, Product
 from clerestory.scene.pattern_function import KNOWN, DataPattern, FunctionPattern
+from clerestory.scene.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
+from clerestory.scene.photometry.table import intensity_table
 from clerestory.scene.statements import Primitive
 from clerestory.scene.xform import Transform
 
@@ -116,10 +118,7 @@ def _data(given: Arguments, placed: Transform) -> Pattern:
     count = 1 if given.item.kind == "brightdata" else 3
     _strings(given, 2 * count + 2)
     strings, at = given.item.strings, 2 * count + 1
-    tables = tuple(
-        read_data_array(library_file(name, beside=given.file, line=given.item.line))
-        for name in strings[count : 2 * count]
-    )
+    tables = tuple(_table(given, name) for name in strings[count : 2 * count])
     axes = len(tables[0].axes)
     if any(len(table.axes) != axes for table in tables):
         raise given.error("its tables have different numbers of axes; one expected")
@@ -147,6 +146,14 @@ PATTERNS: Mapping[str, Callable[[Arguments, Transform], Pattern]] = {
     "brightdata": _data,
     "colordata": _data,
 }
+
+
+def _table(given: Arguments, name: str) -> DataArray:
+    # A luminaire's file stands for its intensities, too
+    path = library_file(name, beside=given.file, line=given.item.line)
+    if path.suffix.lower() in LUMINAIRE_SUFFIXES:
+        return intensity_table(read_luminaire(path))
+    return read_data_array(path)
 
 
 def _strings(given: Arguments, least: int) -> None:

@@ -7,6 +7,7 @@ from clerestory.errors import InputError
 from clerestory.scene.generators.blinds import blinds
 from clerestory.scene.generators.box import box
 from clerestory.scene.generators.cie_sky import gensky
+from clerestory.scene.generators.luminaire import ies2rad
 from clerestory.scene.generators.perez_sky import gendaylit
 from clerestory.scene.generators.prism import prism
 from clerestory.scene.generators.words import Words
@@ -20,6 +21,7 @@ GENERATORS: Mapping[str, Callable[[Words, Find], list[str]]] = {
     "genblinds": lambda words, _: blinds(words),
     "gensky": lambda words, _: gensky(words),
     "gendaylit": lambda words, _: gendaylit(words),
+    "ies2rad": ies2rad,
 }
 
 

@@ -1,0 +1,1 @@
+"""Luminaires: intensity tables from files, and the surfaces that send such light."""

@@ -1,0 +1,252 @@
+"""Luminaires: a table of luminous intensity, the shape that shines, and its flux.
+
+The luminaire hangs with its nadir along -z and its photometric 0° towards +x. Angles of
+the table, for a unit vector l of the light that leaves:
+
+- type C: the vertical angle counts from the nadir, the horizontal one from +x to +y;
+- type B: the vertical angle is atan2(lx, -lz), about the y axis; the horizontal one
+  asin(-ly) counts out of that plane;
+- type A: the horizontal angle is atan2(-ly, -lz), about the x axis; the vertical one
+  asin(lx) counts out of that plane.
+
+Reference: I. Ashdown, Thinking photometrically, LightFair 2001 (types A, B and C);
+IES LM-63-02.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+
+PhotometricType = Literal["A", "B", "C"]
+
+# Angles nearer than this are the same [deg]
+_SAME_DEG = 1e-6
+
+
+@dataclass(frozen=True)
+class LuminousShape:
+    """The body that shines, centred at the origin.
+
+    Attributes
+    ----------
+    kind : a box, an upright cylinder or a sphere; flat where its height is 0
+    x, y, z : its extents [m]; x and y are the diameter of a cylinder or sphere
+    """
+
+    kind: Literal["box", "cylinder", "sphere"]
+    x: float
+    y: float
+    z: float
+
+    def __post_init__(self) -> None:
+        sizes = (self.x, self.y, self.z)
+        if not (min(sizes[:2]) > 0 and self.z >= 0 and np.all(np.isfinite(sizes))):
+            raise InputError(
+                f"a luminous {self.kind} of {self.x:g} × {self.y:g} × {self.z:g} m;"
+                " sizes above 0 expected"
+            )
+
+
+@dataclass(frozen=True)
+class TiltTable:
+    """How a lamp's output falls as the luminaire is tilted.
+
+    Attributes
+    ----------
+    geometry : 1 for lamps upright in a level luminaire, 2 and 3 for lying ones
+    angle_deg, factor : multiplier by angle of tilt
+    """
+
+    geometry: int
+    angle_deg: tuple[float, ...]
+    factor: tuple[float, ...]
+
+    def at(self, tilt_deg: float) -> float:
+        """Multiplier of the output at an angle of tilt."""
+        return float(np.interp(abs(tilt_deg), self.angle_deg, self.factor))
+
+
+@dataclass(frozen=True, eq=False)
+class Luminaire:
+    """Luminous intensity over direction, in absolute terms.
+
+    Attributes
+    ----------
+    name : what the file calls it
+    photometry : type of the table's angles
+    horizontal_deg : growing; 0 to 360 for type C, a single 0 if it does not matter
+    vertical_deg : growing; beyond them no light leaves
+    intensity : [cd]
+    shape : the body that shines
+    lamp_lumens : of all lamps together [lm]; None for absolute photometry
+    watts : electric power
+    keywords : what else the file says
+    tilt : None if the output does not depend on tilt
+
+    Raises
+    ------
+    InputError : angles that do not grow or do not fit the type, a negative intensity
+    """
+
+    name: str
+    photometry: PhotometricType
+    horizontal_deg: Float[np.ndarray, " horizontal"]
+    vertical_deg: Float[np.ndarray, " vertical"]
+    intensity: Float[np.ndarray, "horizontal vertical"]
+    shape: LuminousShape
+    lamp_lumens: float | None = None
+    watts: float = 0.0
+    keywords: Mapping[str, str] = field(default_factory=dict)
+    tilt: TiltTable | None = None
+
+    def __post_init__(self) -> None:
+        low, high = (0.0, 180.0) if self.photometry == "C" else (-90.0, 90.0)
+        _check_angles("vertical", self.vertical_deg, low, high, 2)
+        wide = (0.0, 360.0) if self.photometry == "C" else (-180.0, 180.0)
+        _check_angles("horizontal", self.horizontal_deg, *wide, 1)
+        if not (np.all(np.isfinite(self.intensity)) and self.intensity.min() >= 0):
+            raise InputError(
+                f"an intensity is {self.intensity.min():g} cd; 0 or more expected"
+            )
+
+    def candela(
+        self, direction: Float[np.ndarray, "*batch 3"]
+    ) -> Float[np.ndarray, "*batch"]:
+        """Luminous intensity [cd] in the luminaire's own frame.
+
+        Parameters
+        ----------
+        direction : unit vectors in which light leaves
+
+        Examples
+        --------
+        >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
+        >>> angles, table = np.array([0.0, 90.0]), np.array([[100.0, 0.0]])
+        >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, table, disc)
+        >>> lamp.candela(np.array([0.0, 0.0, -1.0])).item()
+        100.0
+        """
+        horizontal, vertical = self.angles(direction)
+        value: np.ndarray = _bilinear(self, horizontal, vertical)
+        return value
+
+    def angles(
+        self, direction: Float[np.ndarray, "*batch 3"]
+    ) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch"]]:
+        """Horizontal and vertical angle [deg] of directions in the table."""
+        x, y, z = np.moveaxis(direction, -1, 0)
+        match self.photometry:
+            case "C":
+                horizontal = np.mod(np.degrees(np.arctan2(y, x)), 360.0)
+                vertical = np.degrees(np.arccos(np.clip(-z, -1, 1)))
+            case "B":
+                horizontal = np.degrees(np.arcsin(np.clip(-y, -1, 1)))
+                vertical = np.degrees(np.arctan2(x, -z))
+            case _:
+                horizontal = np.degrees(np.arctan2(-y, -z))
+                vertical = np.degrees(np.arcsin(np.clip(x, -1, 1)))
+        return np.asarray(horizontal), np.asarray(vertical)
+
+    def flux(self) -> float:
+        """Luminous flux [lm]: the intensity, linear between angles, integrated.
+
+        Examples
+        --------
+        >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
+        >>> angles = np.linspace(0, 90, 901)
+        >>> cosine = 100 * np.cos(np.radians(angles))[None]
+        >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, cosine, disc)
+        >>> round(lamp.flux() / np.pi, 3)
+        100.0
+        """
+        if self.photometry == "B":
+            # The horizontal angle is the one that leaves the plane
+            weights = _latitude_weights(self.horizontal_deg)
+            turn, table = self.vertical_deg, self.intensity
+        else:
+            polar = self.vertical_deg - (90.0 if self.photometry == "C" else 0.0)
+            weights = _latitude_weights(polar)
+            turn, table = self.horizontal_deg, self.intensity.T
+        around = weights @ table
+        if len(turn) == 1:
+            return float(2 * np.pi * around[0])
+        return float(np.trapezoid(around, np.radians(turn)))
+
+    def scaled(self, factor: float) -> "Luminaire":
+        """Return the luminaire dimmed, or with lamps of another flux.
+
+        Parameters
+        ----------
+        factor : on every intensity, and on the flux of the lamps
+
+        Raises
+        ------
+        InputError : a negative factor
+        """
+        if not (np.isfinite(factor) and factor >= 0):
+            raise InputError(f"luminaire scaled by {factor}; 0 or more expected")
+        lumens = None if self.lamp_lumens is None else self.lamp_lumens * factor
+        return replace(self, intensity=self.intensity * factor, lamp_lumens=lumens)
+
+
+def _check_angles(
+    what: str, angle: Float[np.ndarray, " angles"], low: float, high: float, least: int
+) -> None:
+    if len(angle) < least or np.any(np.diff(angle) <= 0):
+        raise InputError(
+            f"{len(angle)} {what} angles that do not all grow;"
+            f" at least {least} growing ones expected"
+        )
+    if angle[0] < low - _SAME_DEG or angle[-1] > high + _SAME_DEG:
+        raise InputError(
+            f"{what} angles from {angle[0]:g}° to {angle[-1]:g}°;"
+            f" {low:g}° to {high:g}° expected"
+        )
+
+
+def _bilinear(
+    lamp: Luminaire,
+    horizontal: Float[np.ndarray, "*batch"],
+    vertical: Float[np.ndarray, "*batch"],
+) -> Float[np.ndarray, "*batch"]:
+    row, across, inside = _place(lamp.horizontal_deg, horizontal)
+    column, along, within = _place(lamp.vertical_deg, vertical)
+    next_row = np.minimum(row + 1, len(lamp.horizontal_deg) - 1)
+    table = lamp.intensity
+    first = table[row, column] * (1 - along) + table[row, column + 1] * along
+    second = table[next_row, column] * (1 - along) + table[next_row, column + 1] * along
+    value = first * (1 - across) + second * across
+    return np.where(inside & within, value, 0.0)
+
+
+def _place(
+    angles: Float[np.ndarray, " angles"], at: Float[np.ndarray, "*batch"]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    # The interval of each angle, the place in it, and whether the table holds it
+    if len(angles) == 1:
+        zero = np.zeros(at.shape)
+        return zero.astype(int), zero, np.ones(at.shape, dtype=bool)
+    cell = np.clip(np.searchsorted(angles, at, side="right") - 1, 0, len(angles) - 2)
+    share = (at - angles[cell]) / (angles[cell + 1] - angles[cell])
+    inside = (at >= angles[0] - _SAME_DEG) & (at <= angles[-1] + _SAME_DEG)
+    return cell, np.clip(share, 0, 1), inside
+
+
+def _latitude_weights(
+    latitude_deg: Float[np.ndarray, " angles"],
+) -> Float[np.ndarray, " angles"]:
+    # ∫ f cos λ dλ = weights @ f for f linear between the angles: of each interval,
+    # the part of the rising hat that its upper end gets
+    lam = np.radians(latitude_deg)
+    width = np.diff(lam)
+    whole = np.diff(np.sin(lam))
+    upper = np.sin(lam[1:]) + np.diff(np.cos(lam)) / width
+    weights = np.zeros(len(lam))
+    weights[1:] += upper
+    weights[:-1] += whole - upper
+    return weights

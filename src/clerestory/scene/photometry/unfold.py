@@ -1,0 +1,85 @@
+"""Symmetric tables of intensity, written once, unfolded to all directions."""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+
+_SAME_DEG = 1e-6
+
+
+def unfold_type_c(
+    horizontal_deg: Float[np.ndarray, " given"],
+    intensity: Float[np.ndarray, "given vertical"],
+) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
+    """Return horizontal angles from 0° to 360° and their intensities.
+
+    A quadrant (0 to 90°) is mirrored twice, a half (0 to 180°, 90 to 270° or -90 to
+    90°) once; a single angle means that the horizontal angle does not matter.
+
+    Raises
+    ------
+    InputError : another range of angles
+
+    Examples
+    --------
+    >>> angles, table = unfold_type_c(np.array([0.0, 90]), np.array([[1.0], [2.0]]))
+    >>> angles.tolist(), table[:, 0].tolist()
+    ([0.0, 90.0, 180.0, 270.0, 360.0], [1.0, 2.0, 1.0, 2.0, 1.0])
+    """
+    if len(horizontal_deg) == 1:
+        return np.zeros(1), intensity
+    ends = (horizontal_deg[0], horizontal_deg[-1])
+    h = horizontal_deg
+    if _near(ends, 0, 90):
+        return _joined([h, 180 - h, 180 + h, 360 - h], intensity)
+    if _near(ends, 0, 180):
+        return _joined([h, 360 - h], intensity)
+    if _near(ends, 90, 270) or _near(ends, -90, 90):
+        return _joined([h, 180 - h], intensity)
+    if _near(ends, 0, 360) or (ends[0] >= 0 and 180 < ends[1] - ends[0] < 360):
+        return _joined([h], intensity)
+    raise InputError(
+        f"horizontal angles from {ends[0]:g}° to {ends[1]:g}°; 0 to 90, 180 or 360,"
+        " or 90 to 270 expected"
+    )
+
+
+def unfold_sides(
+    horizontal_deg: Float[np.ndarray, " given"],
+    intensity: Float[np.ndarray, "given vertical"],
+) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
+    """Return the angles of type A or B from -90° on; 0 to 90° alone is mirrored."""
+    if len(horizontal_deg) > 1 and abs(horizontal_deg[0]) < _SAME_DEG:
+        angle = np.concatenate([-horizontal_deg[:0:-1], horizontal_deg])
+        return angle, np.concatenate([intensity[:0:-1], intensity])
+    return horizontal_deg, intensity
+
+
+def _near(ends: tuple[float, float], low: float, high: float) -> bool:
+    return bool(abs(ends[0] - low) < _SAME_DEG and abs(ends[1] - high) < _SAME_DEG)
+
+
+def _joined(
+    copies: list[Float[np.ndarray, " given"]],
+    intensity: Float[np.ndarray, "given vertical"],
+) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
+    # Sort the copies' angles, each once, and close the circle
+    angle = np.mod(np.concatenate(copies), 360.0).round(6)
+    table = np.concatenate([intensity] * len(copies))
+    angle, first = np.unique(angle, return_index=True)
+    table = table[first]
+    start = table[:1] if angle[0] == 0 else _between(angle, table)
+    if angle[0] != 0:
+        angle, table = np.append(0.0, angle), np.concatenate([start, table])
+    return np.append(angle, 360.0), np.concatenate([table, start])
+
+
+def _between(
+    angle: Float[np.ndarray, " all"], table: Float[np.ndarray, "all vertical"]
+) -> Float[np.ndarray, "1 vertical"]:
+    # The intensity at 0°, between the last angle and the first
+    gap = angle[0] + 360 - angle[-1]
+    share = (360 - angle[-1]) / gap
+    row: np.ndarray = table[-1:] * (1 - share) + table[:1] * share
+    return row
