@@ -1,0 +1,150 @@
+"""False colour: luminance as colour, contour lines or bands, with a legend."""
+
+from typing import Literal
+
+import numpy as np
+from contourpy import contour_generator
+from jaxtyping import Bool, UInt8
+from PIL import Image, ImageDraw
+
+from clerestory.image.arithmetic import within_view
+from clerestory.image.colour_scale import ColourScale
+from clerestory.image.display import to_srgb
+from clerestory.image.human_vision import human_vision
+from clerestory.image.legend import font, legend, text_size, value_word
+from clerestory.image.picture import Picture, photometric, photometric_unit
+
+Style = Literal["fill", "steps", "lines", "bands"]
+Pixels = UInt8[np.ndarray, "row column 3"]
+
+# Lines are drawn larger and averaged, so that they have smooth edges
+_FINER = 3
+
+# Share of the step between levels that a band covers
+_BAND = 0.2
+
+
+def false_colour(
+    picture: Picture,
+    scale: ColourScale,
+    *,
+    style: Style = "fill",
+    extremes: bool = False,
+    with_legend: bool = True,
+) -> UInt8[np.ndarray, "height width 3"]:
+    """Return a picture in false colour, sRGB.
+
+    Parameters
+    ----------
+    picture : luminance or illuminance to show
+    scale : which value has which colour
+    style : "fill" colours every pixel, "steps" the same in one colour between two
+        levels; "lines" and "bands" draw the levels over the picture as it looks
+    extremes : mark the smallest value above zero and the largest
+    with_legend : put a legend to the left
+
+    Examples
+    --------
+    >>> from clerestory.image.colour_scale import linear_scale
+    >>> ramp = np.linspace(0, 5, 90, dtype=np.float32)[None, :, None]
+    >>> picture = Picture(np.tile(ramp, (60, 1, 3)))
+    >>> false_colour(picture, linear_scale(picture), with_legend=False).shape
+    (60, 90, 3)
+    """
+    values = photometric(picture)
+    seen = within_view(picture)
+    if style == "fill":
+        pixels = scale.colours(scale.place(values.astype(float)))
+    elif style == "steps":
+        pixels = _steps(values.astype(float), scale)
+    else:
+        background = to_srgb(human_vision(picture))
+        draw = _with_lines if style == "lines" else _with_bands
+        pixels = draw(background, values.astype(float), scale)
+    pixels = np.where(seen[..., None], pixels, np.uint8(0))
+    if extremes:
+        pixels = _with_extremes(pixels, values, seen)
+    if with_legend:
+        side = legend(scale, photometric_unit(picture), height=len(pixels))
+        tall = max(len(side), len(pixels))
+        pixels = np.hstack([_padded(side, tall), _padded(pixels, tall)])
+    return pixels
+
+
+def _padded(pixels: Pixels, height: int) -> UInt8[np.ndarray, "height column 3"]:
+    below = height - len(pixels)
+    return np.pad(pixels, ((0, below), (0, 0), (0, 0)))
+
+
+def _steps(values: np.ndarray, scale: ColourScale) -> Pixels:
+    # Each step has the colour of its middle
+    ends = scale.place(np.array(scale.levels))
+    step = np.searchsorted(scale.levels, values, side="right") - 1
+    step = np.clip(step, 0, len(ends) - 2)
+    pixels: np.ndarray = scale.colours((ends[step] + ends[step + 1]) / 2)
+    return pixels
+
+
+def _with_bands(background: Pixels, values: np.ndarray, scale: ColourScale) -> Pixels:
+    ends = scale.place(np.array(scale.levels))
+    place = scale.place(values)
+    nearest = np.searchsorted((ends[:-1] + ends[1:]) / 2, place)
+    inside = np.abs(place - ends[nearest]) < _BAND * np.diff(ends).min() / 2
+    # Beyond the ends there is no level
+    inside &= (values > scale.levels[0]) & (values < scale.levels[-1])
+    pixels: np.ndarray = np.where(
+        inside[..., None], scale.colours(ends[nearest]), background
+    )
+    return pixels
+
+
+def _with_lines(background: Pixels, values: np.ndarray, scale: ColourScale) -> Pixels:
+    rows, columns = values.shape
+    if min(rows, columns) < 2:
+        return background
+    width = max(round(min(rows, columns) / 300 * _FINER), _FINER)
+    size = (columns * _FINER, rows * _FINER)
+    large = Image.fromarray(background).resize(size, Image.Resampling.BILINEAR)
+    draw = ImageDraw.Draw(large)
+    # On a logarithmic scale contours run evenly between pixels of its values
+    generator = contour_generator(z=_for_contours(values, scale))
+    for level in scale.levels:
+        at = float(np.log(level) if scale.logarithmic else level)
+        colour = tuple(scale.colours(scale.place(np.array(level))).tolist())
+        for line in generator.lines(at):
+            points = (np.asarray(line) + 0.5) * _FINER
+            draw.line([tuple(point) for point in points.tolist()], colour, width)
+    return np.asarray(large.resize((columns, rows), Image.Resampling.BOX))
+
+
+def _for_contours(values: np.ndarray, scale: ColourScale) -> np.ndarray:
+    if not scale.logarithmic:
+        return values
+    logarithm: np.ndarray = np.log(np.maximum(values, scale.smallest / 10))
+    return logarithm
+
+
+def _with_extremes(
+    pixels: Pixels, values: np.ndarray, seen: Bool[np.ndarray, "row column"]
+) -> Pixels:
+    image = Image.fromarray(pixels)
+    draw = ImageDraw.Draw(image)
+    rows, columns = values.shape
+    radius = max(min(rows, columns) // 90, 3)
+    letters = font(max(min(rows, columns) // 30, 10))
+    # What a camera did not see is black: it is no smallest value
+    lit = seen & (values > 0) if (values[seen] > 0).any() else seen
+    for find, away in ((np.argmin, np.inf), (np.argmax, -np.inf)):
+        place = int(find(np.where(lit, values, away)))
+        row, column = divmod(place, columns)
+        text = value_word(float(values[row, column]))
+        width, height = text_size(text, letters)
+        # Right of the mark where there is room, else left; within the picture
+        x = column + 2 * radius
+        x = x if x + width < columns else column - 2 * radius - width
+        y = min(max(row - height // 2, 1), max(rows - height - 3, 1))
+        box = (column - radius, row - radius, column + radius, row + radius)
+        draw.ellipse(box, outline="black", width=max(radius // 2, 3))
+        draw.ellipse(box, outline="white", width=max(radius // 4, 1))
+        draw.text((x, y), text, "white", letters, stroke_width=2, stroke_fill="black")
+    return np.asarray(image)

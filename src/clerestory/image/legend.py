@@ -1,0 +1,102 @@
+"""The legend of a false-colour picture: a bar of its colours with values and unit."""
+
+from functools import cache
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from jaxtyping import UInt8
+from PIL import Image, ImageDraw, ImageFont
+
+from clerestory.image.colour_scale import ColourScale
+
+# Size of letters in a picture: a share of its height, within limits [pixels]
+_LETTERS, _SMALLEST, _LARGEST = 1 / 30, 10, 26
+
+# Lowest legend, in lines of text
+_LINES = 6
+
+
+@cache
+def font(size: int) -> ImageFont.FreeTypeFont:
+    """Return the letters of matplotlib, DejaVu Sans, which every installation has."""
+    folder = Path(mpl.get_data_path()) / "fonts" / "ttf"
+    return ImageFont.truetype(str(folder / "DejaVuSans.ttf"), size)
+
+
+def text_size(text: str, letters: ImageFont.FreeTypeFont) -> tuple[int, int]:
+    """Return width and height of a line of text [pixels]."""
+    left, _, right, _ = letters.getbbox(text)
+    ascent, descent = letters.getmetrics()
+    return int(np.ceil(right - left)), ascent + descent
+
+
+def legend(
+    scale: ColourScale, unit: str, *, height: int
+) -> UInt8[np.ndarray, "rows columns 3"]:
+    """Return a bar of the scale's colours with its values, white on black.
+
+    Parameters
+    ----------
+    scale : colours and levels; levels too close to be read are left out
+    unit : stands on top
+    height : rows wanted; more where text needs them
+    """
+    letters = font(int(np.clip(height * _LETTERS, _SMALLEST, _LARGEST)))
+    line = text_size("0", letters)[1]
+    height = max(height, _LINES * line)
+    words = level_words(scale.levels)
+    gap = line // 2
+    bar = 2 * line
+    widest = max(text_size(word, letters)[0] for word in (*words, unit))
+    image = Image.new("RGB", (bar + widest + 4 * gap, height))
+    draw = ImageDraw.Draw(image)
+    draw.text((gap, gap), unit, "white", letters)
+    top, bottom = gap + 2 * line, height - line
+    # The bar, largest value on top
+    colours = scale.colours(np.linspace(1, 0, bottom - top))
+    colours = np.repeat(colours[:, None], bar, axis=1)
+    image.paste(Image.fromarray(colours), (gap, top))
+    # Values from below, where there is room
+    free = float(height)
+    for place, word in _in_order(scale, words):
+        y = bottom - place * (bottom - top)
+        close = free - y < line and place > 0
+        if close and place < 1:
+            continue
+        if close:
+            # The largest value counts more than its neighbour
+            box = (gap + bar, int(y), image.width, int(y + 1.5 * line))
+            draw.rectangle(box, "black")
+        draw.line((gap + bar, y, gap + bar + gap // 2, y), "white")
+        draw.text((2 * gap + bar, y - line / 2), word, "white", letters)
+        free = y
+    return np.asarray(image)
+
+
+def _in_order(scale: ColourScale, words: tuple[str, ...]) -> list[tuple[float, str]]:
+    places = scale.place(np.array(scale.levels, dtype=float)).tolist()
+    return list(zip(places, words, strict=True))
+
+
+def level_words(levels: tuple[float, ...]) -> tuple[str, ...]:
+    """Return the numbers of a legend: short, thousands set apart by a thin space.
+
+    >>> level_words((0, 0.5, 20, 250))
+    ('0', '0.5', '20', '250')
+    """
+    return tuple(value_word(level) for level in levels)
+
+
+def value_word(value: float) -> str:
+    """Return a number in three digits or more, without those that say nothing.
+
+    >>> value_word(0.012345), value_word(5.2e8)
+    ('0.0123', '5.2e8')
+    """
+    if value and not 1e-4 <= abs(value) < 1e7:
+        mantissa, exponent = f"{value:.2e}".split("e")
+        return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
+    digits = max(0, 2 - int(np.floor(np.log10(abs(value))))) if value else 0
+    text = f"{value:,.{digits}f}".replace(",", "\u2009")
+    return text.rstrip("0").rstrip(".") if "." in text else text
