@@ -44,6 +44,10 @@ _HOME = {
     "daylight_matrix": "phases.trace",
     "daylight_matrices": "phases.trace",
     "daylight_coefficients": "phases.trace",
+    "irradiance": "phases.render",
+    "render": "phases.render",
+    "sky_at": "scene.sky",
+    "sky_scene": "scene.sky",
     "read_study": "study.config",
     "run_study": "study.run",
 }

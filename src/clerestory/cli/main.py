@@ -14,9 +14,10 @@ from typing import Annotated, Any
 import typer
 
 from clerestory import __version__
-from clerestory.cli import bsdf, sky, trace
+from clerestory.cli import bsdf, picture, sky, trace
 from clerestory.cli.doctor import doctor
 from clerestory.cli.multiply import multiply
+from clerestory.cli.render import render
 from clerestory.cli.run import demo, report, run
 from clerestory.errors import ClerestoryError, ClerestoryWarning
 
@@ -42,9 +43,14 @@ app = typer.Typer(
 app.add_typer(trace.app, name="trace")
 app.add_typer(sky.app, name="sky")
 app.add_typer(bsdf.app, name="bsdf")
+app.add_typer(picture.app, name="picture")
 app.command(epilog="Example: clerestory run study.toml --out results")(run)
 app.command(epilog="Example: clerestory demo my_first_study")(demo)
 app.command(epilog="Example: clerestory report study_results")(report)
+app.command(
+    epilog="Example: clerestory render --scene materials.rad room.rad --view"
+    " desk.vf --sky 'gensky 9 21 12 +s -a 48 -o -11 -m -15' -o noon.hdr"
+)(render)
 app.command(epilog="Example: clerestory doctor")(doctor)
 app.command(epilog="Example: clerestory multiply V.mtx blind.xml D.mtx S.smx -o E.mtx")(
     multiply

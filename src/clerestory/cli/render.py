@@ -1,0 +1,151 @@
+"""`clerestory render`: a picture at one instant."""
+
+import time
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from clerestory.cli.options import (
+    Bounces,
+    DeviceOption,
+    Quiet,
+    RelativeError,
+    Samples,
+    SceneFiles,
+    Seed,
+)
+from clerestory.cli.progress import progress_display
+from clerestory.errors import InputError
+from clerestory.image.picture import photometric
+from clerestory.image.write import write_picture
+from clerestory.phases.render import Rendering
+from clerestory.phases.render import render as render_picture
+from clerestory.scene.model import Scene
+from clerestory.scene.rad import read_rad
+from clerestory.scene.sky import sky_at, sky_scene
+from clerestory.scene.view import View
+from clerestory.scene.view_text import parse_view, read_view
+from clerestory.sky.read import read_weather
+
+ViewText = Annotated[
+    str,
+    typer.Option(
+        "--view", help="View file, or its text: '-vta -vp 1 2 1.2 …'.", metavar="F"
+    ),
+]
+Sky = Annotated[
+    str | None,
+    typer.Option(
+        "--sky",
+        help="Scene file of the sky, or a command: 'gensky 9 21 12 +s …',"
+        " 'gendaylit …'.",
+        metavar="F",
+    ),
+]
+Time = Annotated[
+    str | None,
+    typer.Option(
+        "--time",
+        help="Instead of --sky, with --weather: 2026-09-21T12:00.",
+        metavar="T",
+    ),
+]
+WeatherFile = Annotated[
+    Path | None,
+    typer.Option("--weather", help="Weather file that knows the time.", metavar="F"),
+]
+Resolution = Annotated[
+    int,
+    typer.Option(
+        "--resolution", help="Columns or rows, the larger of both.", min=1, metavar="N"
+    ),
+]
+PictureOutput = Annotated[
+    Path, typer.Option("--output", "-o", help="Picture to write: .hdr or .exr.")
+]
+ErrorOutput = Annotated[
+    Path | None,
+    typer.Option("--error", help="Picture of the standard errors to write."),
+]
+
+
+def render(
+    scene: SceneFiles,
+    view: ViewText,
+    output: PictureOutput,
+    sky: Sky = None,
+    moment: Time = None,
+    weather: WeatherFile = None,
+    resolution: Resolution = 512,
+    samples: Samples = None,
+    relative_error: RelativeError = None,
+    bounces: Bounces = None,
+    error: ErrorOutput = None,
+    seed: Seed = 1,
+    device: DeviceOption = "auto",
+    quiet: Quiet = False,
+) -> None:
+    """Render a picture of a scene under a sky.
+
+    The scene may hold its sky itself. Without --samples or --relative-error, paths
+    are traced until the standard error of the mean pixel is 2 %.
+    """
+    begin = time.perf_counter()
+    room = read_rad(*scene)
+    room = room + _sky(sky, moment, weather)
+    camera = _view(view)
+    columns, rows = camera.size_for(resolution)
+    with progress_display(quiet=quiet) as display:
+        made = render_picture(
+            room,
+            camera,
+            columns=columns,
+            rows=rows,
+            samples=samples,
+            relative_error=relative_error,
+            bounces=bounces,
+            seed=seed,
+            device=device,
+            progress=display("picture"),
+        )
+    write_picture(made.picture, output)
+    if error is not None:
+        radiance = made.error.astype(np.float32)
+        write_picture(replace(made.picture, radiance=radiance), error)
+    if not quiet:
+        typer.echo(_summary(made, output, time.perf_counter() - begin))
+
+
+def _view(text: str) -> View:
+    return parse_view(text) if text.lstrip().startswith("-v") else read_view(text)
+
+
+def _sky(sky: str | None, moment: str | None, weather: Path | None) -> Scene:
+    if (moment is None) != (weather is None) or (sky and moment):
+        raise InputError("either --sky, or --time with --weather, or neither expected")
+    if moment is not None and weather is not None:
+        try:
+            when = datetime.fromisoformat(moment)
+        except ValueError:
+            raise InputError(
+                f"--time {moment}; a date and time as 2026-09-21T12:00 expected"
+            ) from None
+        return sky_at(read_weather(weather), when)
+    if sky is None:
+        return Scene()
+    return sky_scene(sky) if " " in sky.strip() else read_rad(sky)
+
+
+def _summary(made: Rendering, output: Path, seconds: float) -> str:
+    picture = made.picture
+    mean = float(photometric(picture).mean())
+    share = float(np.sqrt(np.mean(made.error**2)) / max(picture.radiance.mean(), 1e-30))
+    return (
+        f"{output}: {picture.columns} × {picture.rows} pixels, mean {mean:.4g} cd/m²,"
+        f" standard error of a pixel {share:.1%} of it; {made.paths:,} paths,"
+        f" {seconds:.1f} s"
+    )
