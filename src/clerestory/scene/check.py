@@ -10,7 +10,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.directions import Frame
-from clerestory.scene.model import Glass, Scene
+from clerestory.scene.appearance import is_opaque
+from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, distances, first_hits
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.tessellate import meshes
@@ -147,9 +148,7 @@ def _sensors(
         where = f'in the plane of window "{window.name}", which sends them no light'
         yield from _finding(sensors, on_plane, where)
 
-    opaque = np.array(
-        [not isinstance(scene.materials[s.material], Glass) for s in scene.surfaces]
-    )
+    opaque = np.array([is_opaque(scene.materials[s.material]) for s in scene.surfaces])
     solid = Triangulation(
         triangles.corner[opaque[triangles.surface]],
         triangles.surface[opaque[triangles.surface]],

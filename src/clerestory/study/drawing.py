@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from clerestory.scene.model import Glass, Material, Plastic, Scene
+from clerestory.scene.appearance import colour
+from clerestory.scene.model import Scene
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
@@ -22,7 +23,7 @@ def room_drawing(scene: Scene) -> xr.Dataset:
     corners, colours, names = [], [], []
     for mesh in meshes(scene):
         corners.append(mesh.vertices[mesh.faces])
-        colours.append(np.tile(_colour(mesh.material), (len(mesh.faces), 1)))
+        colours.append(np.tile(colour(mesh.material), (len(mesh.faces), 1)))
         names += [mesh.material.name] * len(mesh.faces)
     return xr.Dataset(
         {
@@ -60,17 +61,6 @@ def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
 
 def _single(parts: list[np.ndarray]) -> np.ndarray:
     return np.concatenate(parts).astype(np.float32)
-
-
-def _colour(material: Material) -> Float[np.ndarray, "3"]:
-    # What a drawing shows; lamps are white
-    if isinstance(material, Plastic):
-        colour = material.reflectance
-    elif isinstance(material, Glass):
-        colour = material.transmissivity
-    else:
-        colour = np.ones(3)
-    return np.asarray(np.clip(colour, 0, 1))
 
 
 def _window_corners(window: Window) -> Float[np.ndarray, "triangle 3 3"]:
