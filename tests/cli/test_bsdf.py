@@ -1,16 +1,19 @@
 """`clerestory bsdf`: exit statuses for scripts, files written, one-line errors."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.product import Geometry, Product
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
+from clerestory.scene.rad import read_rad
 
 QUARTER = klems("quarter")
 
@@ -193,3 +196,38 @@ def test_a_matrix_is_not_reduced(call):
     outcome = call("bsdf", "reduce", "diffuser.xml", "-o", "small.xml")
     assert outcome.status == 2
     assert "--to tree" in outcome.err
+
+
+@pytest.fixture
+def slats(room):
+    """A file with a size and geometry."""
+    mgf = "v a =\n\tp 0 0 -0.1\nm white =\n\trd 0.5\nsph a 0.1\n"
+    product = Product("Ball", "Nobody", "Other", 0.2, 2.0, 1.0, geometry=Geometry(mgf))
+    layer = lambertian(0.5, QUARTER, reflectance=0.2)
+    write_bsdf(room / "ball.xml", replace(layer, product=product))
+    return "ball.xml"
+
+
+def test_a_layer_is_packaged_for_a_scene(call, room, slats):
+    outcome = call("bsdf", "package", slats, "-o", "ball.rad", "--xform", "-t 0 0 5")
+    assert outcome.status == 0
+    assert outcome.out == "ball.rad: 3 surfaces, 2 with the BSDF\n"
+    scene = read_rad(room / "ball.rad")
+    assert scene.bounds()[1].round(2).tolist() == [1, 0.5, 5]
+    printed = call("bsdf", "package", slats)
+    assert "void BSDF m_ball_f" in printed.out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["diffuser.xml", "-o", "x.rad"], "diffuser.xml: the BSDF file gives no width"),
+        (["ball.xml", "--xform", "-t 0"], "3 number(s) expected"),
+        (["ball.xml", "--xform", "spin"], "an option of xform expected"),
+    ],
+)
+def test_what_cannot_be_packaged_is_told(call, slats, words, message):
+    outcome = call("bsdf", "package", *words)
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert outcome.err.count("\n") == 1

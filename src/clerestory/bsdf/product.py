@@ -1,6 +1,24 @@
 """What a BSDF file says about the product itself, besides its scattering."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """The shape of a layer as a text in MGF, the Materials and Geometry Format.
+
+    `clerestory.scene.package.layer_geometry` makes a scene of it.
+
+    Attributes
+    ----------
+    text : in the frame of the BSDF; z points into the room, nothing is above 0
+    metres : length of its unit [m]
+    line : where it starts in its file, for messages
+    """
+
+    text: str
+    metres: float = 1.0
+    line: int = field(default=1, compare=False)
 
 
 @dataclass(frozen=True)
@@ -12,6 +30,7 @@ class Product:
     name, manufacturer, device_type : as in the file
     thickness, width, height : dimensions [m]; None where the file does not say
     emissivity_front, emissivity_back : far-infrared emissivity, 0…1; None if not said
+    geometry : its shape; None if the file has none
     """
 
     name: str = ""
@@ -22,3 +41,4 @@ class Product:
     height: float | None = None
     emissivity_front: float | None = None
     emissivity_back: float | None = None
+    geometry: Geometry | None = None

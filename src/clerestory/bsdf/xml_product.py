@@ -4,7 +4,7 @@ import math
 
 from lxml import etree
 
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product import Geometry, Product
 from clerestory.bsdf.xml_document import Document
 
 _METRES = {
@@ -20,9 +20,10 @@ _METRES = {
 
 def read_product(layer: etree._Element, document: Document) -> Product:
     """Return what the Material element of a layer says; empty where it says nothing."""
+    geometry = _geometry(layer, document)
     material = document.find(layer, "Material")
     if material is None:
-        return Product()
+        return Product(geometry=geometry)
     return Product(
         name=document.text(material, "Name"),
         manufacturer=document.text(material, "Manufacturer"),
@@ -32,7 +33,26 @@ def read_product(layer: etree._Element, document: Document) -> Product:
         height=_length(material, "Height", document),
         emissivity_front=_number(document.text(material, "EmissivityFront")),
         emissivity_back=_number(document.text(material, "EmissivityBack")),
+        geometry=geometry,
     )
+
+
+def _geometry(layer: etree._Element, document: Document) -> Geometry | None:
+    # MGF stands in a block of its own, in files of old genBSDF in the element itself
+    element = document.find(layer, "Geometry")
+    if element is None:
+        element = document.find(layer, "Material/Geometry")
+    if element is None or (element.get("format") or "MGF").strip().upper() != "MGF":
+        return None
+    block = document.find(element, "MGFblock")
+    if block is None and element.get("format") is None:
+        return None
+    holder = element if block is None else block
+    text = holder.text or ""
+    metres = _METRES.get((holder.get("unit") or "meter").strip().lower())
+    if not text.strip() or metres is None:
+        return None
+    return Geometry(text, metres, document.line(holder))
 
 
 def _number(text: str) -> float | None:

@@ -7,7 +7,7 @@ from jaxtyping import Float
 from lxml import etree
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product import Geometry, Product
 from clerestory.bsdf.scattering import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
@@ -74,6 +74,7 @@ def _window_element(bsdf: Bsdf, digits: int | None, comment: str) -> etree._Elem
     _add(root, "FileType", "BSDF")
     layer = _add(_add(root, "Optical"), "Layer")
     _add_material(layer, bsdf.product)
+    _add_geometry(layer, bsdf.product.geometry)
     definition = _add(layer, "DataDefinition")
     _add(definition, "IncidentDataStructure", _structure(bsdf))
     for basis in _partitions(bsdf):
@@ -111,6 +112,16 @@ def _add_material(layer: etree._Element, product: Product) -> None:
     ):
         if value is not None:
             _add(material, name, repr(float(value)))
+
+
+def _add_geometry(layer: etree._Element, geometry: Geometry | None) -> None:
+    # The schema knows units by name; a text in another one is wrapped in its scale
+    if geometry is None:
+        return
+    text = geometry.text
+    if geometry.metres != 1:
+        text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
+    _add(_add(layer, "Geometry", format="MGF"), "MGFblock", text, unit="meter")
 
 
 def _structure(bsdf: Bsdf) -> str:

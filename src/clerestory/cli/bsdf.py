@@ -14,6 +14,7 @@ from clerestory.bsdf.plausibility import check as check_bsdf
 from clerestory.bsdf.scattering import Function
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.cli.bsdf_convert import convert, reduce
+from clerestory.cli.bsdf_package import package_file
 from clerestory.cli.bsdf_report import (
     comparison_lines,
     finding_lines,
@@ -37,6 +38,9 @@ app.command(epilog="Example: clerestory bsdf convert tree.xml --to full -o matri
 app.command(
     epilog="Example: clerestory bsdf reduce tree.xml --percent 95 -o small.xml"
 )(reduce)
+app.command(
+    "package", epilog="Example: clerestory bsdf package blind.xml -o blind.rad"
+)(package_file)
 
 _UNREADABLE = 2
 _PICTURES = (".png", ".svg", ".pdf")

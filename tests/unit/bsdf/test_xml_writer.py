@@ -1,5 +1,6 @@
 """Writing BSDF files and reading them back."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from clerestory.bsdf.analytic import lambertian, thin_pane
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product import Geometry, Product
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
@@ -33,6 +34,20 @@ def test_file_by_hand_survives_a_round_trip(tmp_path):
     assert_same(original, read_bsdf(tmp_path / "copy.xml"))
     assert original.product.thickness == pytest.approx(0.0254)
     assert original.product.emissivity_front == 0.84
+
+
+def test_geometry_survives_a_round_trip(tmp_path):
+    """In metres to the letter; in another unit within a scale of its own."""
+    text = "\nv a =\n\tp 0 0 -1 # <&>\nsph a 0.5\r\n"
+    for metres in (1.0, 0.001):
+        product = Product("Ball", geometry=Geometry(text, metres))
+        original = replace(lambertian(0.5, klems("quarter")), product=product)
+        write_bsdf(tmp_path / "ball.xml", original)
+        back = read_bsdf(tmp_path / "ball.xml").product.geometry
+        assert back.metres == 1
+        if metres == 1:
+            assert back == product.geometry
+        assert text in back.text
 
 
 @pytest.mark.parametrize("basis", ["full", "half", "quarter"])

@@ -1,0 +1,159 @@
+"""Colours of MGF: chromaticities, from spectra and temperatures too.
+
+MGF mixes colours by their luminances. Mixed as spectra or as chromaticities the
+result is the same colour, so the chromaticity is all that has to be kept.
+
+References: CIE 15:2004, table of the 1931 observer every 10 nm, and Planck's law with
+c₂ = 1.4388 cm·K.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.colour import rgb_from_xyz
+from clerestory.errors import InputError
+
+_WAVELENGTHS_NM = np.arange(380, 790, 10)
+# Colour matching functions x, y, z, times 10⁴
+_OBSERVER = np.array(
+    [
+        row.split()
+        for row in (
+            "14 42 143 435 1344 2839 3483 3362 2908 1954 956 320 49 93 633 1655 2904"
+            " 4334 5945 7621 9163 10263 10622 10026 8544 6424 4479 2835 1649 874 468"
+            " 227 114 58 29 14 7 3 2 1 0",
+            "0 1 4 12 40 116 230 380 600 910 1390 2080 3230 5030 7100 8620 9540 9950"
+            " 9950 9520 8700 7570 6310 5030 3810 2650 1750 1070 610 320 170 82 41 21 10"
+            " 5 2 1 1 0 0",
+            "65 201 679 2074 6456 13856 17471 17721 16692 12876 8130 4652 2720 1582 782"
+            " 422 203 87 39 21 17 11 8 3 2 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0",
+        )
+    ],
+    dtype=float,
+)
+
+_SECOND_RADIATION_CONSTANT = 1.4388e-2  # m·K
+_COOLEST = 1000.0
+
+_MOST_SAMPLES = 10_000
+
+
+class Chromaticity(NamedTuple):
+    """CIE 1931 x and y."""
+
+    x: float
+    y: float
+
+
+GREY = Chromaticity(1 / 3, 1 / 3)
+
+
+def chromaticity(x: float, y: float) -> Chromaticity:
+    """Return the chromaticity with the given coordinates.
+
+    Raises
+    ------
+    InputError : no colour has these coordinates
+    """
+    if not (x >= 0 and y >= 1e-4 and x + y <= 1):
+        raise InputError(
+            f"chromaticity {x:g}, {y:g}; x of 0 or more, y above 0, and together at"
+            " most 1 expected"
+        )
+    return Chromaticity(x, y)
+
+
+def from_spectrum(values: list[float]) -> Chromaticity:
+    """Return the colour of light with a spectrum.
+
+    Parameters
+    ----------
+    values : first and last wavelength [nm], then at least two samples at equal steps
+
+    Raises
+    ------
+    InputError : wavelengths or samples that make no visible light
+
+    Examples
+    --------
+    >>> [round(c, 3) for c in from_spectrum([380, 780, 1, 1])]  # equal energy is grey
+    [0.333, 0.333]
+    """
+    first, last, *samples = values
+    if not (2 <= len(samples) <= _MOST_SAMPLES and 0 < first < last):
+        raise InputError(
+            f"spectrum of {len(samples)} samples from {first:g} to {last:g} nm; two or"
+            " more at growing wavelengths expected"
+        )
+    known = np.linspace(first, last, len(samples))
+    outside = {"left": 0.0, "right": 0.0}
+    return _of_light(np.interp(_WAVELENGTHS_NM, known, samples, **outside))
+
+
+def from_temperature(kelvin: float) -> Chromaticity:
+    """Return the colour of a black body.
+
+    Raises
+    ------
+    InputError : it is too cool to shine
+
+    Examples
+    --------
+    >>> [round(c, 2) for c in from_temperature(2856)]  # illuminant A: 0.4476, 0.4074
+    [0.45, 0.41]
+    """
+    if kelvin < _COOLEST:
+        raise InputError(f"colour temperature {kelvin:g} K; {_COOLEST:g} K or more")
+    metres = _WAVELENGTHS_NM * 1e-9
+    exponent = _SECOND_RADIATION_CONSTANT / (metres * kelvin)
+    # Scaled by the brightest wavelength, so that no power over- or underflows
+    power = -5 * np.log(metres) - exponent - np.log1p(-np.exp(-exponent))
+    return _of_light(np.exp(power - power.max()))
+
+
+def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
+    """Return the colour of lights added up, weighted by their luminances.
+
+    Raises
+    ------
+    InputError : the weights cancel out
+
+    Examples
+    --------
+    >>> two = [Chromaticity(0.4, 0.4), Chromaticity(0.2, 0.4)]
+    >>> [round(c, 3) for c in mixed([1.0, 1.0], two)]
+    [0.3, 0.4]
+    """
+    weight = np.array(weights)
+    x, y = np.array(colours).T
+    total = float(np.sum(weight / y))
+    if not (np.all(weight >= 0) and total > 0):
+        raise InputError("colours are mixed by negative or zero weights")
+    mean_x = float(np.sum(weight * x / y)) / total
+    return Chromaticity(mean_x, float(weight.sum()) / total)
+
+
+def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
+    """RGB in Radiance's primaries of a colour whose Y is `luminance`.
+
+    >>> rgb(GREY, 0.5).round(6).tolist()
+    [0.5, 0.5, 0.5]
+    """
+    x, y = colour
+    xyz = luminance * np.array([x / y, 1.0, (1 - x - y) / y])
+    return np.asarray(rgb_from_xyz(xyz[:, None, None])[:, 0, 0])
+
+
+def is_grey(colour: Chromaticity) -> bool:
+    """Whether a colour is so near to equal energy that it counts as grey."""
+    return max(abs(colour.x - 1 / 3), abs(colour.y - 1 / 3)) <= 0.0103
+
+
+def _of_light(power: Float[np.ndarray, " wavelength"]) -> Chromaticity:
+    total = _OBSERVER @ power
+    if not (np.all(total >= 0) and total[1] > 0):
+        raise InputError("a spectrum without visible light; positive samples expected")
+    x, y, _ = total / total.sum()
+    return Chromaticity(float(x), float(y))
