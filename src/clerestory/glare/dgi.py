@@ -1,0 +1,63 @@
+"""Daylight glare index, in its original form and in Fisekis's."""
+
+import math
+
+from clerestory.glare.source_table import GlareSources
+
+
+def dgi(sources: GlareSources, *, background: float) -> float:
+    """Daylight glare index: 16 just perceptible, 24 just uncomfortable, 28 too much.
+
+    0 without sources.
+
+    Parameters
+    ----------
+    background : luminance of what is no source [cd/m²]
+
+    References
+    ----------
+    Hopkinson, R. G. (1972): Glare from daylighting in buildings. Applied
+    Ergonomics 3(4). Chauvel, P. et al. (1982): Glare from windows: current views of
+    the problem. Lighting Research and Technology 14(1).
+
+    Examples
+    --------
+    >>> window = GlareSources.of(
+    ...     luminance=[5000.0], solid_angle=[0.5], position_index=[2.0]
+    ... )
+    >>> round(dgi(window, background=300.0), 1)
+    22.9
+    """
+    return _index(sources, background)
+
+
+def modified_dgi(sources: GlareSources, *, average: float) -> float:
+    """DGI with the adaptation of the eye in place of the background.
+
+    Parameters
+    ----------
+    average : luminance of the whole field of view, Ev/π [cd/m²]
+
+    References
+    ----------
+    Fisekis, K. et al. (2003): Prediction of discomfort glare from windows. Lighting
+    Research and Technology 35(4), equation 11.
+
+    Examples
+    --------
+    >>> window = GlareSources.of(
+    ...     luminance=[5000.0], solid_angle=[0.5], position_index=[2.0]
+    ... )
+    >>> round(modified_dgi(window, average=800.0), 1)
+    23.1
+    """
+    return _index(sources, average**0.85 if average > 0 else average)
+
+
+def _index(sources: GlareSources, adaptation: float) -> float:
+    if not sources.count:
+        return 0.0
+    below = adaptation + 0.07 * sources.solid_angle**0.5 * sources.luminance
+    terms = sources.luminance**1.6 * sources.guth_solid_angle() ** 0.8 / below
+    total = 0.478 * float(terms.sum())
+    return 10 * math.log10(total) if total > 0 else math.nan

@@ -1,0 +1,131 @@
+"""Daylight glare probability and its corrections and simplifications."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.glare.source_table import GlareSources
+
+_Values = Float[np.ndarray, "*shape"]
+
+# Illuminance from which the low-light correction is one [lux]
+_BRIGHT = 1000.0
+
+
+@dataclass(frozen=True)
+class DgpCoefficients:
+    """Numbers of the equation of DGP.
+
+    DGP = c1·Ev^a5 + c2·log10(1 + Σ L^a1·ω^a2 / (Ev^a3·P^a4)) + c3. The defaults are
+    those of evalglare, rounded from the 5.87e-5, 0.0918 and 0.16 of the paper.
+    """
+
+    c1: float = 5.87e-5
+    c2: float = 0.092
+    c3: float = 0.159
+    a1: float = 2.0
+    a2: float = 1.0
+    a3: float = 1.87
+    a4: float = 2.0
+    a5: float = 1.0
+
+
+EVALGLARE = DgpCoefficients()
+PUBLISHED = DgpCoefficients(c2=0.0918, c3=0.16)
+
+
+def dgp(
+    sources: GlareSources,
+    *,
+    illuminance: float,
+    coefficients: DgpCoefficients = EVALGLARE,
+) -> float:
+    """Daylight glare probability, the share of people disturbed, at most 1.
+
+    Fitted to rooms with more than 380 lux at the eye and results above 0.2. With the
+    sources of a picture of the sun alone it is the enhanced simplified DGP.
+
+    Parameters
+    ----------
+    illuminance : on the eye, from everything in view [lux]
+
+    References
+    ----------
+    Wienold, J. and Christoffersen, J. (2006): Evaluation methods and development of a
+    new glare prediction model for daylight environments with the use of CCD cameras.
+    Energy and Buildings 38(7), equation 4.
+
+    Examples
+    --------
+    >>> sun = GlareSources.of(
+    ...     luminance=[1e6], solid_angle=[6.8e-5], position_index=[3.0]
+    ... )
+    >>> round(dgp(sun, illuminance=3000.0), 3)
+    0.433
+    """
+    k = coefficients
+    if illuminance <= 0:
+        return float(min(k.c3, 1.0))
+    total = float(
+        (
+            sources.luminance**k.a1
+            / sources.position_index**k.a4
+            * sources.solid_angle**k.a2
+        ).sum()
+    )
+    glare = k.c2 * np.log10(1 + total / illuminance**k.a3)
+    return float(min(k.c1 * illuminance**k.a5 + k.c3 + glare, 1.0))
+
+
+def simplified_dgp(illuminance: _Values) -> _Values:
+    """DGPs: daylight glare probability from the illuminance of the eye alone.
+
+    Only where no sun nor its mirror image is seen.
+
+    References
+    ----------
+    Wienold, J. (2007): Dynamic simulation of blind control strategies for visual
+    comfort and energy balance analysis. Building Simulation, Beijing.
+
+    Examples
+    --------
+    >>> simplified_dgp(np.array([2000.0])).round(4).tolist()
+    [0.3084]
+    """
+    return np.minimum(6.22e-5 * np.asarray(illuminance, dtype=float) + 0.184, 1.0)
+
+
+def low_light_correction(illuminance: _Values) -> _Values:
+    """Factor on DGP for dim rooms, 1 from 1000 lux.
+
+    References
+    ----------
+    Wienold, J. (2012): New features of evalglare. 11th International Radiance
+    Workshop, Copenhagen.
+
+    Examples
+    --------
+    >>> low_light_correction(np.array([100.0, 300.0, 2000.0])).round(3).tolist()
+    [0.168, 0.961, 1.0]
+    """
+    level = np.asarray(illuminance, dtype=float)
+    factor = 1 / (1 + np.exp(4 - 0.024 * np.minimum(level, _BRIGHT)))
+    return np.where(level < _BRIGHT, factor, 1.0)
+
+
+def age_correction(age: float) -> float:
+    """Factor on DGP for the age of the observer [years], 1 at 20.
+
+    Later work found no statistical proof of it; evalglare no longer applies it.
+
+    References
+    ----------
+    Wienold, J. (2012), as above.
+
+    Examples
+    --------
+    >>> age_correction(20.0), round(age_correction(60.0), 3)
+    (1.0, 1.25)
+    """
+    return 1 / (1.1 - 0.5 * age / 100)

@@ -1,0 +1,137 @@
+"""Glare of a picture: checks, sources, indices."""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
+from clerestory.glare.position_index import PositionModel
+from clerestory.glare.result import Background, Glare
+from clerestory.glare.rules import SourceRules
+from clerestory.glare.sources import Members, find_sources, reference_luminance
+from clerestory.glare.summary import tabulate
+from clerestory.glare.suspicion import check_picture
+from clerestory.glare.view import GlareView, glare_view
+from clerestory.glare.zones import Zones, cut_along
+from clerestory.image.picture import Picture
+from clerestory.scene.view import View
+
+_Luminance = Float[np.ndarray, "row column"]
+
+
+def glare(
+    picture: Picture,
+    *,
+    rules: SourceRules | None = None,
+    view: View | None = None,
+    given_illuminance: float | None = None,
+    background: Background = "cie",
+    zones: Zones | None = None,
+    low_light: bool = False,
+    age: float | None = None,
+    coefficients: DgpCoefficients = EVALGLARE,
+    position_model: PositionModel = "guth",
+    trust: bool = False,
+) -> Glare:
+    """Return the glare of a picture as evalglare 3.06 would.
+
+    Parameters
+    ----------
+    rules : what counts as a source
+    view : in place of the picture's own
+    given_illuminance : on the eye, measured; DGP is made with it [lux]
+    background : see `Glare.background_kind`
+    zones : cut sources along the borders of zones
+    low_light, age, coefficients : see `Glare`
+    position_model : of the position index
+    trust : evaluate even what cannot be a photometric picture
+
+    Raises
+    ------
+    InputError : no view, a wrong projection, pixels that are no luminances
+
+    Examples
+    --------
+    >>> eye = View(kind="angular", horizontal=180, vertical=180)
+    >>> pixels = np.full((64, 64, 3), 2.0, dtype=np.float32)
+    >>> pixels[20:24, 30:34] = 60.0
+    >>> result = glare(Picture(pixels, view=eye))
+    >>> round(result.illuminance), round(result.dgp, 3), result.sources.count
+    (1328, 0.3, 1)
+    """
+    rules = rules or SourceRules()
+    eye = eye_of(picture, view=view, position_model=position_model, trust=trust)
+    luminance = picture.luminance()
+    members = find_sources(luminance, eye, rules)
+    return summarise(
+        luminance,
+        eye,
+        members,
+        rules=rules,
+        zones=zones,
+        given_illuminance=given_illuminance,
+        background=background,
+        low_light=low_light,
+        age=age,
+        coefficients=coefficients,
+    )
+
+
+def eye_of(
+    picture: Picture,
+    *,
+    view: View | None = None,
+    position_model: PositionModel = "guth",
+    trust: bool = False,
+) -> GlareView:
+    """Return the pixels of a picture's view, after checking that both fit.
+
+    Raises
+    ------
+    InputError : as `glare` does
+    """
+    seen = view or picture.view
+    if seen is None:
+        raise InputError(
+            "the picture says nothing of its view; a VIEW= line in its header, or a"
+            " view given beside it, expected"
+        )
+    eye = glare_view(seen, picture.columns, picture.rows, model=position_model)
+    check_picture(picture, seen, trust=trust)
+    return eye
+
+
+def summarise(
+    luminance: _Luminance,
+    eye: GlareView,
+    members: Members,
+    *,
+    rules: SourceRules,
+    zones: Zones | None = None,
+    given_illuminance: float | None = None,
+    background: Background = "cie",
+    low_light: bool = False,
+    age: float | None = None,
+    coefficients: DgpCoefficients = EVALGLARE,
+) -> Glare:
+    """Return the glare of the sources found in a picture."""
+    zone_of = None
+    if zones is not None:
+        members, zone_of = cut_along(members, zones.of_pixels(eye))
+    sources = tabulate(members, luminance, eye, zone=zone_of)
+    average = reference_luminance(luminance, eye, None)
+    return Glare(
+        sources=sources.larger_than(rules.smallest),
+        illuminance=float(np.vdot(eye.eye_weight, luminance)),
+        given_illuminance=given_illuminance,
+        average=average,
+        reference=(
+            reference_luminance(luminance, eye, rules.task) if rules.task else average
+        ),
+        brightest=float(luminance[eye.valid].max(initial=0)),
+        solid_angle=eye.total_solid_angle,
+        background_kind=background,
+        low_light=low_light,
+        age=age,
+        coefficients=coefficients,
+    )

@@ -1,0 +1,78 @@
+"""Field of view after Guth: what both eyes see together, and what each of them sees.
+
+The limits are curves of the angle from the line of sight over the angle around it.
+"""
+
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+FieldOfView = Literal["total", "binocular"]
+
+_Angles = Float[np.ndarray, "*shape"]
+
+# Limit of the brow for both eyes together [rad]
+_BROW = np.radians(60)
+# Sides of the lower limit of the total field [rad]
+_CHEEK = np.radians(135)
+
+
+def in_field(
+    sigma: _Angles,
+    tau: _Angles,
+    below: Bool[np.ndarray, "*shape"],
+    *,
+    field: FieldOfView,
+) -> Bool[np.ndarray, "*shape"]:
+    """Whether directions lie in the field of view.
+
+    Parameters
+    ----------
+    sigma, tau : angles from the line of sight and from the vertical around it [rad]
+    below : whether the direction lies below the line of sight
+    field : "total" is seen by either eye, "binocular" by both
+
+    References
+    ----------
+    Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery 27. The
+    fits are those of evalglare 3.06 (options -g and -G).
+
+    Examples
+    --------
+    >>> up, far_up = np.radians(40), np.radians(80)
+    >>> in_field(
+    ...     np.array([up, far_up]), np.zeros(2), np.zeros(2, bool), field="total"
+    ... ).tolist()
+    [True, False]
+    """
+    around = np.degrees(tau)
+    from_below = 180 - around
+    if field == "binocular":
+        limit = np.where(below, np.radians(_lower_binocular(from_below)), _BROW)
+        inside: np.ndarray = sigma <= limit
+        return inside
+    upper = np.radians(_upper_total(around))
+    lower = np.where(tau > _CHEEK, np.radians(_lower_total(from_below)), np.inf)
+    inside = sigma <= np.where(below, lower, upper)
+    return inside
+
+
+def _upper_total(tau: np.ndarray) -> np.ndarray:
+    root = np.polyval([8.5572726e-6, -0.00021746318, 0.00057407915, 7.7458218], tau)
+    square: np.ndarray = root**2
+    return square
+
+
+def _lower_total(tau: np.ndarray) -> np.ndarray:
+    # Meant for τ up to 45° from below only, where it has no pole
+    tau = np.minimum(tau, 45)
+    inverse = np.polyval([5.1539687e-8, -4.6898068e-6, 1.5541106e-5, 0.014699242], tau)
+    result: np.ndarray = 1 / inverse
+    return result
+
+
+def _lower_binocular(tau: np.ndarray) -> np.ndarray:
+    above = np.polyval([0.046674262, -2.9524084, 68.227109], tau)
+    under = np.polyval([-6.5364285e-7, 0.00075698419, -0.042317294, 1.0], tau)
+    return np.where(tau > 73, 60.0, above / under)

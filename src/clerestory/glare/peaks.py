@@ -1,0 +1,90 @@
+"""Peaks: very bright pixels leave their glare source and form sources of their own.
+
+The sun or its mirror image within a bright sky would else vanish in the average.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.glare.merge import merge_sources
+from clerestory.glare.scan import ScannedPixels
+from clerestory.glare.search import Neighbourhood
+
+# A pixel scanned before at one of these places is the nearest there can be
+_BEFORE = ((1, 0), (1, -1), (0, -1), (-1, -1))
+
+
+def split_peaks(
+    peaks: ScannedPixels,
+    solid_angle: Float[np.ndarray, "row column"],
+    near: Neighbourhood,
+    nearer: Neighbourhood,
+) -> Int[np.ndarray, " pixel"]:
+    """Group the peak pixels of one source, labels from 1 in the order of creation.
+
+    Parameters
+    ----------
+    peaks : in the order of the scan
+    solid_angle : of all pixels of the picture [sr]
+    near : of the merging angle, within which peaks become one in the end
+    nearer : of half that angle, within which a pixel joins an earlier one
+    """
+    picture = np.zeros(solid_angle.shape, dtype=np.int64)
+    place = np.full(solid_angle.shape, -1, dtype=np.int64)
+    row, column = peaks.row, peaks.column
+    place[row, column] = np.arange(row.size)
+    before = _attached_to(row, column, place, nearer)
+
+    tips = np.flatnonzero(before < 0)
+    labels = np.zeros(row.size, dtype=np.int64)
+    if tips.size == 1:
+        return labels + 1
+    count = 0
+    for begin, end in zip(tips, [*tips[1:], row.size], strict=True):
+        label = _last_found(picture, int(row[begin]), int(column[begin]), nearer)
+        if not label:
+            count += 1
+            label = count
+        labels[begin] = label
+        for pixel in range(begin + 1, end):
+            labels[pixel] = labels[before[pixel]]
+        some = slice(begin, end)
+        picture[row[some], column[some]] = labels[some]
+    return merge_sources(peaks, labels, solid_angle, near, skip_inner=False)
+
+
+def _attached_to(
+    row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
+) -> np.ndarray:
+    # Index of an earlier peak beside each peak, −1 for none
+    rows, _ = place.shape
+    before = np.full(row.size, -1)
+    close = nearer.sure_reach[row, column] >= np.sqrt(2)
+    sees_row = ~nearer.blind(row, column)
+    for down, right in _BEFORE:
+        there_row, there_column = row + down, column + right
+        seen = close if down else close & sees_row
+        inside = seen & (there_row >= 0) & (there_row < rows) & (there_column >= 0)
+        there = place[there_row[inside], there_column[inside]]
+        before[inside] = np.where(before[inside] < 0, there, before[inside])
+    return before
+
+
+def _last_found(
+    picture: np.ndarray, row: int, column: int, nearer: Neighbourhood
+) -> int:
+    # The last label met in rows downwards, then upwards, each to its ends
+    window = nearer.window(row, column)
+    height, width = window.near.shape
+    part = picture[window.top : window.top + height, window.left : window.left + width]
+    found: Bool[np.ndarray, "height width"] = (part > 0) & window.near
+    if window.blind:
+        found[row - window.top, : column - window.left] = False
+    rows = np.flatnonzero(found.any(axis=1))
+    if not rows.size:
+        return 0
+    above = rows[rows < row - window.top]
+    last = above[0] if above.size else rows[-1]
+    columns = np.flatnonzero(found[last])
+    at = columns[-1] if columns[-1] > column - window.left else columns[0]
+    return int(part[last, at])

@@ -1,0 +1,72 @@
+"""Predicted glare sensation vote, for a window seen as a whole."""
+
+import math
+
+from clerestory.errors import InputError
+
+
+def contrast_pgsv(
+    *, window: float, window_solid_angle: float, average: float
+) -> float:
+    """Vote by the contrast of a window to the room around it.
+
+    Parameters
+    ----------
+    window : average luminance of the window [cd/m²]
+    window_solid_angle : [sr]
+    average : luminance of the whole field of view of 2π sr [cd/m²]
+
+    References
+    ----------
+    Tokura, M., Iwata, T. and Shukuya, M. (1996): Experimental study on discomfort
+    glare caused by windows. Journal of Architecture, Planning and Environmental
+    Engineering 489. Iwata, T. and Tokura, M. (1998): Examination of the limitations
+    of predicted glare sensation vote (PGSV). Lighting Research and Technology 30(2).
+
+    Examples
+    --------
+    >>> round(
+    ...     contrast_pgsv(window=3000.0, window_solid_angle=0.5, average=600.0), 2
+    ... )
+    0.89
+    """
+    rest = surround_luminance(
+        window=window, window_solid_angle=window_solid_angle, average=average
+    )
+    size = math.log10(window_solid_angle)
+    return (
+        3.2 * math.log10(window)
+        - 0.64 * size
+        + (0.79 * size - 0.61) * math.log10(rest)
+        - 8.2
+    )
+
+
+def surround_luminance(
+    *, window: float, window_solid_angle: float, average: float
+) -> float:
+    """Luminance of the field of view around a window [cd/m²].
+
+    Raises
+    ------
+    InputError : the window gives all the light there is
+    """
+    sphere = 2 * math.pi
+    rest = (sphere * average - window * window_solid_angle) / (
+        sphere - window_solid_angle
+    )
+    if not rest > 0:
+        raise InputError(
+            f"a window of {window:g} cd/m² leaves no light around it; one darker than"
+            f" {sphere * average / window_solid_angle:g} cd/m² expected"
+        )
+    return rest
+
+
+def saturation_pgsv(illuminance: float) -> float:
+    """Vote by the illuminance of the eye [lux] when the window fills the view.
+
+    >>> round(saturation_pgsv(5000.0), 2)
+    0.78
+    """
+    return 3.3 - 3.87 / (1 + (illuminance / math.pi / 1250) ** 1.7)

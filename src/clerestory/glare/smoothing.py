@@ -1,0 +1,70 @@
+"""Smoothing: dark pixels that a glare source surrounds are counted to it."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.signal import fftconvolve
+
+# Share of the solid angle around a pixel that must belong to a source
+_SHARE = 0.2
+
+
+def surrounded(
+    mine: Bool[np.ndarray, "row column"],
+    solid_angle: Float[np.ndarray, "row column"],
+    radius: float,
+) -> Bool[np.ndarray, "row column"]:
+    """Whether a source holds more than a fifth of what lies around each pixel.
+
+    Around is a disc in the picture, by solid angle. Discs that reach over the right or
+    upper edge of the picture leave its last column or row out, as evalglare's do.
+
+    Parameters
+    ----------
+    mine : pixels of the source
+    radius : of the disc [pixels]
+    """
+    rows, columns = mine.shape
+    # The disc reaches this far from the source's own pixels
+    reach = int(np.ceil(radius)) + 1
+    top, bottom, left, right = _box(mine, reach)
+    wide_top, wide_bottom = max(top - reach, 0), min(bottom + reach, rows)
+    wide_left, wide_right = max(left - reach, 0), min(right + reach, columns)
+    wide = np.s_[wide_top:wide_bottom, wide_left:wide_right]
+
+    # Discs over an edge leave out its last line of pixels
+    over_right = np.arange(columns) + np.floor(radius) > columns - 1
+    over_top = np.arange(rows) - np.floor(radius) < 0
+    inside = np.zeros(mine.shape, dtype=bool)
+    for past_right in (False, True):
+        for past_top in (False, True):
+            weight = solid_angle.copy()
+            weight[:, -1] *= not past_right
+            weight[0] *= not past_top
+            here = np.outer(over_top == past_top, over_right == past_right)[wide]
+            if not here.any():
+                continue
+            disc = _disc(radius)
+            held = fftconvolve((weight * mine)[wide], disc, mode="same")
+            total = fftconvolve(weight[wide], disc, mode="same")
+            inside[wide] |= here & (held > _SHARE * total) & (total > 0)
+    keep = np.zeros_like(inside)
+    keep[top:bottom, left:right] = True
+    return inside & keep
+
+
+def _box(mine: np.ndarray, reach: int) -> tuple[int, int, int, int]:
+    # Rows and columns within reach of any pixel
+    rows, columns = np.flatnonzero(mine.any(axis=1)), np.flatnonzero(mine.any(axis=0))
+    return (
+        max(int(rows[0]) - reach, 0),
+        min(int(rows[-1]) + reach + 1, mine.shape[0]),
+        max(int(columns[0]) - reach, 0),
+        min(int(columns[-1]) + reach + 1, mine.shape[1]),
+    )
+
+
+def _disc(radius: float) -> Int[np.ndarray, "height width"]:
+    reach = int(np.floor(radius))
+    line = np.arange(-reach, reach + 1)
+    disc: np.ndarray = (np.hypot(*np.meshgrid(line, line)) <= radius).astype(int)
+    return disc

@@ -1,0 +1,115 @@
+"""Glare sources as numbers: one row a source, all that the indices are made of."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class GlareSources:
+    """Bright regions as the eye sees them.
+
+    Attributes
+    ----------
+    luminance : average over the source [cd/m²]
+    solid_angle : [sr]
+    position_index : of the source's middle
+    sigma : angle of the source's middle from the line of sight [rad]
+    direction : of the source's middle, unit vectors
+    illuminance : on the eye [lux]
+    pixels : number of pixels
+    row, column : of the source's middle, weighted by luminance
+    zone : 0 outside of all zones, 1 in the inner zone, 2 in the outer
+
+    Raises
+    ------
+    InputError : attributes of different lengths
+
+    Examples
+    --------
+    >>> lamp = GlareSources.of(luminance=[5000], solid_angle=[0.01], position_index=[2])
+    >>> lamp.count
+    1
+    """
+
+    luminance: Float[np.ndarray, " source"]
+    solid_angle: Float[np.ndarray, " source"]
+    position_index: Float[np.ndarray, " source"]
+    sigma: Float[np.ndarray, " source"]
+    direction: Float[np.ndarray, "source 3"]
+    illuminance: Float[np.ndarray, " source"]
+    pixels: Int[np.ndarray, " source"]
+    row: Float[np.ndarray, " source"]
+    column: Float[np.ndarray, " source"]
+    zone: Int[np.ndarray, " source"]
+
+    def __post_init__(self) -> None:
+        lengths = {len(getattr(self, field.name)) for field in fields(self)}
+        if len(lengths) > 1:
+            raise InputError(
+                f"glare sources with {sorted(lengths)} values; as many of each expected"
+            )
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        luminance: Float[np.ndarray, " source"],
+        solid_angle: Float[np.ndarray, " source"],
+        position_index: Float[np.ndarray, " source"],
+        sigma: Float[np.ndarray, " source"] | None = None,
+    ) -> "GlareSources":
+        """Sources known by what the indices need, such as luminaires of a plan.
+
+        The illuminance of each is that of a small source at its angle.
+        """
+        bright, omega, index = (
+            np.asarray(values, dtype=float)
+            for values in (luminance, solid_angle, position_index)
+        )
+        angle = np.zeros(bright.shape) if sigma is None else np.asarray(sigma, float)
+        nothing = np.zeros(bright.size)
+        return cls(
+            luminance=bright,
+            solid_angle=omega,
+            position_index=index,
+            sigma=angle,
+            direction=np.zeros((bright.size, 3)),
+            illuminance=bright * omega * np.maximum(np.cos(angle), 0),
+            pixels=np.zeros(bright.size, dtype=np.int64),
+            row=nothing,
+            column=nothing,
+            zone=np.zeros(bright.size, dtype=np.int64),
+        )
+
+    @property
+    def count(self) -> int:
+        """Number of sources."""
+        return int(self.luminance.size)
+
+    def weight(self) -> Float[np.ndarray, " source"]:
+        """L²ω/P² of each source: what DGP, UGR, CGI and UGP add up [cd²/m⁴·sr]."""
+        squared: np.ndarray = (self.luminance / self.position_index) ** 2
+        return squared * self.solid_angle
+
+    def guth_solid_angle(self) -> Float[np.ndarray, " source"]:
+        """Solid angles seen through the position index, ω/P² [sr]."""
+        angle: np.ndarray = self.solid_angle / self.position_index**2
+        return angle
+
+    def average_luminance(self) -> float:
+        """Average luminance of all sources by solid angle, 0 without any [cd/m²]."""
+        if not self.count:
+            return 0.0
+        return float(self.luminance @ self.solid_angle / self.solid_angle.sum())
+
+    def larger_than(self, solid_angle: float) -> "GlareSources":
+        """Return the sources of at least a solid angle [sr].
+
+        Wienold and Christoffersen (2006) left out sources below 0.002 sr.
+        """
+        keep = self.solid_angle >= solid_angle
+        return GlareSources(*(getattr(self, item.name)[keep] for item in fields(self)))

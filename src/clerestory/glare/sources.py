@@ -1,0 +1,181 @@
+"""Glare sources of a picture, found as evalglare finds them.
+
+Pixels above a threshold are scanned for sources, near sources merge, dark pixels may
+be smoothed over, peaks are split off. What is left is one table row a source.
+"""
+
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.glare.merge import merge_sources
+from clerestory.glare.peaks import split_peaks
+from clerestory.glare.rules import SourceRules, Zone
+from clerestory.glare.scan import ScannedPixels, first_scan, scan_order
+from clerestory.glare.search import Neighbourhood
+from clerestory.glare.smoothing import surrounded
+from clerestory.glare.source_table import GlareSources
+from clerestory.glare.view import GlareView
+
+_Luminance = Float[np.ndarray, "row column"]
+
+# Diameter of the disc of smoothing, in search radii (evalglare)
+_SMOOTHING = 1.75
+
+# Fewer pixels than this in a merging angle are worth a warning (evalglare)
+_FEW_PIXELS = 3.0
+
+
+class Members(NamedTuple):
+    """Which pixels belong to which source.
+
+    A pixel that smoothing gives to several sources appears once for each.
+
+    Attributes
+    ----------
+    label : of the source, from 1 in the order of creation, with gaps
+    row, column : of the pixel
+    """
+
+    label: Int[np.ndarray, " member"]
+    row: Int[np.ndarray, " member"]
+    column: Int[np.ndarray, " member"]
+
+    def __add__(self, other: "Members") -> "Members":  # type: ignore[override]
+        """Members of both."""
+        return Members(*(np.concatenate(p) for p in zip(self, other, strict=True)))
+
+
+def threshold_luminance(
+    luminance: _Luminance, eye: GlareView, rules: SourceRules
+) -> float:
+    """Luminance above which a pixel glares [cd/m²]."""
+    if rules.threshold_kind == "luminance":
+        return rules.threshold
+    return rules.threshold * reference_luminance(luminance, eye, rules.task)
+
+
+def reference_luminance(
+    luminance: _Luminance, eye: GlareView, task: Zone | None
+) -> float:
+    """Average luminance of the task, or of the picture without one [cd/m²]."""
+    weight = eye.solid_angle
+    if task is not None:
+        weight = weight * in_zone(eye, task)
+    total = float(weight.sum())
+    if not total > 0:
+        raise InputError("the task holds no pixel in view; a larger opening expected")
+    return float(np.vdot(weight, luminance)) / total
+
+
+def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
+    """Whether pixels lie in a zone.
+
+    Raises
+    ------
+    InputError : the middle of the zone lies outside of the picture
+    """
+    rows, columns = eye.shape
+    if not (0 <= zone.row < rows and 0 <= zone.column < columns):
+        raise InputError(
+            f"a zone around row {zone.row}, column {zone.column} of a picture of"
+            f" {columns} × {rows} pixels; a place inside expected"
+        )
+    inside: np.ndarray = 2 * eye.angle_from(zone.row, zone.column) <= zone.opening
+    return inside
+
+
+def find_sources(
+    luminance: _Luminance,
+    eye: GlareView,
+    rules: SourceRules | None = None,
+) -> Members:
+    """Return the pixels of the glare sources of a picture.
+
+    Parameters
+    ----------
+    luminance : of the pixels [cd/m²]
+    eye : pixels of the view
+
+    Examples
+    --------
+    >>> from clerestory.glare.view import glare_view
+    >>> from clerestory.scene.view import View
+    >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
+    >>> room = np.full((64, 64), 100.0)
+    >>> room[20:24, 30:34] = 8000.0
+    >>> np.bincount(find_sources(room, eye).label).tolist()
+    [0, 16]
+    """
+    rules = rules or SourceRules()
+    level = threshold_luminance(luminance, eye, rules)
+    scale = rules.merge_angle / 2 / eye.pixel_angle()
+    coarse = scale < 1
+    if scale < _FEW_PIXELS:
+        warnings.warn(
+            f"{scale:.1f} pixels in the merging angle; {_FEW_PIXELS:g} or more expected",
+            ClerestoryWarning,
+            stacklevel=2,
+        )
+    mask = (luminance > level) & eye.valid
+    if rules.field_of_view is not None:
+        mask &= eye.in_field(rules.field_of_view)
+    near = Neighbourhood(eye, rules.merge_angle / 2)
+    pixels = scan_order(mask, near.reach)
+    label = np.zeros(0, dtype=np.int64)
+    if pixels.row.size:
+        label = first_scan(pixels, mask, near, single=scale <= 1)
+        if scale > 1:
+            label = merge_sources(
+                pixels, label, eye.solid_angle, near, skip_inner=True
+            )
+    members = Members(label, pixels.row, pixels.column)
+    if coarse:
+        return members
+    if rules.smooth:
+        members = _smooth(members, mask, eye, scale / _SMOOTHING)
+    if rules.peak_luminance is not None:
+        members = _split(members, luminance, eye, rules.peak_luminance, near)
+    return members
+
+
+def _smooth(
+    members: Members, mask: np.ndarray, eye: GlareView, radius: float
+) -> Members:
+    dark = eye.valid & ~mask
+    result = members
+    for label in np.unique(members.label):
+        mine = np.zeros(eye.shape, dtype=bool)
+        one = members.label == label
+        mine[members.row[one], members.column[one]] = True
+        row, column = np.nonzero(surrounded(mine, eye.solid_angle, radius) & dark)
+        result = result + Members(np.full(row.size, label), row, column)
+    return result
+
+
+def _split(
+    members: Members,
+    luminance: np.ndarray,
+    eye: GlareView,
+    limit: float,
+    near: Neighbourhood,
+) -> Members:
+    # Peaks of each source in turn become sources behind all others
+    peak = luminance[members.row, members.column] >= limit
+    if not peak.any():
+        return members
+    label = members.label.copy()
+    following = int(label.max()) + 1
+    nearer = Neighbourhood(eye, near.angle / 2)
+    for source in np.unique(members.label[peak]):
+        index = np.flatnonzero(peak & (members.label == source))
+        here = ScannedPixels(
+            members.row[index], members.column[index], np.zeros(index.size, np.int64)
+        )
+        number = split_peaks(here, eye.solid_angle, near, nearer)
+        label[index] = following + number - 1
+        following += int(number.max())
+    return Members(label, members.row, members.column)

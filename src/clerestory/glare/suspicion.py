@@ -1,0 +1,98 @@
+"""Pictures that cannot be what the eye sees: wrong projection, clipped, unscaled."""
+
+import warnings
+
+import numpy as np
+
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.image.picture import Picture
+from clerestory.scene.view import View
+
+# Corners darker than this [cd/m²] are black, and so many of them betray a fisheye
+# (evalglare)
+_BLACK, _BLACK_CORNERS = 7.0, 0.70
+
+# Share by which the sides of a picture may miss those of its view
+_ASPECT = 0.02
+
+# Share of pixels at one greatest value that betrays clipping
+_CLIPPED = 1e-3
+
+
+def check_picture(picture: Picture, view: View, *, trust: bool) -> None:
+    """Refuse pictures that cannot be evaluated, warn about doubtful ones.
+
+    Parameters
+    ----------
+    trust : evaluate in spite of a doubtful projection or scale
+
+    Raises
+    ------
+    InputError : irradiances, negative values, pixels that are not square, sides that
+        do not fit the view, a fisheye picture with another projection in its header,
+        values of an ordinary photograph
+    """
+    if picture.quantity != "radiance":
+        raise InputError(f"a picture of {picture.quantity}; radiances expected")
+    lowest = float(picture.radiance.min())
+    if lowest < 0:
+        row, column = np.argwhere(picture.radiance == lowest)[0][:2]
+        raise InputError(
+            f"the pixel in row {row}, column {column} has the negative radiance"
+            f" {lowest:g}; 0 or more expected"
+        )
+    if trust:
+        return
+    _check_shape(picture, view)
+    luminance = picture.luminance()
+    _check_corners(luminance, view)
+    _check_scale(luminance)
+
+
+def _check_shape(picture: Picture, view: View) -> None:
+    if abs(picture.pixel_aspect - 1) > _ASPECT:
+        raise InputError(
+            f"pixels {picture.pixel_aspect:g} times as high as wide; square ones"
+            " expected"
+        )
+    expected = view.aspect() * picture.columns
+    if abs(picture.rows / expected - 1) > max(_ASPECT, 1.5 / expected):
+        raise InputError(
+            f"{picture.columns} × {picture.rows} pixels for a {view.kind} view of"
+            f" {view.horizontal:g}° × {view.vertical:g}°;"
+            f" {expected:.0f} rows or another view expected"
+        )
+
+
+def _check_corners(luminance: np.ndarray, view: View) -> None:
+    # A fisheye picture is black around its circle
+    if view.kind != "perspective":
+        return
+    rows, columns = luminance.shape
+    row, column = np.ogrid[:rows, :columns]
+    apart = np.hypot(row - rows // 2, column - columns // 2)
+    corners = luminance[apart > (rows // 2 + columns // 2) / 2]
+    if corners.size and (corners < _BLACK).mean() > _BLACK_CORNERS:
+        raise InputError(
+            f"{(corners < _BLACK).mean():.0%} of the corners are black: a fisheye"
+            " picture with a perspective view; -vta or -vth expected"
+        )
+
+
+def _check_scale(luminance: np.ndarray) -> None:
+    top = float(luminance.max())
+    clipped = float((luminance >= top * (1 - 1e-6)).mean())
+    if top <= 0 or clipped < _CLIPPED or clipped > 1 - _CLIPPED:
+        return
+    if top <= LUMINOUS_EFFICACY * (1 + 1e-6):
+        raise InputError(
+            f"{clipped:.1%} of the pixels stand at the greatest value of {top:.4g}"
+            " cd/m²: an ordinary photograph without scale; luminances expected"
+        )
+    warnings.warn(
+        f"{clipped:.1%} of the pixels stand at the greatest value of {top:.4g} cd/m²;"
+        " the picture may be clipped",
+        ClerestoryWarning,
+        stacklevel=3,
+    )

@@ -1,0 +1,74 @@
+"""Zones: sources that cross the border of a zone are cut along it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int
+
+from clerestory.errors import InputError
+from clerestory.glare.rules import Zone
+from clerestory.glare.sources import Members, in_zone
+from clerestory.glare.view import GlareView
+
+
+@dataclass(frozen=True)
+class Zones:
+    """One circle, or two around one middle.
+
+    Attributes
+    ----------
+    inner : zone 1
+    outer_opening : opening angle of zone 2, a ring around zone 1 [rad]; None for none
+    """
+
+    inner: Zone
+    outer_opening: float | None = None
+
+    def __post_init__(self) -> None:
+        outer = self.outer_opening
+        if outer is not None and not outer > self.inner.opening:
+            raise InputError(
+                f"an outer zone of {outer:g} rad; more than the inner zone's"
+                f" {self.inner.opening:g} rad expected"
+            )
+
+    def of_pixels(self, eye: GlareView) -> Int[np.ndarray, "row column"]:
+        """Zone of each pixel: 1 inside, 2 in the ring, 0 elsewhere."""
+        inside = in_zone(eye, self.inner)
+        if self.outer_opening is None:
+            return inside.astype(np.int64)
+        inner = self.inner
+        reach = in_zone(eye, Zone(inner.row, inner.column, self.outer_opening))
+        return np.where(inside, 1, np.where(reach, 2, 0))
+
+
+def cut_along(
+    members: Members, zone: Int[np.ndarray, "row column"]
+) -> tuple[Members, Int[np.ndarray, " label"]]:
+    """Cut sources along the borders of zones.
+
+    Parts within a zone become sources behind all others, in the order of the scan.
+
+    Parameters
+    ----------
+    zone : of each pixel
+
+    Returns
+    -------
+    members with new labels, and the zone of each label
+    """
+    label, row, column = members
+    where = zone[row, column]
+    count = int(label.max(initial=0))
+    inside = np.flatnonzero(where)
+    inside = inside[np.lexsort((-row[inside], column[inside]))]
+    key = label[inside] * 3 + where[inside]
+    parts, first = np.unique(key, return_index=True)
+    rank = np.empty(parts.size, dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(parts.size)
+
+    new = label.copy()
+    new[inside] = count + 1 + rank[np.searchsorted(parts, key)]
+    zone_of = np.zeros(count + 1 + parts.size, dtype=np.int64)
+    zone_of[count + 1 + rank] = parts % 3
+    return Members(new, row, column), zone_of
