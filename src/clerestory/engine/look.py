@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine import materials
 from clerestory.engine import points as sampling
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.points import Points
@@ -72,8 +73,8 @@ class Vertex:
     ----------
     point : [m]
     leave : function that returns the point moved off its surface towards a direction
-    scatter : function that returns BSDF × cosine, and the pdf of the material's own
-        sampling, for a direction
+    scatter : function that returns BSDF × cosine for light straight from a lamp, and
+        the pdf of the material's own sampling, for a direction
     aimed : chance of aiming at portals
     worth : of all portals from here
     """
@@ -187,7 +188,7 @@ def look(
     """
     model = lit.model
     scene = model.scene
-    context = mi.BSDFContext()
+    context, straight = mi.BSDFContext(), materials.lamp_context()
     weight = mi.Color3f(weight)
 
     # ------------------------------- Loop state -------------------------------
@@ -247,7 +248,7 @@ def look(
                 dr.select(dr.dot(d, si.n) * cosine < 0, si.p - behind, si.p)
                 + (offset(model, si, d, a) - si.p)
             ),
-            lambda d: bsdf.eval_pdf(context, si, si.to_local(d), works),
+            lambda d: bsdf.eval_pdf(straight, si, si.to_local(d), works),
             aimed,
             worth,
         )
@@ -278,7 +279,8 @@ def look(
         kept = dr.select(spread & ~delta, both, factor / (1 - aimed))
         weight *= dr.select(ignored, 1, kept)
         direction = dr.select(ignored, ray.d, direction)
-        diffuse = ~null & ~delta & mi.has_flag(flags, mi.BSDFFlags.Diffuse)
+        matt = dr.select(to_portal, flags, kind)
+        diffuse = ~null & ~delta & mi.has_flag(matt, mi.BSDFFlags.Diffuse)
         origin = dr.select(null, origin, si.p)
         leave = offset(model, si, direction, active)
         through = ~null & (dr.dot(direction, si.n) * cosine < 0)
