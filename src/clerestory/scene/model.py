@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
 from clerestory.scene.composite import (
@@ -69,6 +69,7 @@ __all__ = [
     "Surface",
     "Trans",
     "Trans2",
+    "TriangleMesh",
     "Void",
     "insert_material",
     "same_material",
@@ -135,7 +136,32 @@ class Ring:
     source: Source | None = None
 
 
-Surface = Polygon | Sphere | Cone | Ring
+@dataclass(frozen=True, eq=False)
+class TriangleMesh:
+    """Many triangles of one material, as one surface.
+
+    Attributes
+    ----------
+    vertices : [m]
+    faces : counter-clockwise as seen from the front
+    """
+
+    vertices: Float[np.ndarray, "vertices 3"]
+    faces: Int[np.ndarray, "triangles 3"]
+    material: str
+    name: str = ""
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        low, high = self.faces.min(initial=0), self.faces.max(initial=0)
+        if len(self.vertices) == 0 or low < 0 or high >= len(self.vertices):
+            raise InputError(
+                f'mesh "{self.name}" refers to vertices {low} to {high};'
+                f" 0 to {len(self.vertices) - 1} expected"
+            )
+
+
+Surface = Polygon | Sphere | Cone | Ring | TriangleMesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +182,7 @@ class DistantSource:
 
 
 # What a primitive other than a polygon describes
-Simple = Sphere | Cone | Ring | DistantSource
+Simple = Sphere | Cone | Ring | TriangleMesh | DistantSource
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +251,7 @@ def _renamed(item: _Item, key: dict[str, str]) -> _Item:
 def _extent(surface: Surface) -> Float[np.ndarray, "points 3"]:
     # Points whose box holds the surface
     match surface:
-        case Polygon():
+        case Polygon() | TriangleMesh():
             return surface.vertices
         case Sphere():
             return surface.centre + np.outer([-1, 1], np.full(3, surface.radius))

@@ -4,7 +4,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
+from clerestory.scene.model import (
+    Cone,
+    DistantSource,
+    Ring,
+    Simple,
+    Sphere,
+    TriangleMesh,
+)
 from clerestory.scene.statements import PolygonRun
 from clerestory.scene.xform import Transform
 
@@ -84,6 +91,13 @@ class Placement:
                     normal=move.vectors(surface.normal) * self._facing() / scale,
                     inner_radius=surface.inner_radius * scale,
                     outer_radius=surface.outer_radius * scale,
+                )
+            case TriangleMesh():
+                turned = move.mirrored != self.inverted
+                moved = replace(
+                    surface,
+                    vertices=move.points(surface.vertices),
+                    faces=surface.faces[:, ::-1] if turned else surface.faces,
                 )
             case DistantSource():
                 direction = move.vectors(surface.direction) / scale

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.scene.curved import curved_triangles
-from clerestory.scene.model import Material, Polygon, Scene, Surface
+from clerestory.scene.model import Material, Polygon, Scene, Surface, TriangleMesh
 from clerestory.scene.triangulate import Triangles, triangulate
 
 
@@ -99,6 +99,8 @@ def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
 def _triangles(surface: Surface) -> Triangles:
     if isinstance(surface, Polygon):
         return triangulate(surface.vertices)
+    if isinstance(surface, TriangleMesh):
+        return Triangles(surface.vertices, surface.faces)
     return curved_triangles(surface)
 
 

@@ -13,10 +13,10 @@ import numpy as np
 
 from clerestory.scene.generators.scene_text import polygon, primitive
 from clerestory.scene.generators.words import Words
-from clerestory.scene.model import Cone, Polygon, Ring, Sphere, Surface
+from clerestory.scene.model import Cone, Polygon, Ring, Sphere
 from clerestory.scene.photometry.luminaire import Luminaire
 from clerestory.scene.photometry.read import read_luminaire
-from clerestory.scene.photometry.shining import faces, shining_surfaces
+from clerestory.scene.photometry.shining import Shining, faces, shining_surfaces
 from clerestory.scene.photometry.table import table_coordinates
 
 # Metres to the units of -d
@@ -101,7 +101,7 @@ def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> str:
     return primitive("void", "brightdata", f"{name}_dist", strings=strings, reals=reals)
 
 
-def _text(surface: Surface, scale: float) -> str:
+def _text(surface: Shining, scale: float) -> str:
     material, name = surface.material, surface.name
     match surface:
         case Polygon():

@@ -9,10 +9,11 @@ from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.scene.emitter import Light
 from clerestory.scene.flatness import area_vectors
-from clerestory.scene.model import Cone, Polygon, Ring, Scene, Sphere, Surface
+from clerestory.scene.model import Cone, Polygon, Ring, Scene, Sphere
 from clerestory.scene.photometry.luminaire import Luminaire
 from clerestory.scene.photometry.shining import (
     LuminairePattern,
+    Shining,
     faces,
     shining_surfaces,
 )
@@ -104,7 +105,7 @@ def panel_scene(
     return Scene({name: light}, (Polygon(vertices, name, name),))
 
 
-def _placed(surface: Surface, place: Transform) -> Surface:
+def _placed(surface: Shining, place: Transform) -> Shining:
     match surface:
         case Polygon():
             return replace(surface, vertices=place.points(surface.vertices))

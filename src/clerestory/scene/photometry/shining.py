@@ -11,9 +11,12 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.scene.model import Cone, Polygon, Ring, Sphere, Surface
+from clerestory.scene.model import Cone, Polygon, Ring, Sphere
 from clerestory.scene.photometry.luminaire import Luminaire
 from clerestory.scene.xform import Transform
+
+# What luminaires are made of
+Shining = Polygon | Sphere | Cone | Ring
 
 # Distance between the two faces of a flat luminaire that shines up and down [m]
 _THICKNESS = 0.0005
@@ -109,7 +112,7 @@ class LuminairePattern:
 
 def shining_surfaces(
     luminaire: Luminaire, *, material: str, name: str
-) -> tuple[Surface, ...]:
+) -> tuple[Shining, ...]:
     """Return the surfaces that shine, in the luminaire's frame, fronts outwards.
 
     Parameters
@@ -123,7 +126,7 @@ def shining_surfaces(
         return (ball,)
     both = shining.lower and shining.upper
     height = max(shape.z, _THICKNESS) if both else shape.z
-    made: list[Surface] = []
+    made: list[Shining] = []
     for shines, side, suffix in ((shining.lower, -1.0, "d"), (shining.upper, 1.0, "u")):
         if shines:
             made.append(_face(luminaire, side, height, material, f"{name}.{suffix}"))
@@ -134,7 +137,7 @@ def shining_surfaces(
 
 def _face(
     luminaire: Luminaire, side: float, height: float, material: str, name: str
-) -> Surface:
+) -> Shining:
     # The lower (-1) or upper (+1) face
     shape = luminaire.shape
     centre = np.array([0.0, 0.0, side * height / 2])
@@ -146,7 +149,7 @@ def _face(
     return Polygon(corners if side > 0 else corners[::-1], material, name)
 
 
-def _sides(luminaire: Luminaire, material: str, name: str) -> list[Surface]:
+def _sides(luminaire: Luminaire, material: str, name: str) -> list[Shining]:
     shape = luminaire.shape
     top = np.array([0.0, 0.0, shape.z / 2])
     if shape.kind == "cylinder":
@@ -154,7 +157,7 @@ def _sides(luminaire: Luminaire, material: str, name: str) -> list[Surface]:
         return [Cone(-top, top, radius, radius, False, material, f"{name}.c")]
     x, y = shape.x / 2, shape.y / 2
     around = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
-    made: list[Surface] = []
+    made: list[Shining] = []
     for i in range(4):
         one, other = around[i], around[(i + 1) % 4]
         corners = np.stack([one - top, other - top, other + top, one + top])

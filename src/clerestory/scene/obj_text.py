@@ -1,0 +1,279 @@
+"""The text of Wavefront OBJ files: vertices and triangles, by group and material.
+
+Long files are runs of vertices and runs of faces. Each run is turned into numbers at
+once; only the few lines between them are read one by one. Texture coordinates, normals,
+lines and points are passed over.
+
+Reference: Wavefront Technologies, Object Files (.obj), Advanced Visualizer manual,
+appendix B1.
+"""
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.scene.triangulate import triangulate
+
+# Runs are read in pieces of about this many bytes
+_PIECE = 1 << 23
+
+_SPACES = np.zeros(256, dtype=bool)
+_SPACES[list(b" \t\r\n\v\f")] = True
+
+_OTHER, _VERTEX, _FACE, _PASSED = range(4)
+
+# Faces with more corners than this are read as a mistake
+_MOST_CORNERS = 100_000
+
+
+@dataclass(frozen=True, eq=False)
+class ObjPart:
+    """Triangles of one group and one material.
+
+    Attributes
+    ----------
+    group, material : names in force, empty for none
+    faces : vertices of each triangle, counting from 0
+    line : where the first of them stands
+    """
+
+    group: str
+    material: str
+    faces: Int[np.ndarray, "triangles 3"]
+    line: int
+
+
+@dataclass(frozen=True, eq=False)
+class ObjText:
+    """What an OBJ file says.
+
+    Attributes
+    ----------
+    vertices : in the file's units
+    parts : in the order met
+    libraries : files of materials that it names
+    """
+
+    vertices: Float[np.ndarray, "vertices 3"]
+    parts: tuple[ObjPart, ...]
+    libraries: tuple[str, ...]
+
+
+def parse_obj(data: bytes, *, file: str) -> ObjText:
+    r"""Return vertices and triangles of an OBJ file.
+
+    Raises
+    ------
+    InputError : with file and line, where a number or a vertex is missing
+
+    Examples
+    --------
+    >>> text = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n"
+    >>> made = parse_obj(text, file="desk.obj")
+    >>> made.parts[0].material, made.parts[0].faces.tolist()
+    ('wood', [[0, 1, 2], [0, 2, 3]])
+    """
+    if b"\\" in data:
+        data = data.replace(b"\\\r\n", b"   ").replace(b"\\\n", b"  ")
+    reading = _Reading(file)
+    letters = np.frombuffer(data + b"\n", dtype=np.uint8)
+    for kind, first, last, line in _runs(letters):
+        match kind:
+            case 1:
+                reading.add_vertices(letters[first:last], line)
+            case 2:
+                reading.add_faces(letters[first:last], line)
+            case 0:
+                reading.add_lines(letters[first:last].tobytes(), line)
+    return reading.result()
+
+
+def _runs(letters: Int[np.ndarray, " bytes"]) -> Iterator[tuple[int, int, int, int]]:
+    # Kind, first and last byte and first line of each run of lines of one kind
+    ends = np.flatnonzero(letters == ord("\n"))
+    starts = np.append(0, ends[:-1] + 1)
+    one = letters[starts]
+    two = letters[np.minimum(starts + 1, len(letters) - 1)]
+    spaced = _SPACES[two]
+    kind = np.full(len(starts), _OTHER)
+    kind[(one == ord("v")) & spaced] = _VERTEX
+    kind[(one == ord("f")) & spaced] = _FACE
+    passed = ((one == ord("v")) & ~spaced) | (one == ord("#")) | (one == ord("\n"))
+    kind[passed | (one == ord("\r"))] = _PASSED
+    # Cut where the kind changes, and long runs every so often
+    piece = starts // _PIECE
+    change = np.flatnonzero((np.diff(kind) != 0) | (np.diff(piece) != 0)) + 1
+    for begin, end in zip([0, *change], [*change, len(starts)], strict=True):
+        if kind[begin] != _PASSED:
+            yield int(kind[begin]), starts[begin], ends[end - 1] + 1, begin + 1
+
+
+@dataclass
+class _Reading:
+    file: str
+    group: str = ""
+    material: str = ""
+    libraries: list[str] = field(default_factory=list)
+    vertices: list[np.ndarray] = field(default_factory=list)
+    parts: dict[tuple[str, str], list[np.ndarray]] = field(default_factory=dict)
+    lines: dict[tuple[str, str], int] = field(default_factory=dict)
+    count: int = 0
+
+    def add_vertices(self, letters: Int[np.ndarray, " bytes"], line: int) -> None:
+        values, words = self._numbers(letters, line)
+        short = np.flatnonzero(words < 3)
+        if len(short):
+            at = line + int(short[0])
+            raise InputError(
+                f"a vertex of {words[short[0]]} numbers; 3 expected",
+                file=self.file,
+                line=at,
+            )
+        first = np.cumsum(words) - words
+        points = values[first[:, None] + np.arange(3)]
+        if not np.all(np.isfinite(points)):
+            bad = line + int(np.argmin(np.isfinite(points).all(axis=1)))
+            raise InputError("a coordinate is not finite", file=self.file, line=bad)
+        self.vertices.append(points)
+        self.count += len(points)
+
+    def add_faces(self, letters: Int[np.ndarray, " bytes"], line: int) -> None:
+        values, words = self._numbers(_without_slashes(letters), line)
+        short = np.flatnonzero((words < 3) | (words > _MOST_CORNERS))
+        if len(short):
+            raise InputError(
+                f"a face of {words[short[0]]} vertices; 3 or more expected",
+                file=self.file,
+                line=line + int(short[0]),
+            )
+        corner = np.where(values < 0, values + self.count, values - 1)
+        wrong = (corner < 0) | (corner >= self.count) | (corner != np.trunc(corner))
+        if wrong.any():
+            at = int(np.argmax(wrong))
+            face = int(np.searchsorted(np.cumsum(words), at, side="right"))
+            raise InputError(
+                f"a face refers to vertex {values[at]:g}; {self.count} were given"
+                " before it",
+                file=self.file,
+                line=line + face,
+            )
+        key = (self.group, self.material)
+        self.lines.setdefault(key, line)
+        part = self.parts.setdefault(key, [])
+        part += self._triangles(corner.astype(np.int64), words)
+
+    def _triangles(
+        self, corner: Int[np.ndarray, " corners"], words: Int[np.ndarray, " faces"]
+    ) -> list[np.ndarray]:
+        # Faces with equally many corners together; those of three are triangles
+        first = np.cumsum(words) - words
+        made = []
+        for count in np.unique(words).tolist():
+            chosen = first[words == count]
+            faces = corner[chosen[:, None] + np.arange(count)]
+            made.append(faces if count == 3 else self._cut(faces))
+        return made
+
+    def _cut(self, faces: Int[np.ndarray, "faces corners"]) -> np.ndarray:
+        # Fans in convex faces, ears in the others
+        points = self._points()[faces]
+        edge = np.roll(points, -1, axis=1) - points
+        turn = np.cross(np.roll(edge, 1, axis=1), edge)
+        spoke = points[:, 1:] - points[:, :1]
+        fan = np.cross(spoke[:, :-1], spoke[:, 1:])
+        whole = fan.sum(axis=1)
+        sides = np.concatenate([turn, fan], axis=1)
+        convex = np.all(np.einsum("fcx,fx->fc", sides, whole) >= 0, axis=1)
+        steps = np.arange(1, faces.shape[1] - 1)
+        fans = np.stack(
+            [
+                np.broadcast_to(faces[convex, :1], (int(convex.sum()), len(steps))),
+                faces[convex][:, steps],
+                faces[convex][:, steps + 1],
+            ],
+            axis=2,
+        )
+        ears = [faces[i][triangulate(points[i]).faces] for i in np.flatnonzero(~convex)]
+        return np.concatenate([fans.reshape(-1, 3), *ears])
+
+    def _points(self) -> Float[np.ndarray, "vertices 3"]:
+        if len(self.vertices) > 1:
+            self.vertices = [np.concatenate(self.vertices)]
+        return self.vertices[0] if self.vertices else np.empty((0, 3))
+
+    def add_lines(self, text: bytes, line: int) -> None:
+        for i, raw in enumerate(text.split(b"\n")):
+            words = raw.decode("utf-8", errors="replace").split()
+            match words[:1]:
+                case ["g" | "o"]:
+                    self.group = " ".join(words[1:])
+                case ["usemtl"]:
+                    self.material = " ".join(words[1:])
+                case ["mtllib"]:
+                    self.libraries.append(" ".join(words[1:]))
+                case ["v"] | ["f"]:
+                    # Behind blanks: read like the others
+                    one = np.frombuffer((" ".join(words) + "\n").encode(), np.uint8)
+                    add = self.add_vertices if words[0] == "v" else self.add_faces
+                    add(one, line + i)
+                case [word] if not word.isprintable():
+                    raise InputError(
+                        "not a text; an OBJ file expected",
+                        file=self.file,
+                        line=line + i,
+                    )
+                case _:
+                    pass  # smoothing, lines, points, curves: nothing to see here
+
+    def _numbers(
+        self, letters: Int[np.ndarray, " bytes"], line: int
+    ) -> tuple[Float[np.ndarray, " numbers"], Int[np.ndarray, " lines"]]:
+        # All numbers behind the first letter of each line, and how many a line has
+        blank = _SPACES[letters]
+        begins = np.flatnonzero(~blank & np.append(True, blank[:-1]))
+        ends = np.flatnonzero(letters == ord("\n"))
+        words = np.diff(np.searchsorted(begins, ends), prepend=0) - 1
+        text = letters.copy()
+        text[np.append(0, ends[:-1] + 1)] = ord(" ")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)
+            values = np.fromstring(text.tobytes().decode("latin-1"), sep=" ")
+        if len(values) != words.sum():
+            raise self._bad_number(text.tobytes(), line)
+        return values, words
+
+    def _bad_number(self, text: bytes, line: int) -> InputError:
+        for i, raw in enumerate(text.split(b"\n")):
+            for word in raw.split():
+                try:
+                    float(word)
+                except ValueError:
+                    shown = word[:40].decode("latin-1")
+                    return InputError(
+                        f'"{shown}" stands where a number is expected',
+                        file=self.file,
+                        line=line + i,
+                    )
+        return InputError("a number cannot be read", file=self.file, line=line)
+
+    def result(self) -> ObjText:
+        parts = tuple(
+            ObjPart(group, material, np.concatenate(faces), self.lines[group, material])
+            for (group, material), faces in self.parts.items()
+        )
+        return ObjText(self._points(), parts, tuple(self.libraries))
+
+
+def _without_slashes(letters: Int[np.ndarray, " bytes"]) -> Int[np.ndarray, " bytes"]:
+    # Blank out what follows a slash up to the next blank: only the vertex counts
+    slash = letters == ord("/")
+    if not slash.any():
+        return letters
+    place = np.arange(len(letters), dtype=np.int32)
+    last_slash = np.maximum.accumulate(np.where(slash, place, -1))
+    last_blank = np.maximum.accumulate(np.where(_SPACES[letters], place, -1))
+    return np.where(last_slash > last_blank, np.uint8(ord(" ")), letters)
