@@ -1,0 +1,98 @@
+"""The piece of a shading system that light is traced through.
+
+The frame is genBSDF's: +x along the width, +y up, +z into the room, and the system
+lies behind z = 0.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.scene.model import Scene
+
+# The planes that paths start from keep off the system by this share of its size.
+_CLEARANCE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class SampleArea:
+    """A box that light enters and leaves through its front and its back.
+
+    Attributes
+    ----------
+    bounds : lower and upper corner [m]
+    periodic : whether it is the cell of a repeating system, so that what leaves one
+        side enters at the opposite side; else light is lost at the sides
+
+    Raises
+    ------
+    InputError : the box has no width, no height or a negative depth
+
+    Examples
+    --------
+    >>> SampleArea(np.array([[0, 0, -0.08], [1, 0.72, 0]])).thickness
+    0.08
+    """
+
+    bounds: Float[np.ndarray, "2 3"]
+    periodic: bool = False
+
+    def __post_init__(self) -> None:
+        bounds = np.asarray(self.bounds, dtype=float)
+        object.__setattr__(self, "bounds", bounds)
+        size = bounds[1] - bounds[0]
+        if not np.all(np.isfinite(bounds)) or not (size[:2] > 0).all() or size[2] < 0:
+            raise InputError(
+                f"sample area from {bounds[0].tolist()} to {bounds[1].tolist()};"
+                " a box with width and height expected"
+            )
+
+    @property
+    def thickness(self) -> float:
+        """Depth of the system behind z = 0 [m]."""
+        return float(max(0.0, -self.bounds[0, 2]))
+
+    @property
+    def size(self) -> Float[np.ndarray, "3"]:
+        """Width, height and depth of the box [m]."""
+        size: Float[np.ndarray, "3"] = self.bounds[1] - self.bounds[0]
+        return size
+
+    def slab(self) -> Float[np.ndarray, "2 3"]:
+        """Corners of the box with its planes just off the system [m]."""
+        off = _CLEARANCE * float(self.size.max())
+        return self.bounds + np.array([[0, 0, -off], [0, 0, off]])
+
+
+def area_from_dimensions(
+    dimensions: Sequence[float], *, periodic: bool = False
+) -> SampleArea:
+    """Return the box of genBSDF's `-dim xmin xmax ymin ymax zmin zmax`.
+
+    Raises
+    ------
+    InputError : not six numbers that make a box
+    """
+    if len(dimensions) != 6:
+        raise InputError(
+            f"{len(dimensions)} dimensions; xmin xmax ymin ymax zmin zmax expected"
+        )
+    return SampleArea(np.reshape(dimensions, (3, 2)).T.astype(float), periodic)
+
+
+def area_of(scene: Scene, *, periodic: bool = False) -> SampleArea:
+    """Return the box around a system.
+
+    Raises
+    ------
+    InputError : the scene is empty, or lies entirely in the room
+    """
+    if not scene.surfaces:
+        raise InputError(
+            "the scene has no surfaces; some, or the dimensions of an empty sample"
+            " area, expected"
+        )
+    return SampleArea(scene.bounds(), periodic)

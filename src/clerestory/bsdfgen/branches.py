@@ -1,0 +1,39 @@
+"""Numbers that name places in a tree by the branches that lead to them.
+
+A number has one digit a level, the coarsest in the highest bits. A digit of a tree of
+rank 3 or 4 has one bit a dimension; the incident direction has the lowest ones.
+"""
+
+import numpy as np
+from jaxtyping import Int
+
+_Number = Int[np.ndarray, "*batch"]
+
+
+def incident_part(number: _Number, *, rank: int, levels: int) -> _Number:
+    """Return the number of the incident cell on the last levels of a place.
+
+    >>> incident_part(np.array([0b1110_1101]), rank=4, levels=2).tolist()
+    [9]
+    """
+    bits = rank - 2
+    found = np.zeros_like(number)
+    for level in range(levels):
+        digit = (number >> rank * level) & ((1 << bits) - 1)
+        found |= digit << bits * level
+    return found
+
+
+def joined(incident: _Number, leaving: _Number, *, rank: int, levels: int) -> _Number:
+    """Return the number of the place of an incident and a leaving cell.
+
+    >>> joined(np.array([0b10_01]), np.array([0b11_11]), rank=4, levels=2).tolist()
+    [237]
+    """
+    bits = rank - 2
+    found = np.zeros(np.broadcast_shapes(incident.shape, leaving.shape), dtype=int)
+    for level in range(levels):
+        one = (incident >> bits * level) & ((1 << bits) - 1)
+        other = (leaving >> 2 * level) & 3
+        found |= (one | (other << bits)) << rank * level
+    return found

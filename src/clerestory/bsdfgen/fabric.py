@@ -1,0 +1,94 @@
+"""Fabrics by openness and colour: what a catalogue of roller shades tells.
+
+The cloth is a sheet with small square holes, which straight light passes, between
+threads that scatter light to both sides. Its thickness shades the holes for light
+that comes aslant.
+"""
+
+import math
+
+import numpy as np
+
+from clerestory.bsdf.product import Product
+from clerestory.bsdfgen.paint import Share, bands, share
+from clerestory.bsdfgen.screen import cell, holed_sheet
+from clerestory.bsdfgen.system import System
+from clerestory.errors import InputError
+from clerestory.scene.model import Plastic, Trans
+
+# Distance of the threads [m]; only its ratio to the thickness matters.
+_PITCH = 1e-3
+
+
+def fabric(
+    *,
+    openness: float,
+    reflectance: Share,
+    diffuse_transmittance: Share = 0.0,
+    thickness: float = 0.3,
+) -> System:
+    """Return the cell of an endless cloth.
+
+    Parameters
+    ----------
+    openness : share of its area that is holes, 0 to below 1
+    reflectance : of the threads; the cloth's is (1 - openness) times as much
+    diffuse_transmittance : of the threads; the cloth adds its holes
+    thickness : of the cloth, in distances of its threads; 0 makes the holes as open
+        aslant as along the normal
+
+    Raises
+    ------
+    InputError : shares out of range
+
+    Examples
+    --------
+    >>> cloth = fabric(openness=0.05, reflectance=0.6, diffuse_transmittance=0.1)
+    >>> cloth.product.name
+    'Fabric, 5.0% open'
+    """
+    if not 0 <= openness < 1:
+        raise InputError(f"openness = {openness}; 0 to below 1 expected")
+    if not 0 <= thickness <= 10:
+        raise InputError(f"thickness = {thickness}; 0 to 10 distances expected")
+    reflected = share("reflectance", reflectance)
+    passed = share("diffuse_transmittance", diffuse_transmittance)
+    cloth = scatterer("cloth", reflected, passed)
+    hole = max(math.sqrt(openness), 1e-4) * _PITCH
+    depth = thickness * _PITCH
+    scene = holed_sheet(
+        cloth, pitch=_PITCH, hole=hole, shape="square", thickness=depth, faces=1
+    )
+    return System(
+        scene,
+        cell(_PITCH, depth),
+        bands(solar=False),
+        Product(name=f"Fabric, {openness:.1%} open", device_type="Roller Shade"),
+    )
+
+
+def scatterer(
+    name: str, reflected: np.ndarray, passed: np.ndarray
+) -> Plastic | Trans:
+    """Return a diffuse material of given reflectance and transmittance.
+
+    Raises
+    ------
+    InputError : together above 1, or the two are of different colours
+    """
+    both = reflected + passed
+    if np.any(both > 1):
+        raise InputError(
+            f"reflectance {reflected.tolist()} and transmittance {passed.tolist()};"
+            " 1 together at most expected"
+        )
+    if not passed.any():
+        return Plastic(name, reflected)
+    part = np.divide(passed, both, out=np.full(3, -1.0), where=both > 0)
+    known = part[part >= 0]
+    if np.ptp(known) > 1e-6:
+        raise InputError(
+            f"reflectance {reflected.tolist()} and transmittance {passed.tolist()} of"
+            " different colours; the same ratio in each channel expected"
+        )
+    return Trans(name, both, transmission=float(known[0]))

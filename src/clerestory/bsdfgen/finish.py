@@ -1,0 +1,86 @@
+"""What is done to traced functions at the end: reciprocity, one sense, fewer cells."""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.reduce import reduce_tree
+from clerestory.bsdf.resample import reciprocal_mean
+from clerestory.bsdf.scattering import OTHER_SIDE, Function, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tree_combine import combine
+
+Functions = dict[tuple[str, Function], ScatteringFunction]
+
+
+def reciprocal_with_errors(functions: Functions) -> Functions:
+    """Return functions averaged with their reciprocals, and their smaller errors.
+
+    Light forth and light back are independent estimates of one number.
+    """
+    means = reciprocal_mean(Bsdf(functions)).functions
+    found: Functions = {}
+    for (channel, name), mean in means.items():
+        part = functions[channel, name]
+        other = functions.get((channel, OTHER_SIDE.get(name, name)))
+        if isinstance(mean, ScatteringMatrix) and isinstance(other, ScatteringMatrix):
+            mean = replace(mean, standard_error=_matrix_error(part, other))
+        if isinstance(mean, ScatteringTree) and mean.rank == 4:
+            mean = replace(mean, standard_error=_tree_error(part, other))
+        found[channel, name] = mean
+    return found
+
+
+def _matrix_error(
+    part: ScatteringFunction, other: ScatteringMatrix
+) -> Float[np.ndarray, "exit incident"] | None:
+    if not isinstance(part, ScatteringMatrix):
+        return None
+    one, two = part.standard_error, other.standard_error
+    if one is None or two is None:
+        return None
+    # Pairs of a reflection that are their own reverse are one estimate, not two
+    back = ScatteringMatrix(two, other.exits, other.incidents).reciprocal().values
+    number = np.arange(one.size, dtype=float).reshape(one.shape)
+    reverse = ScatteringMatrix(number, part.exits, part.incidents).reciprocal().values
+    own = (number == reverse) & (part is other)
+    return np.asarray(np.where(own, one, np.hypot(one, back) / 2))
+
+
+def _tree_error(
+    part: ScatteringFunction, other: ScatteringFunction | None
+) -> ScatteringTree | None:
+    one = part.standard_error if isinstance(part, ScatteringTree) else None
+    two = other.standard_error if isinstance(other, ScatteringTree) else None
+    if one is None or two is None:
+        return None
+    back = two.reciprocal()
+    if not isinstance(back, ScatteringTree):
+        return None
+    return combine(lambda a, b: np.hypot(a, b) / 2, one, back)
+
+
+def one_transmission(functions: Functions) -> Functions:
+    """Return functions of rank 4 trees with one transmission a band, as files have.
+
+    The other one is its reciprocal. As in genBSDF, that from the back stays.
+    """
+    return {
+        (band, name): part
+        for (band, name), part in functions.items()
+        if name != "transmission_front"
+        or (band, "transmission_back") not in functions
+    }
+
+
+def reduced(functions: Functions, percent: float) -> Functions:
+    """Return trees without the branches that matter least, and without errors."""
+    return {
+        key: reduce_tree(part, percent).tree
+        if isinstance(part, ScatteringTree)
+        else part
+        for key, part in functions.items()
+    }

@@ -1,0 +1,187 @@
+"""BSDFs of shading systems by tracing their geometry, as genBSDF does.
+
+Light enters a piece of the system from each incident patch or cell, evenly over the
+patch by projected solid angle, and is counted by the patch or cell through which it
+leaves. The piece is a finite sample or the cell of a repeating system.
+"""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Literal
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.product import Geometry, Product
+from clerestory.bsdf.scattering import Function, ScatteringFunction
+from clerestory.bsdfgen.area import SampleArea, area_of
+from clerestory.bsdfgen.bands import VISIBLE, Weights, check_bands
+from clerestory.bsdfgen.check import check_system
+from clerestory.bsdfgen.effort import Progress, TraceEffort
+from clerestory.bsdfgen.finish import one_transmission, reciprocal_with_errors, reduced
+from clerestory.bsdfgen.matrix import trace_matrices
+from clerestory.bsdfgen.mgf_text import mgf_text
+from clerestory.bsdfgen.system import System
+from clerestory.bsdfgen.tree import trace_trees
+from clerestory.engine import device as devices
+from clerestory.engine.device import Device
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.hemisphere.klems import klems
+from clerestory.scene.model import Scene
+
+Basis = Literal["full", "half", "quarter", "tree3", "tree4"]
+Sides = Literal["both", "front", "back"]
+
+_BACKS: dict[str, tuple[bool, ...]] = {
+    "both": (False, True),
+    "front": (False,),
+    "back": (True,),
+}
+
+_DEEPEST = 7
+
+
+def generate_bsdf(
+    scene: Scene | System,
+    *,
+    basis: Basis = "full",
+    halvings: int = 5,
+    sides: Sides = "both",
+    area: SampleArea | None = None,
+    periodic: bool = False,
+    bands: Mapping[str, Weights] | None = None,
+    colour: bool = False,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    reciprocal: bool = False,
+    reduction: float = 0.0,
+    geometry: bool = True,
+    name: str = "",
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> Bsdf:
+    """Return the BSDF of a system in genBSDF's frame, with standard errors.
+
+    +x is the width, +y up, +z into the room; nothing lies at z > 0. *Front* is the
+    side of the sky, as in the files.
+
+    Parameters
+    ----------
+    scene : the geometry [m], or one of the parametric systems
+    basis : Klems' patches, or a tensor tree; rank 3 for systems that look alike from
+        every azimuth
+    halvings : a tree resolves 2^halvings cells along each axis, 2 to 7
+    sides : where light comes from
+    area : piece of the system to trace through; the box around it if None
+    periodic : whether the piece repeats, so that no light is lost at its sides
+    bands : for each band of the result, weights of the scene's three channels; the
+        visible band of red, green and blue if None
+    colour : whether to add CIE X and Z, or u' and v' of trees
+    samples : paths from each incident patch, or from each finest incident cell of a
+        tree on average; 2000 if neither this nor an error is given
+    relative_error : instead of samples: root mean square of the standard errors of
+        all values, relative to their mean
+    bounces : most diffuse reflections of a path, as Radiance's -ab; None: no limit
+    reciprocal : average light that goes forth with light that goes back; right only
+        for a periodic or endless piece
+    reduction : share of the blocks of smallest cells of a tree to give up [%]
+    geometry : whether the result holds the geometry, as MGF
+    name : of the product
+    seed : whole number ≥ 0; the same seed on the same device gives the same bits
+    device : "auto" takes a GPU if there is one
+    progress : called with the share done, 0…1, and a note
+
+    Raises
+    ------
+    InputError : no geometry, a box without size, or a number out of range
+    DeviceError : no usable device
+
+    Warns
+    -----
+    ClerestoryWarning : geometry that is hardly what was meant, item by item; an error
+        that was not reached
+
+    Examples
+    --------
+    >>> from clerestory.bsdfgen.pane import diffuse_pane
+    >>> sheet = diffuse_pane(transmittance=0.4, reflectance=0.3)
+    >>> bsdf = generate_bsdf(sheet, basis="quarter", samples=256)
+    >>> round(bsdf.diffuse("transmission_front"), 3)
+    0.4
+    """
+    system = _system(scene, area, periodic, bands, name)
+    effort = TraceEffort(samples, relative_error, bounces, seed, progress)
+    check_bands(system.bands)
+    if not 2 <= halvings <= _DEEPEST:
+        raise InputError(f"{halvings} halvings; 2 to {_DEEPEST} expected")
+    if sides not in _BACKS:
+        raise InputError(f"sides {sides!r}; both, front or back expected")
+    if not 0 <= reduction < 100:
+        raise InputError(f"reduction by {reduction} %; 0 to below 100 % expected")
+    for doubt in check_system(system.scene, system.area):
+        warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
+    product = _product(system, geometry)
+    options = {
+        "backs": _BACKS[sides],
+        "bands": system.bands,
+        "colour": colour,
+        "effort": effort,
+    }
+    if basis in ("tree3", "tree4"):
+        engine = devices.load(device, "sample_area_tree")
+        rank = int(basis[-1])
+        traced = trace_trees(
+            engine, system.scene, system.area, rank=rank, depth=halvings, **options
+        )
+    else:
+        engine = devices.load(device, "sample_area_matrix")
+        traced = trace_matrices(
+            engine, system.scene, system.area, partition=klems(basis), **options
+        )
+    if not traced.reached:
+        warnings.warn(
+            f"the relative error {relative_error} was not reached after"
+            f" {traced.paths:,} paths; look at the standard errors",
+            ClerestoryWarning,
+            stacklevel=2,
+        )
+    functions = dict(traced.functions)
+    if reciprocal:
+        functions = reciprocal_with_errors(functions)
+    if basis == "tree4":
+        functions = one_transmission(functions)
+    if reduction > 0:
+        functions = reduced(functions, reduction)
+    return Bsdf(functions, product)
+
+
+def _system(
+    scene: Scene | System,
+    area: SampleArea | None,
+    periodic: bool,
+    bands: Mapping[str, Weights] | None,
+    name: str,
+) -> System:
+    # What is given explicitly goes before what a parametric system brings along
+    if isinstance(scene, System):
+        system = replace(scene, area=area or scene.area, bands=bands or scene.bands)
+    else:
+        system = System(scene, area or area_of(scene), bands or dict(VISIBLE))
+    if periodic:
+        system = replace(system, area=replace(system.area, periodic=True))
+    if name:
+        system = replace(system, product=replace(system.product, name=name))
+    return system
+
+
+def _product(system: System, geometry: bool) -> Product:
+    width, height, _ = system.area.size.tolist()
+    text = mgf_text(system.scene, system.area) if geometry else ""
+    return replace(
+        system.product,
+        thickness=system.area.thickness,
+        width=system.product.width or width,
+        height=system.product.height or height,
+        geometry=Geometry(text) if text else None,
+    )

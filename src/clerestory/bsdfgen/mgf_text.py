@@ -1,0 +1,161 @@
+"""Geometry as a text in MGF, the Materials and Geometry Format, for BSDF files.
+
+Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.colour import rgb_to_xyz
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.errors import InputError
+from clerestory.scene.model import (
+    Cone,
+    Dielectric,
+    Glass,
+    Material,
+    Metal,
+    Mirror,
+    Plastic,
+    Polygon,
+    Ring,
+    Scene,
+    Sphere,
+    Surface,
+    Trans,
+)
+
+# Thickness that MGF gives the transmittance of a solid for [m].
+_SOLID_THICKNESS = 0.005
+
+_Colour = Float[np.ndarray, "3"]
+
+
+def mgf_text(scene: Scene, area: SampleArea) -> str:
+    """Return the MGF of a system in metres, the middle of its area moved to x = y = 0.
+
+    Raises
+    ------
+    InputError : a material that MGF has no words for
+
+    Examples
+    --------
+    >>> grey = Plastic("grey", np.full(3, 0.5))
+    >>> slat = Polygon(np.array([[0.0, 0, -1], [2, 0, -1], [2, 2, -1]]), "grey", "slat")
+    >>> scene = Scene({"grey": grey}, (slat,))
+    >>> print(mgf_text(scene, SampleArea(scene.bounds())).splitlines()[0])
+    xf -t -1 -1 0
+    """
+    middle = area.bounds[:, :2].mean(axis=0)
+    lines = [f"xf -t {_numbers(-middle)} 0"]
+    used = dict.fromkeys(surface.material for surface in scene.surfaces)
+    names = {key: f"m{number}_{_word(key)}" for number, key in enumerate(used)}
+    for key, name in names.items():
+        lines += [f"m {name} =", *_material(scene.materials[key])]
+    current = ""
+    for surface in scene.surfaces:
+        if surface.material != current:
+            current = surface.material
+            lines.append(f"m {names[current]}")
+        lines += [f"o {_word(surface.name)}", *_surface(surface), "o"]
+    return "\n".join([*lines, "xf"])
+
+
+def _word(name: str) -> str:
+    return re.sub(r"\W", "_", name, flags=re.ASCII) or "x"
+
+
+def _numbers(values: Sequence[float] | Float[np.ndarray, " n"]) -> str:
+    return " ".join(f"{float(value):.9g}" for value in values)
+
+
+def _material(material: Material) -> Iterator[str]:
+    match material:
+        case Plastic():
+            diffuse = material.reflectance * (1 - material.specularity)
+            yield from _share("rd", diffuse)
+            if material.specularity > 0:
+                white = np.full(3, material.specularity)
+                yield from _share("rs", white, material.roughness)
+        case Metal():
+            yield from _share("rd", material.reflectance * (1 - material.specularity))
+            shiny = material.reflectance * material.specularity
+            yield from _share("rs", shiny, material.roughness)
+        case Mirror():
+            yield from _share("rs", material.reflectance, 0.0)
+        case Trans():
+            yield from _trans(material)
+        case Glass():
+            yield from _glass(material)
+        case Dielectric():
+            face = ((material.index - 1) / (material.index + 1)) ** 2
+            passed = (1 - face) * material.transmissivity**_SOLID_THICKNESS
+            yield from (f"\tir {material.index:.9g} 0", "\tsides 1")
+            yield from _share("rs", np.full(3, face), 0.0)
+            yield from _share("ts", passed, 0.0)
+        case _:
+            kind = type(material).__name__.lower()
+            source = material.source
+            raise InputError(
+                f'{kind} "{material.name}" has no counterpart in MGF; leave the geometry'
+                " out of the BSDF",
+                file=None if source is None else source.file,
+                line=None if source is None else source.line,
+            )
+
+
+def _trans(material: Trans) -> Iterator[str]:
+    rest = material.reflectance * (1 - material.specularity)
+    passed = rest * material.transmission
+    yield from _share("rd", rest - passed)
+    yield from _share("td", passed * (1 - material.transmitted_specular))
+    if material.specularity > 0:
+        yield from _share("rs", np.full(3, material.specularity), material.roughness)
+    if material.transmitted_specular > 0:
+        through = passed * material.transmitted_specular
+        yield from _share("ts", through, material.roughness)
+
+
+def _glass(material: Glass) -> Iterator[str]:
+    # Both faces and the way between them, at normal incidence
+    face = ((material.index - 1) / (material.index + 1)) ** 2
+    inner = material.transmissivity
+    series = 1 / (1 - (face * inner) ** 2)
+    passed = (1 - face) ** 2 * inner * series
+    yield f"\tir {material.index:.9g} 0"
+    yield from _share("rs", face + face * inner * passed, 0.0)
+    yield from _share("ts", passed, 0.0)
+
+
+def _share(keyword: str, rgb: _Colour, *roughness: float) -> Iterator[str]:
+    # A share of light after its colour
+    xyz = rgb_to_xyz() @ np.asarray(rgb, dtype=float)
+    yield "\tc"
+    if np.ptp(rgb) > 0:
+        yield f"\t\tcxy {_numbers(xyz[:2] / xyz.sum())}"
+    yield f"\t{keyword} {_numbers([xyz[1], *roughness])}"
+
+
+def _surface(surface: Surface) -> Iterator[str]:
+    match surface:
+        case Polygon():
+            corners = surface.vertices
+            for number, corner in enumerate(corners):
+                yield from (f"v v{number} =", f"\tp {_numbers(corner)}")
+            yield "f " + " ".join(f"v{number}" for number in range(len(corners)))
+        case Sphere():
+            yield from ("v v0 =", f"\tp {_numbers(surface.centre)}")
+            yield f"sph v0 {-surface.radius if surface.inward else surface.radius:.9g}"
+        case Cone():
+            radii = np.array([surface.base_radius, surface.top_radius])
+            radii = -radii if surface.inward else radii
+            yield from ("v v0 =", f"\tp {_numbers(surface.base)}")
+            yield from ("v v1 =", f"\tp {_numbers(surface.top)}")
+            yield f"cone v0 {radii[0]:.9g} v1 {radii[1]:.9g}"
+        case Ring():
+            yield from ("v v0 =", f"\tp {_numbers(surface.centre)}")
+            yield f"\tn {_numbers(surface.normal)}"
+            yield f"ring v0 {surface.inner_radius:.9g} {surface.outer_radius:.9g}"

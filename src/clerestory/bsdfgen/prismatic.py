@@ -1,0 +1,81 @@
+"""Prismatic film: a clear sheet with a saw-tooth of small prisms on its outer side."""
+
+import math
+
+import numpy as np
+
+from clerestory.bsdf.product import Product
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.paint import not_negative, positive
+from clerestory.bsdfgen.profile import extruded
+from clerestory.bsdfgen.system import System
+from clerestory.errors import InputError
+from clerestory.scene.model import Dielectric, Polygon, Scene
+
+# A cell is this many times as wide and as high as the film is thick.
+_SLENDER = 8.0
+
+
+def prismatic(
+    *,
+    pitch: float = 0.2e-3,
+    upper_angle_deg: float = 45.0,
+    lower_angle_deg: float = 45.0,
+    base: float = 0.2e-3,
+    index: float = 1.49,
+    transmissivity: float = 1.0,
+) -> System:
+    """Return the cell of an endless film whose prisms run along the width.
+
+    Parameters
+    ----------
+    pitch : from prism to prism [m]
+    upper_angle_deg, lower_angle_deg : between the plane of the film and the face of a
+        prism that looks up, and the one that looks down; below 90
+    base : thickness of the sheet under the prisms [m]
+    index : of refraction
+    transmissivity : share of light left after 1 m of the material
+
+    Raises
+    ------
+    InputError : a number out of range
+
+    Examples
+    --------
+    >>> film = prismatic(pitch=1e-3, base=0.5e-3)
+    >>> round(film.area.thickness * 1e3, 6)
+    1.0
+    """
+    positive(pitch=pitch)
+    not_negative(base=base)
+    angles = upper_angle_deg, lower_angle_deg
+    if not (all(0 < angle <= 90 for angle in angles) and sum(angles) < 180):
+        raise InputError(f"prisms with angles of {angles}°; above 0 to 90 expected")
+    if not (index > 1 and 0 <= transmissivity <= 1):
+        raise InputError(
+            f"index = {index}, transmissivity = {transmissivity}; above 1, and 0 to 1,"
+            " expected"
+        )
+    # Where the ridge lies above the groove at the lower side of its prism, and how high
+    up, down = (1 / math.tan(math.radians(a)) if a < 90 else 0.0 for a in angles)
+    height = pitch / (up + down)
+    ridge = height * down
+    depth = base + height
+    count = math.ceil(_SLENDER * depth / pitch)
+    across = count * pitch
+    ends = {"start": -0.01 * across, "end": 1.01 * across, "material": "film"}
+    teeth = [(n * pitch + y, z) for n in range(-1, count + 1) for y, z in (
+        (0.0, -base), (ridge, -depth))]
+    saw = np.array([*teeth, ((count + 1) * pitch, -base)])
+    surfaces: list[Polygon] = list(extruded(saw, name="prism", **ends))
+    flat = np.array([((count + 1) * pitch, 0.0), (-pitch, 0.0)])
+    surfaces += extruded(flat, name="sheet", **ends)
+    film = Dielectric("film", np.full(3, transmissivity), index)
+    corners = np.array([[0, 0, -depth], [across, across, 0]])
+    return System(
+        Scene({"film": film}, tuple(surfaces)),
+        SampleArea(corners, periodic=True),
+        product=Product(
+            name=f"Prismatic film, prisms of {angles[0]:g} and {angles[1]:g} degrees"
+        ),
+    )

@@ -1,0 +1,88 @@
+"""Whether dielectrics enclose solids: refraction needs an inside."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.naming import item
+from clerestory.scene.model import Dielectric, Interface, Scene
+from clerestory.scene.tessellate import Mesh, meshes
+
+# Corners nearer than this share of the system's size are one.
+_SAME = 1e-6
+
+
+def open_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
+    """Yield dielectrics with an open edge, or with their inside out.
+
+    Every edge of a solid belongs to two faces that run along it in opposite senses.
+    Edges in the sides of a repeating cell may stay open: the next cell goes on there.
+    """
+    for mesh in meshes(scene):
+        if not isinstance(mesh.material, Dielectric | Interface):
+            continue
+        corner, faces = _welded(mesh, _SAME * float(np.ptp(area.bounds, axis=0).max()))
+        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        lone = _lone(edges)
+        if area.periodic:
+            lone &= ~_in_sides(corner[edges], area)
+        name = f'{type(mesh.material).__name__.lower()} "{mesh.material.name}"'
+        if lone.any():
+            owner = np.tile(mesh.surface, 3)[lone]
+            surface = scene.surfaces[int(owner[0])]
+            yield (
+                f"{item(surface)} has an open edge: {name} does not enclose a solid"
+                f" ({int(lone.sum())} edges without a second face); closed surfaces"
+                " with their fronts outwards expected"
+            )
+        elif _volume(corner, faces) < 0 and not area.periodic:
+            yield (
+                f"{name} is inside out; faces whose fronts point outwards expected"
+            )
+
+
+def _welded(
+    mesh: Mesh, distance: float
+) -> tuple[Float[np.ndarray, "corner 3"], Int[np.ndarray, "face 3"]]:
+    place = np.round(mesh.vertices / max(distance, 1e-12)).astype(np.int64)
+    _, first, which = np.unique(place, axis=0, return_index=True, return_inverse=True)
+    faces = which.ravel()[mesh.faces]
+    solid = (
+        (faces[:, 0] != faces[:, 1])
+        & (faces[:, 1] != faces[:, 2])
+        & (faces[:, 2] != faces[:, 0])
+    )
+    return mesh.vertices[first], np.where(solid[:, None], faces, 0)
+
+
+def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
+    # Edges that are not run along as often one way as the other
+    count = int(edges.max()) + 1
+    forth = edges[:, 0].astype(np.int64) * count + edges[:, 1]
+    back = edges[:, 1].astype(np.int64) * count + edges[:, 0]
+    keys, number = np.unique(forth, return_counts=True)
+    place = np.minimum(np.searchsorted(keys, back), len(keys) - 1)
+    reverse = np.where(keys[place] == back, number[place], 0)
+    own = number[np.searchsorted(keys, forth)]
+    lone: Bool[np.ndarray, " edge"] = (own != reverse) & (edges[:, 0] != edges[:, 1])
+    return lone
+
+
+def _in_sides(
+    ends: Float[np.ndarray, "edge 2 3"], area: SampleArea
+) -> Bool[np.ndarray, " edge"]:
+    # Edges in or beyond a side of the cell
+    near = _SAME * float(area.size.max())
+    low, high = area.bounds[0, :2] + near, area.bounds[1, :2] - near
+    beyond = np.concatenate([ends[..., :2] <= low, ends[..., :2] >= high], axis=-1)
+    found: Bool[np.ndarray, " edge"] = beyond.all(axis=1).any(axis=-1)
+    return found
+
+
+def _volume(
+    corner: Float[np.ndarray, "corner 3"], faces: Int[np.ndarray, "face 3"]
+) -> float:
+    a, b, c = np.moveaxis(corner[faces] - corner.mean(axis=0), 1, 0)
+    return float(np.einsum("fx,fx->", a, np.cross(b, c)) / 6)

@@ -1,0 +1,200 @@
+"""Light of a sample area by the finest cells of a tensor tree, block by block.
+
+A block is a square of incident cells with all their leaving cells, in the order of
+the tree's branches: the cells below a node lie side by side. Rank 3 has one block,
+with all incident directions of all azimuths turned into one.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.constants import LUMINANCE_WEIGHTS
+from clerestory.engine.points import points
+from clerestory.engine.sample_area import Slab, follow, lower_slab, start
+from clerestory.engine.square import disc_from_square, square_from_disc
+from clerestory.engine.starts import Lanes, lanes
+from clerestory.engine.walk import FIXED_POINT, Target
+from clerestory.errors import DeviceError
+
+__all__ = ["Grid", "lower_slab", "trace_block"]
+
+# Keeps the sample points apart from those of other traces made with the same seed.
+_SALT = 0x2545F491
+
+# Most paths in one launch, and longest stretch of the sequence in it.
+_PATHS, _STRETCH = 1 << 22, 1 << 16
+
+
+@dataclass
+class Grid:
+    """The finest cells of a tree, cut into blocks.
+
+    Attributes
+    ----------
+    rank : 3 if every azimuth is alike, 4 otherwise
+    depth : halvings of each coordinate down to the finest cells
+    block : the last halvings, which the incident cells of a block differ in
+    """
+
+    rank: int
+    depth: int
+    block: int
+
+    @property
+    def incidents(self) -> int:
+        """Incident cells of a block, in the order of their branches."""
+        return 1 << ((self.rank - 2) * self.block)
+
+    @property
+    def cells(self) -> int:
+        """Finest cells of a block."""
+        return self.incidents << 2 * self.depth
+
+    @property
+    def blocks(self) -> int:
+        """Number of blocks."""
+        return 1 << ((self.rank - 2) * (self.depth - self.block))
+
+
+@dataclass
+class _IncidentCells:
+    # Directions of travel by incident cell; the number of a cell names its branches
+    grid: Grid
+
+    def sample(self, cell, u, v):
+        """Return a direction within a cell, evenly by projected solid angle."""
+        wide = 1 << self.grid.depth
+        if self.grid.rank == 3:
+            inner = 1 - 2 * (mi.Float(cell) + 1) / wide
+            outer = 1 - 2 * mi.Float(cell) / wide
+            square = dr.lerp(dr.square(inner), dr.square(outer), u)
+            sine, cosine = dr.sincos(2 * dr.pi * v)
+            disc = mi.Point2f(cosine, sine) * dr.sqrt(square)
+        else:
+            a = (mi.Float(_every_other(cell, self.grid.depth)) + u) / wide
+            b = (mi.Float(_every_other(cell >> 1, self.grid.depth)) + v) / wide
+            disc = disc_from_square(a, b)
+        return mi.Vector3f(disc.x, disc.y, dr.safe_sqrt(1 - dr.squared_norm(disc)))
+
+
+@dataclass
+class _Cells:
+    # Scores light by the cells through which it came and leaves
+    grid: Grid
+    target: Target
+    incident: mi.UInt32
+    back: mi.Bool
+    turn: mi.Vector2f
+
+    def receive(self, paths: Lanes, direction, weight, active) -> None:
+        """Add light, and the square of its luminance, to a cell."""
+        grid = self.grid
+        x = direction.x * self.turn.x + direction.y * self.turn.y
+        y = direction.y * self.turn.x - direction.x * self.turn.y
+        place = square_from_disc(x, y) * (1 << grid.depth)
+        a, b = (
+            mi.UInt32(dr.clip(mi.Int32(c), 0, (1 << grid.depth) - 1))
+            for c in (place.x, place.y)
+        )
+        cell = _interleave((a >> grid.block, b >> grid.block), 2, grid.depth - grid.block)
+        if grid.rank == 3:
+            inside = _interleave((self.incident, a, b), 3, grid.block)
+        else:
+            one = _every_other(self.incident, grid.block)
+            other = _every_other(self.incident >> 1, grid.block)
+            inside = _interleave((one, other, a, b), 4, grid.block)
+        cell = (cell << grid.rank * grid.block) | inside
+        reflected = (direction.z > 0) == self.back
+        cell += dr.select(reflected, mi.UInt32(grid.cells), 0)
+        light = [weight[channel] for channel in range(self.target.channels - 1)]
+        luminance = light[0]
+        if len(light) == 3:
+            luminance = sum(w * c for w, c in zip(LUMINANCE_WEIGHTS, light, strict=True))
+        scores = [*light, dr.square(luminance)]
+        self.target.score(mi.UInt32(0), cell, scores, active)
+
+
+def trace_block(
+    slab: Slab,
+    grid: Grid,
+    block: int,
+    groups: list[tuple[Int[np.ndarray, " row"], int, int]],
+    *,
+    back: bool,
+    segments: int,
+    seed: int,
+) -> Float[np.ndarray, "function cell channel"]:
+    """Return sums of the light of paths from some incident cells of a block.
+
+    Parameters
+    ----------
+    groups : incident cells, counted within the block, with the number of the first
+        path of each and how many there are
+    back : whether to start behind the system, from the room
+    segments : most segments between diffuse reflections or transmissions
+
+    Returns
+    -------
+    sums for transmission and reflection; the last channel has squares of luminances
+    """
+    channels = 1 if slab.grey else 3
+    target = Target(None, None, dr.zeros(mi.UInt64), 2 * grid.cells, channels + 1)
+    target.sums = dr.zeros(mi.UInt64, target.columns * target.channels + 1)
+    total = grid.blocks * grid.incidents
+    offset = block * grid.incidents + (total if back else 0)
+    behind, limit = dr.opaque(mi.Bool, back), dr.opaque(mi.UInt32, segments)
+    for rows, begin, number in _launches(groups):
+        sequence = points(begin, number)
+        paths = lanes(
+            sequence, rows=rows + offset, batches=1, seed=seed ^ _SALT, stream=0
+        )
+        incident = paths.number % total
+        ray = start(slab, sequence, paths, _IncidentCells(grid), incident, behind)
+        receiver = _Cells(grid, target, incident, behind, _azimuth(ray.d))
+        follow(slab, receiver, sequence, paths, ray, limit)
+        dr.eval(target.sums)
+    sums = target.sums.numpy()
+    if sums[-1]:
+        raise DeviceError(
+            f"{sums[-1]} paths carry more than a path can: a fault of the tracer"
+        )
+    return (sums[:-1] / FIXED_POINT).reshape(2, grid.cells, channels + 1)
+
+
+def _launches(groups):
+    # Cut groups so that a launch has neither too many paths nor too many points
+    for rows, first, count in groups:
+        together = max(1, _PATHS // min(count, _STRETCH))
+        for begin in range(first, first + count, _STRETCH):
+            number = min(_STRETCH, first + count - begin)
+            for few in range(0, len(rows), together):
+                yield rows[few : few + together], begin, number
+
+
+def _azimuth(direction):
+    # Cosine and sine of the azimuth of travel; along x where it is upright
+    radius = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
+    scale = dr.select(radius == 0, 0, dr.rcp(radius))
+    cosine = dr.select(radius == 0, 1, direction.x * scale)
+    return mi.Vector2f(cosine, direction.y * scale)
+
+
+def _every_other(number, bits: int):
+    # The number that the bits 0, 2, 4 … make
+    found = mi.UInt32(0)
+    for bit in range(bits):
+        found |= (number >> bit) & (1 << bit)
+    return found
+
+
+def _interleave(numbers: tuple, rank: int, bits: int):
+    # The number whose bits come from several in turn, the first one's lowest
+    found = mi.UInt32(0)
+    for dimension, number in enumerate(numbers):
+        for bit in range(bits):
+            found |= ((number >> bit) & 1) << (rank * bit + dimension)
+    return found
