@@ -1,0 +1,146 @@
+"""A BSDF file as a layer: visible and solar matrices, and what they leave in between.
+
+A file knows two averages. Light that is visible follows the visible matrix; all
+other light the one that makes the solar average right, with 49 % of the sun's
+energy visible, as WINDOW splits them.
+"""
+
+import warnings
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering import Function, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.glazing.layer import Layer, mirrored_patches
+from clerestory.glazing.optics import Optics
+from clerestory.glazing.pane import invisible, is_visible, two_band_wavelengths
+from clerestory.glazing.standard import Channel
+from clerestory.hemisphere.klems import klems
+from clerestory.hemisphere.partition import RingPartition
+
+_OPPOSITE: dict[Function, Function] = {
+    "transmission_front": "transmission_back",
+    "transmission_back": "transmission_front",
+    "reflection_front": "reflection_back",
+    "reflection_back": "reflection_front",
+}
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class BsdfLayer(Layer):
+    """A shade of which BSDFs are known, from a file, from tracing or from a stack.
+
+    Attributes
+    ----------
+    bsdf : with matrices or trees; the front faces the sky
+    conductivity : of heat [W/(m K)]
+    infrared_transmittance : in the far infrared
+    permeability : share of the area that air passes through
+    """
+
+    bsdf: Bsdf
+    conductivity: float = 1.0
+    infrared_transmittance: float = 0.0
+    permeability: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not any(self.bsdf.has("transmission_front", channel=c) for c in _BANDS):
+            raise InputError(
+                f"BSDF {self.bsdf.product.name!r} has neither visible nor solar"
+                " transmission; one of them expected in a layer",
+                file=self.bsdf.source,
+            )
+        for lacking, used in (("solar", "visible"), ("visible", "solar")):
+            if not self.bsdf.has("transmission_front", channel=lacking):
+                warnings.warn(
+                    f"BSDF {self.bsdf.product.name!r} has no {lacking} data; the"
+                    f" {used} ones are taken",
+                    ClerestoryWarning,
+                    stacklevel=3,
+                )
+        for part in ("reflection_front", "reflection_back"):
+            if not self.bsdf.has(part, channel=self._channel("visible")):
+                warnings.warn(
+                    f"BSDF {self.bsdf.product.name!r} has no"
+                    f" {part.replace('_', ' ')}; that side counts as black",
+                    ClerestoryWarning,
+                    stacklevel=3,
+                )
+
+    @property
+    def name(self) -> str:
+        """Name of the product in the file."""
+        return self.bsdf.product.name or self.bsdf.source or "BSDF"
+
+    @property
+    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+        """Ends of the solar range, and steps at the ends of the visible one."""
+        return two_band_wavelengths()
+
+    def matrices(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        partition: RingPartition,
+    ) -> Optics:
+        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        visible, solar = (self.band(channel, partition) for channel in _BANDS)
+        inside = is_visible(wavelength_nm).astype(bool)[:, None, None]
+        return Optics.gather(
+            lambda name: np.where(
+                inside, visible.of(name), invisible(visible.of(name), solar.of(name))
+            )
+        )
+
+    def band(self, channel: Channel, partition: RingPartition) -> Optics:
+        """BSDFs [1/sr] of one band, over (exit, incident)."""
+        given = self._channel(channel)
+
+        def table(name: Function) -> Float[np.ndarray, "exit incident"]:
+            if not self.bsdf.has(name, channel=given):
+                return np.zeros((len(partition), len(partition)))
+            part = self.bsdf.function(name, channel=given, partition=partition)
+            return part.values
+
+        return Optics.gather(table)
+
+    def flipped(self) -> "BsdfLayer":
+        """Return the layer turned about its vertical axis; trees become matrices."""
+        functions: dict[tuple[str, Function], ScatteringFunction] = {}
+        for channel, name in self.bsdf.functions:
+            part = self.bsdf.function(name, channel=channel)
+            exits, incidents = (
+                mirrored_patches(side) for side in (part.exits, part.incidents)
+            )
+            functions[channel, _OPPOSITE[name]] = ScatteringMatrix(
+                part.values[np.ix_(exits, incidents)], part.exits, part.incidents
+            )
+        product = self.bsdf.product
+        turned = replace(
+            product,
+            emissivity_front=product.emissivity_back,
+            emissivity_back=product.emissivity_front,
+        )
+        return replace(
+            self, bsdf=replace(self.bsdf, functions=functions, product=turned)
+        )
+
+    def own_partition(self) -> RingPartition:
+        """Patches of the data; the 145 of Klems for trees."""
+        part = self.bsdf.scattering(
+            "transmission_front", channel=self._channel("visible")
+        )
+        own = part.own_partitions()
+        return own[0] if own else klems("full")
+
+    def _channel(self, wanted: Channel) -> Channel:
+        other: Channel = "solar" if wanted == "visible" else "visible"
+        return wanted if self.bsdf.has("transmission_front", channel=wanted) else other
+
+
+_BANDS: tuple[Channel, Channel] = ("visible", "solar")

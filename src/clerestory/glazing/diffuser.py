@@ -1,0 +1,60 @@
+"""Layers that scatter all light evenly: opal film, cloth without openings."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.glazing.layer import Layer
+from clerestory.glazing.optics import Optics
+from clerestory.glazing.pane import Pane
+from clerestory.hemisphere.partition import RingPartition
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Diffuser(Layer):
+    """A sheet that scatters what it passes on as Lambert's law has it.
+
+    Attributes
+    ----------
+    material : its shares of light, at every angle
+    """
+
+    material: Pane
+
+    @property
+    def name(self) -> str:
+        """Name of the material."""
+        return self.material.name
+
+    @property
+    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+        """Where the material was measured."""
+        return self.material.wavelength_nm
+
+    def matrices(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        partition: RingPartition,
+    ) -> Optics:
+        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        covered = np.ones(len(partition))
+        return scattered_evenly(self.material.at(wavelength_nm), covered)
+
+    def flipped(self) -> "Diffuser":
+        """Return the layer turned round."""
+        return Diffuser(self.material.flipped())
+
+
+def scattered_evenly(shares: Optics, covered: Float[np.ndarray, " incident"]) -> Optics:
+    """BSDFs [1/sr] of a material that covers some of the area and scatters evenly.
+
+    Parameters
+    ----------
+    shares : of the material, over wavelength
+    covered : share of the area it covers, seen from each incident patch
+    """
+    even = covered / np.pi * np.ones((len(covered), 1))
+    return shares.map(lambda share: share[:, None, None] * even)

@@ -1,0 +1,129 @@
+"""Layers behind each other: the light between them, summed to the last bounce.
+
+All matrices here are shares of flux: entry (i, j) is the share of the light that
+arrives through patch j which leaves into patch i, the BSDF times the projected
+solid angle of patch i. Columns sum to what is passed on in all, and matrices of
+layers behind each other multiply.
+
+Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994: I. Optical properties,
+1065–1072; II. Detailed equations, 1073–1086.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.glazing.optics import Optics, Side
+
+
+class Passage(NamedTuple):
+    """Light through a stack of layers.
+
+    Attributes
+    ----------
+    system : flux matrices of the whole stack, (…, n, n)
+    absorbed_front, absorbed_back : share of the light from each incident patch of
+        either side that each layer keeps, (layer, …, n)
+    """
+
+    system: Optics
+    absorbed_front: Float[np.ndarray, "layer *batch n"]
+    absorbed_back: Float[np.ndarray, "layer *batch n"]
+
+
+def pass_through(layers: Sequence[Optics]) -> Passage:
+    """Return what a stack does to light, from flux matrices of its layers.
+
+    Parameters
+    ----------
+    layers : from the sky to the room, each of (…, n, n)
+
+    Examples
+    --------
+    >>> half = Optics.alike(0.5, 0.2).map(lambda share: share.reshape(1, 1))
+    >>> passage = pass_through([half, half])
+    >>> round(passage.system.transmission_front.item(), 6)  # 0.25 / (1 - 0.04)
+    0.260417
+    """
+    reverse = [layer.swapped() for layer in reversed(layers)]
+    outer, inner = _accumulate(layers), _accumulate(reverse)
+    front = _absorbed(layers, outer, inner)
+    back = _absorbed(reverse, inner, outer)
+    return Passage(outer[-1], np.stack(front), np.stack(back[::-1]))
+
+
+def combine(outer: Optics, inner: Optics) -> Optics:
+    """Return two layers, or stacks of layers, as one (Klems 1994, II, eq. 8–11)."""
+    enter = between(
+        outer.reflection_back, inner.reflection_front, outer.transmission_front
+    )
+    leave = between(
+        inner.reflection_front, outer.reflection_back, inner.transmission_back
+    )
+    return Optics(
+        inner.transmission_front @ enter,
+        outer.transmission_back @ leave,
+        outer.reflection_front
+        + outer.transmission_back @ (inner.reflection_front @ enter),
+        inner.reflection_back
+        + inner.transmission_front @ (outer.reflection_back @ leave),
+    )
+
+
+def between(
+    behind: Float[np.ndarray, "*batch n n"],
+    ahead: Float[np.ndarray, "*batch n n"],
+    arriving: Float[np.ndarray, "*batch n n"],
+) -> Float[np.ndarray, "*batch n n"]:
+    """Flux that falls on what is ahead, after all bounces in the space between.
+
+    Parameters
+    ----------
+    behind, ahead : reflections of the two sides of the space
+    arriving : flux that enters the space through what is behind
+    """
+    loop = np.eye(behind.shape[-1]) - behind @ ahead
+    return np.asarray(np.linalg.solve(loop, arriving))
+
+
+def _accumulate(layers: Sequence[Optics]) -> list[Optics]:
+    # The first layer, the first two, the first three …
+    stacks = [layers[0]]
+    for layer in layers[1:]:
+        stacks.append(combine(stacks[-1], layer))
+    return stacks
+
+
+def _absorbed(
+    layers: Sequence[Optics], outer: Sequence[Optics], inner: Sequence[Optics]
+) -> list[Float[np.ndarray, "*batch n"]]:
+    # What each layer keeps of light on its front and on its back; all light enters
+    # through layer 0. The stack behind layer k, seen from behind, is in `inner`.
+    kept = []
+    for k, layer in enumerate(layers):
+        behind = len(layers) - 1 - k
+        on_front = (
+            np.eye(layer.transmission_front.shape[-1])
+            if k == 0
+            else between(
+                outer[k - 1].reflection_back,
+                inner[behind].reflection_back,
+                outer[k - 1].transmission_front,
+            )
+        )
+        share = _row(layer, "front") @ on_front
+        if behind > 0:
+            mirror = inner[behind - 1].reflection_back
+            share = share + _row(layer, "back") @ mirror @ between(
+                outer[k].reflection_back, mirror, outer[k].transmission_front
+            )
+        kept.append(share[..., 0, :])
+    return kept
+
+
+def _row(layer: Optics, side: Side) -> Float[np.ndarray, "*batch 1 n"]:
+    # Share of the flux from each patch that a layer keeps, as a row to multiply
+    passed = layer.map(lambda flux: flux.sum(axis=-2, keepdims=True))
+    return passed.absorption(side)

@@ -1,0 +1,137 @@
+"""Layers of a glazing system, seen by light: four BSDF matrices per wavelength.
+
+A matrix holds BSDF values from incident patches (columns) to exit patches (rows).
+Light that goes straight on, and light that a mirror sends back, keeps its number,
+so the matrices of layers behind each other can be multiplied as they are.
+
+Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994, 1065–1072 and 1073–1086.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.bsdf.scattering import Function
+from clerestory.glazing.optics import Optics
+from clerestory.glazing.pane import Pane
+from clerestory.hemisphere.partition import RingPartition
+
+
+class Layer(ABC):
+    """Something flat that light passes: a pane, a blind, a cloth, a file."""
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """What reports call it."""
+
+    @property
+    @abstractmethod
+    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+        """Where the layer is known."""
+
+    @abstractmethod
+    def matrices(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        partition: RingPartition,
+    ) -> Optics:
+        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+
+    @abstractmethod
+    def flipped(self) -> "Layer":
+        """Return the layer turned about its vertical axis: outside becomes inside."""
+
+    def specular(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        cosine: Float[np.ndarray, " angle"],
+    ) -> Optics | None:
+        """Shares passed on, over (wavelength, angle); None if light is scattered."""
+        return None
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Glass(Layer):
+    """A pane of glass in the system.
+
+    What it scatters, if anything, it scatters evenly over all patches but the one
+    that light goes straight on into, as WINDOW does.
+
+    Examples
+    --------
+    >>> from clerestory.hemisphere.klems import klems
+    >>> air = Pane("nothing", np.array([300.0, 2500.0]),
+    ...            Optics(np.ones(2), np.ones(2), np.zeros(2), np.zeros(2)))
+    >>> T = Glass(air).matrices(np.array([550.0]), klems("quarter")).transmission_front
+    >>> (T[0] @ klems("quarter").projected_solid_angles()).round(9)[:3].tolist()
+    [1.0, 1.0, 1.0]
+    """
+
+    pane: Pane
+
+    @property
+    def name(self) -> str:
+        """Name of the product."""
+        return self.pane.name
+
+    @property
+    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+        """Where the pane was measured."""
+        return self.pane.wavelength_nm
+
+    def matrices(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        partition: RingPartition,
+    ) -> Optics:
+        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        measure = partition.projected_solid_angles()
+        total = self.pane.angular(wavelength_nm, partition.centres()[:, 2])
+        if self.pane.diffuse is None:
+            return total.map(lambda share: diagonal(share / measure))
+        haze = self.pane.haze(wavelength_nm).map(lambda share: share[:, None])
+
+        elsewhere = 1 - np.eye(len(measure))
+
+        def scattered(name: Function) -> Float[np.ndarray, "wavelength exit incident"]:
+            share, lost = total.of(name), haze.of(name)
+            even = share * lost / (np.pi - measure)
+            straight = diagonal(share * (1 - lost) / measure)
+            return np.asarray(straight + even[:, None, :] * elsewhere)
+
+        return Optics.gather(scattered)
+
+    def specular(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        cosine: Float[np.ndarray, " angle"],
+    ) -> Optics | None:
+        """Shares passed on, over (wavelength, angle); None if light is scattered."""
+        if self.pane.diffuse is not None:
+            return None
+        return self.pane.angular(wavelength_nm, cosine)
+
+    def flipped(self) -> "Glass":
+        """Return the pane built in the other way round."""
+        return Glass(self.pane.flipped())
+
+
+def diagonal(
+    entries: Float[np.ndarray, "wavelength patch"],
+) -> Float[np.ndarray, "wavelength patch patch"]:
+    """Matrices with the given entries on their diagonals."""
+    count = entries.shape[-1]
+    matrices = np.zeros((*entries.shape, count))
+    place = np.arange(count)
+    matrices[:, place, place] = entries
+    return matrices
+
+
+def mirrored_patches(partition: RingPartition) -> Int[np.ndarray, " patch"]:
+    """Patch that each one becomes when left and right change places."""
+    return partition.find(partition.centres() * [-1, 1, 1])

@@ -1,0 +1,74 @@
+"""The four shares of light that a sheet or a stack passes on, from both sides."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.scattering import FUNCTIONS, Function
+
+Side = Literal["front", "back"]
+SIDES: tuple[Side, ...] = ("front", "back")
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Optics:
+    """Transmittances and reflectances, arrays of one shape.
+
+    Attributes
+    ----------
+    transmission_front, transmission_back, reflection_front, reflection_back : shares
+        of the light that arrives from that side; front is the side of the sky
+
+    Examples
+    --------
+    >>> round(Optics.alike(0.8, 0.1).absorption("front").item(), 12)
+    0.1
+    """
+
+    transmission_front: Float[np.ndarray, "*batch"]
+    transmission_back: Float[np.ndarray, "*batch"]
+    reflection_front: Float[np.ndarray, "*batch"]
+    reflection_back: Float[np.ndarray, "*batch"]
+
+    @classmethod
+    def alike(cls, transmission: float, reflection: float) -> "Optics":
+        """Return what treats light from both sides alike."""
+        t, r = np.array(float(transmission)), np.array(float(reflection))
+        return cls(t, t, r, r)
+
+    @classmethod
+    def gather(
+        cls, part: Callable[[Function], Float[np.ndarray, "*batch"]]
+    ) -> "Optics":
+        """Return the values that a function gives for each of the four names."""
+        return cls(**{name: part(name) for name in FUNCTIONS})
+
+    def of(self, name: Function) -> Float[np.ndarray, "*batch"]:
+        """Return one of the four by its name."""
+        value: Float[np.ndarray, "*batch"] = getattr(self, name)
+        return value
+
+    def map(
+        self, change: Callable[[Float[np.ndarray, "*batch"]], Float[np.ndarray, "*new"]]
+    ) -> "Optics":
+        """Return all four changed by the same function."""
+        return Optics.gather(lambda name: change(self.of(name)))
+
+    def swapped(self) -> "Optics":
+        """Return the same sheet seen from the other side."""
+        return Optics(
+            self.transmission_back,
+            self.transmission_front,
+            self.reflection_back,
+            self.reflection_front,
+        )
+
+    def absorption(self, side: Side) -> Float[np.ndarray, "*batch"]:
+        """Share of the light from one side that is neither passed nor reflected."""
+        if side == "front":
+            return np.asarray(1 - self.transmission_front - self.reflection_front)
+        return np.asarray(1 - self.transmission_back - self.reflection_back)

@@ -1,0 +1,127 @@
+"""Glass in the text format of LBNL's Optics: .dat, .usr and makers' own endings.
+
+Lines in braces describe the product; the rest are rows of wavelength, transmittance,
+front and back reflectance, or nine columns with a diffuse one beside each direct.
+"""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.glazing.igsdb import warn_of_excess
+from clerestory.glazing.optics import Optics
+from clerestory.glazing.pane import GLASS_CONDUCTIVITY, GLASS_EMISSIVITY, Pane
+from clerestory.spectra import wavelength_unit_nm
+
+_BRACES = re.compile(r"\{([^}]*)\}(.*)")
+_NUMBER = re.compile(r"[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?")
+_COATED = ("coated", "applied film", "laminate", "film", "chromic")
+_MILLIMETRE = 1e-3
+
+
+def read_optics_file(path: str | Path) -> Pane:
+    """Return the pane of a file in LBNL's Optics format.
+
+    Raises
+    ------
+    InputError : rows that are not numbers, of unequal length, or data that cannot be
+    """
+    header: dict[str, str] = {}
+    rows: list[list[float]] = []
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
+        found = _BRACES.match(line.strip())
+        if found:
+            _note(found[1], found[2].strip(), header)
+        elif line.strip():
+            rows.append(_row(line, number, path, rows))
+    if not rows:
+        raise InputError("no rows of wavelength and shares found", file=path)
+    table = np.array(rows)
+    try:
+        pane = _pane(table, header, path)
+    except InputError as error:
+        raise InputError(error.message, file=path) from error
+    warn_of_excess(pane)
+    return pane
+
+
+def _note(inside: str, after: str, header: dict[str, str]) -> None:
+    # "{ Product Name: Clear }" and "{ Thickness } 3.048" both name a value
+    key, colon, value = inside.partition(":")
+    header[key.strip().lower()] = value.strip() if colon else after
+
+
+def _row(
+    line: str, number: int, path: str | Path, rows: list[list[float]]
+) -> list[float]:
+    words = line.replace(",", " ").split()
+    try:
+        row = [float(word) for word in words]
+    except ValueError:
+        row = []
+    if len(row) not in (4, 9) or (rows and len(row) != len(rows[0])):
+        columns = len(rows[0]) if rows else "4 or 9"
+        raise InputError(
+            f"{line.strip()[:60]!r}; {columns} numbers expected: wavelength,"
+            " transmittance, reflectances",
+            file=path,
+            line=number,
+        )
+    return row
+
+
+def _pane(
+    table: Float[np.ndarray, "row column"], header: dict[str, str], path: str | Path
+) -> Pane:
+    table = table[np.argsort(table[:, 0], kind="stable")]
+    units = header.get("units, wavelength units", "SI Microns").split()
+    unit = wavelength_unit_nm(units[-1] if units else "")
+    if unit is None:
+        raise InputError(
+            f"wavelength unit {units[-1]!r}; microns or nanometers expected"
+        )
+    emissivity = _numbers(header.get("emissivity, front back", ""))
+    front, back = (*emissivity, GLASS_EMISSIVITY, GLASS_EMISSIVITY)[:2]
+    kind = header.get("type", "").lower()
+    side = header.get("coated side", "neither").lower()
+    pane = Pane(
+        name=header.get("product name", "") or Path(path).stem,
+        wavelength_nm=table[:, 0] * unit,
+        direct=Optics(*_columns(table, diffuse=False)),
+        coated=any(word in kind for word in _COATED),
+        thickness=_first(header, "thickness", 3.0) * _MILLIMETRE,
+        conductivity=_first(header, "conductivity", GLASS_CONDUCTIVITY),
+        emissivity_front=front,
+        emissivity_back=back,
+        infrared_transmittance=_first(header, "ir transmittance", 0.0),
+        coated_side=side if side in ("front", "back", "both") else "neither",
+        manufacturer=header.get("manufacturer", ""),
+        nfrc_id=int(_first(header, "nfrc id", 0)) or None,
+        source=str(path),
+    )
+    if table.shape[1] == 4 or not np.any(table[:, 2::2]):
+        return pane
+    return replace(pane, diffuse=Optics(*_columns(table, diffuse=True)))
+
+
+def _columns(
+    table: Float[np.ndarray, "row column"], *, diffuse: bool
+) -> list[Float[np.ndarray, " row"]]:
+    # Nine columns: transmittance and reflectance per side, direct and diffuse in turn
+    if table.shape[1] == 4:
+        return [table[:, column] for column in (1, 1, 2, 3)]
+    return [table[:, column + diffuse] for column in (1, 3, 5, 7)]
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    return tuple(float(word) for word in _NUMBER.findall(text))
+
+
+def _first(header: dict[str, str], key: str, default: float) -> float:
+    found = _numbers(header.get(key, ""))
+    return found[0] if found else default

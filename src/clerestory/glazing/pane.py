@@ -1,0 +1,221 @@
+"""Panes: sheets of glass, or of the material of a shade, known over wavelength.
+
+Measurements are taken along the normal. Front is the side towards the sky, surface
+1 of the pane; a pane that is built in the other way round is `flipped`.
+"""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.glazing.angular import coated, uncoated
+from clerestory.glazing.optics import Optics
+from clerestory.spectra import check_wavelengths
+
+# Ordinary soda-lime glass.
+GLASS_EMISSIVITY = 0.84
+GLASS_CONDUCTIVITY = 1.0
+
+# Limits of the visible range, and how closely the edges of a step stand [nm].
+_VISIBLE_NM = (380.0, 780.0)
+_STEP_NM = 1e-3
+_SOLAR_NM = (300.0, 2500.0)
+
+# Share of the sun's energy that is visible, as WINDOW splits bands.
+VISIBLE_SHARE = 0.49
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Pane:
+    """A sheet, its spectral properties along the normal, and what heat needs.
+
+    Attributes
+    ----------
+    name : of the product
+    wavelength_nm : where the properties are known
+    direct : shares of light passed on without scattering, over wavelength
+    diffuse : shares that are scattered evenly; None for clear sheets
+    coated : whether angles follow the regression for coatings (also films and
+        laminates) or Fresnel's equations
+    thickness : [m]
+    conductivity : of heat [W/(m K)]
+    emissivity_front, emissivity_back : hemispherical, in the far infrared
+    infrared_transmittance : in the far infrared
+    coated_side : "front", "back", "both" or "neither", as the file says
+    manufacturer, nfrc_id : as the file says
+    source : the file it came from, for messages
+
+    Raises
+    ------
+    InputError : arrays of unequal length, or shares that are negative or not finite
+    """
+
+    name: str
+    wavelength_nm: Float[np.ndarray, " wavelength"]
+    direct: Optics
+    diffuse: Optics | None = None
+    coated: bool = False
+    thickness: float = 0.003
+    conductivity: float = GLASS_CONDUCTIVITY
+    emissivity_front: float = GLASS_EMISSIVITY
+    emissivity_back: float = GLASS_EMISSIVITY
+    infrared_transmittance: float = 0.0
+    coated_side: str = "neither"
+    manufacturer: str = ""
+    nfrc_id: int | None = None
+    source: str | None = None
+
+    def __post_init__(self) -> None:
+        try:
+            check_wavelengths(self.wavelength_nm)
+        except InputError as error:
+            raise InputError(f"pane {self.name!r}: {error.message}") from error
+        for optics in (self.direct, self.diffuse):
+            if optics is None:
+                continue
+            part = np.stack(np.broadcast_arrays(*vars(optics).values()))
+            if part.shape[1:] != self.wavelength_nm.shape:
+                raise InputError(
+                    f"pane {self.name!r} has {part.shape[1:]} shares at"
+                    f" {len(self.wavelength_nm)} wavelengths; one each expected"
+                )
+            if not np.all(np.isfinite(part) & (part >= 0)):
+                raise InputError(
+                    f"pane {self.name!r} has a share of {np.nanmin(part):g}; numbers of"
+                    " 0 or more expected"
+                )
+        if not (self.thickness > 0 and self.conductivity > 0):
+            raise InputError(
+                f"pane {self.name!r} is {self.thickness:g} m thick and conducts"
+                f" {self.conductivity:g} W/(m K); both above 0 expected"
+            )
+
+    def at(self, wavelength_nm: Float[np.ndarray, " wanted"]) -> Optics:
+        """All light passed on along the normal, direct and diffuse together."""
+        total = self.direct.map(lambda share: self._at(share, wavelength_nm))
+        if self.diffuse is None:
+            return total
+        scattered = self.diffuse.map(lambda share: self._at(share, wavelength_nm))
+        return Optics.gather(lambda name: total.of(name) + scattered.of(name))
+
+    def haze(self, wavelength_nm: Float[np.ndarray, " wanted"]) -> Optics:
+        """Scattered share of the light passed on, 0…1; 0 where none is passed on."""
+        total = self.at(wavelength_nm)
+        if self.diffuse is None:
+            return total.map(np.zeros_like)
+        scattered = self.diffuse.map(lambda share: self._at(share, wavelength_nm))
+        return Optics.gather(
+            lambda name: (
+                scattered.of(name) / np.where(total.of(name) > 0, total.of(name), 1)
+            )
+        )
+
+    def angular(
+        self,
+        wavelength_nm: Float[np.ndarray, " wanted"],
+        cosine: Float[np.ndarray, " angle"],
+    ) -> Optics:
+        """All light passed on at other angles, over (wavelength, angle).
+
+        Parameters
+        ----------
+        cosine : of the angle between light and normal
+        """
+        course = coated if self.coated else uncoated
+        normal = self.at(wavelength_nm).map(lambda share: share[:, None])
+        front, back = (
+            course(cosine, transmittance=one, reflectance=other)
+            for one, other in (
+                (normal.transmission_front, normal.reflection_front),
+                (normal.transmission_back, normal.reflection_back),
+            )
+        )
+        oblique = Optics(front[0], back[0], front[1], back[1])
+        upright = cosine == 1
+        return Optics.gather(
+            lambda name: np.where(upright, normal.of(name), oblique.of(name))
+        )
+
+    def flipped(self) -> "Pane":
+        """Return the pane built in the other way round."""
+        sides = {"front": "back", "back": "front"}
+        return replace(
+            self,
+            direct=self.direct.swapped(),
+            diffuse=None if self.diffuse is None else self.diffuse.swapped(),
+            emissivity_front=self.emissivity_back,
+            emissivity_back=self.emissivity_front,
+            coated_side=sides.get(self.coated_side, self.coated_side),
+        )
+
+    def _at(
+        self,
+        share: Float[np.ndarray, " wavelength"],
+        wavelength_nm: Float[np.ndarray, " wanted"],
+    ) -> Float[np.ndarray, " wanted"]:
+        return np.asarray(np.interp(wavelength_nm, self.wavelength_nm, share))
+
+
+def two_band_pane(name: str, *, solar: Optics, visible: Optics) -> Pane:
+    """Return a sheet of which only the solar and the visible averages are known.
+
+    Light that is not visible gets what is left of the sun's energy, with the share
+    of the visible range that WINDOW assumes, 49 %.
+
+    Examples
+    --------
+    >>> grey = two_band_pane("cloth", solar=Optics.alike(0.3, 0.2),
+    ...                      visible=Optics.alike(0.1, 0.2))
+    >>> grey.at(np.array([550.0, 1000.0])).transmission_front.round(3).tolist()
+    [0.1, 0.492]
+    """
+    low, high = _VISIBLE_NM
+    wavelength = two_band_wavelengths()
+    inside = (wavelength >= low) & (wavelength <= high)
+    optics = Optics.gather(
+        lambda part: np.where(
+            inside, visible.of(part), invisible(visible.of(part), solar.of(part))
+        )
+    )
+    return Pane(name, wavelength, optics)
+
+
+def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -> Pane:
+    """Return a sheet with the same shares at all wavelengths and from both sides.
+
+    >>> float(grey_pane(0.2, 0.5).at(np.array([550.0])).reflection_back[0])
+    0.5
+    """
+    shares = Optics.alike(transmittance, reflectance)
+    return two_band_pane(name, solar=shares, visible=shares)
+
+
+def invisible(
+    visible: Float[np.ndarray, "*batch"], solar: Float[np.ndarray, "*batch"]
+) -> Float[np.ndarray, "*batch"]:
+    """Property outside the visible range that makes the solar average right.
+
+    It is zero where that would take a negative one.
+    """
+    rest = (solar - VISIBLE_SHARE * visible) / (1 - VISIBLE_SHARE)
+    return np.asarray(np.maximum(rest, 0))
+
+
+def two_band_wavelengths() -> Float[np.ndarray, " wavelength"]:
+    """Ends of the solar range, and steps at the ends of the visible one [nm]."""
+    low, high = _VISIBLE_NM
+    return np.array(
+        [_SOLAR_NM[0], low - _STEP_NM, low, high, high + _STEP_NM, _SOLAR_NM[1]]
+    )
+
+
+def is_visible(
+    wavelength_nm: Float[np.ndarray, " wavelength"],
+) -> Float[np.ndarray, " wavelength"]:
+    """One where a wavelength is visible, 380 to 780 nm, else zero."""
+    low, high = _VISIBLE_NM
+    return ((wavelength_nm >= low) & (wavelength_nm <= high)).astype(float)

@@ -1,0 +1,247 @@
+"""Sheets with openings: perforated metal and woven cloth.
+
+What passes an opening goes straight on; the rest meets the material, which scatters
+evenly. Both models are those of WINDOW: openings by geometry, and for cloth an
+empirical term for light that threads scatter forwards.
+
+References: W. R. McCluney, L. Mills, ASHRAE Transactions 99 (2), 1993 (woven);
+LBNL, WINDOW 7 technical documentation (perforated screens).
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal, final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.scattering import Function
+from clerestory.errors import InputError
+from clerestory.glazing.diffuser import scattered_evenly
+from clerestory.glazing.layer import Layer, diagonal
+from clerestory.glazing.optics import Optics
+from clerestory.glazing.pane import Pane
+from clerestory.hemisphere.partition import RingPartition
+
+Opening = Literal["circular", "rectangular"]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PerforatedScreen(Layer):
+    """A sheet with holes in a regular grid.
+
+    Attributes
+    ----------
+    material : the sheet; its thickness limits what slips through at an angle
+    shape : of the holes
+    spacing : distance of their centres, to the right and upwards [m]
+    size : radius of circular holes (the first number), or width and height [m]
+
+    Raises
+    ------
+    InputError : holes that overlap, or lengths that are not positive
+
+    Examples
+    --------
+    >>> from clerestory.glazing.pane import grey_pane
+    >>> screen = PerforatedScreen(
+    ...     grey_pane(0, 0), "rectangular", (0.02, 0.02), (0.01, 0.01)
+    ... )
+    >>> float(screen.openness(np.array([[0.0, 0.0, 1.0]]))[0])
+    0.25
+    """
+
+    material: Pane
+    shape: Opening
+    spacing: tuple[float, float]
+    size: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        widest = [2 * self.size[0]] * 2 if self.shape == "circular" else self.size
+        if min(*self.spacing, *widest) <= 0:
+            raise InputError(
+                f"screen {self.name!r} has holes of {self.size} m every"
+                f" {self.spacing} m; lengths above 0 expected"
+            )
+        if any(w > s for w, s in zip(widest, self.spacing, strict=True)):
+            raise InputError(
+                f"screen {self.name!r} has holes of {tuple(widest)} m every"
+                f" {self.spacing} m, which overlap; smaller ones expected"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name of the material."""
+        return self.material.name
+
+    @property
+    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+        """Where the material was measured."""
+        return self.material.wavelength_nm
+
+    def openness(
+        self, direction: Float[np.ndarray, "direction 3"]
+    ) -> Float[np.ndarray, " direction"]:
+        """Share of light along each direction that passes through the holes."""
+        x, y, z = direction.T
+        deep = self.material.thickness
+        if self.shape == "rectangular":
+            free = [
+                np.maximum((size - deep * np.abs(side) / z) / spacing, 0)
+                for side, size, spacing in zip(
+                    (x, y), self.size, self.spacing, strict=True
+                )
+            ]
+            return np.asarray(free[0] * free[1])
+        radius, area = self.size[0], self.spacing[0] * self.spacing[1]
+        slope = np.hypot(x, y) / z
+        hole = np.pi * radius**2 - np.pi / 2 * radius * deep * slope
+        return np.where(slope * deep <= 2 * radius, np.maximum(hole, 0) / area, 0)
+
+    def matrices(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        partition: RingPartition,
+    ) -> Optics:
+        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        free = self.openness(partition.centres())
+        even = scattered_evenly(self.material.at(wavelength_nm), 1 - free)
+        return _with_openings(even, free, partition)
+
+    def flipped(self) -> "PerforatedScreen":
+        """Return the screen turned round."""
+        return replace(self, material=self.material.flipped())
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class WovenShade(Layer):
+    """A cloth of threads that cross at right angles.
+
+    Attributes
+    ----------
+    material : of the threads
+    thread_diameter, thread_spacing : [m]
+
+    Raises
+    ------
+    InputError : threads thicker than their spacing
+
+    Examples
+    --------
+    >>> from clerestory.glazing.pane import grey_pane
+    >>> cloth = WovenShade(
+    ...     grey_pane(0, 0), thread_diameter=0.5e-3, thread_spacing=1e-3
+    ... )
+    >>> float(cloth.openness(np.array([[0.0, 0.0, 1.0]]))[0])
+    0.25
+    """
+
+    material: Pane
+    thread_diameter: float
+    thread_spacing: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.thread_diameter <= self.thread_spacing:
+            raise InputError(
+                f"cloth {self.name!r} has threads of {self.thread_diameter:g} m every"
+                f" {self.thread_spacing:g} m; thinner threads expected"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name of the material."""
+        return self.material.name
+
+    @property
+    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+        """Where the material was measured."""
+        return self.material.wavelength_nm
+
+    def openness(
+        self, direction: Float[np.ndarray, "direction 3"]
+    ) -> Float[np.ndarray, " direction"]:
+        """Share of light along each direction that passes between the threads."""
+        altitude, azimuth = _altitude_azimuth(direction)
+        profile = np.arctan(np.tan(altitude) / np.cos(altitude))
+        gamma = self.thread_diameter / self.thread_spacing
+        free = [np.maximum(1 - gamma / np.cos(a), 0) for a in (azimuth, profile)]
+        return np.asarray(free[0] * free[1])
+
+    def matrices(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        partition: RingPartition,
+    ) -> Optics:
+        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        shares = self.material.at(wavelength_nm)
+        free = self.openness(partition.centres())
+        even = scattered_evenly(shares, 1 - free)
+        forwards = {
+            side: self._scattered_forwards(back, partition.centres())[:, None] / np.pi
+            for side, back in (
+                ("front", shares.reflection_back),
+                ("back", shares.reflection_front),
+            )
+        }
+        # Threads turn some of what they would reflect into transmission
+        gain = {"transmission": 1, "reflection": -1}
+
+        def total(name: Function) -> Float[np.ndarray, "wavelength exit incident"]:
+            kind, side = name.split("_")
+            return np.maximum(even.of(name) + gain[kind] * forwards[side], 0)
+
+        return _with_openings(Optics.gather(total), free, partition)
+
+    def flipped(self) -> "WovenShade":
+        """Return the cloth turned round."""
+        return replace(self, material=self.material.flipped())
+
+    def _scattered_forwards(
+        self,
+        reflectance: Float[np.ndarray, " wavelength"],
+        direction: Float[np.ndarray, "direction 3"],
+    ) -> Float[np.ndarray, "wavelength direction"]:
+        # Regression over measured cloths; angles in degrees
+        gamma = self.thread_diameter / self.thread_spacing
+        if gamma >= 1:
+            return np.zeros((len(reflectance), len(direction)))
+        rho = np.maximum(reflectance, 1e-12)[:, None]
+        delta = np.hypot(*np.degrees(_altitude_azimuth(direction)))
+        peak_at = 89.7 - 10 * gamma / 0.16
+        most = (
+            0.0229 * gamma
+            + 0.2971 * rho
+            - 0.03624 * gamma**2
+            + 0.04763 * rho**2
+            - 0.44416 * gamma * rho
+        )
+        level = 0.2 * rho * most * (1 - gamma)
+        peak = 1 / (0.2 * rho * (1 - gamma))
+        beyond = delta > peak_at
+        power = np.where(beyond, 2.5, 2.0)
+        bell = np.exp(-(np.abs(delta - peak_at) ** power) / 600)
+        fall = np.where(beyond, np.maximum((delta - peak_at) / (90 - peak_at), 0), 0)
+        scattered = level * (1 + (peak - 1) * bell) - level * fall
+        return np.where(reflectance[:, None] > 0, np.maximum(scattered, 0), 0)
+
+
+def _with_openings(
+    even: Optics, free: Float[np.ndarray, " patch"], partition: RingPartition
+) -> Optics:
+    # What passes the openings goes straight on, from either side
+    straight = diagonal((free / partition.projected_solid_angles())[None])
+    return Optics(
+        even.transmission_front + straight,
+        even.transmission_back + straight,
+        even.reflection_front,
+        even.reflection_back,
+    )
+
+
+def _altitude_azimuth(
+    direction: Float[np.ndarray, "direction 3"],
+) -> tuple[Float[np.ndarray, " direction"], Float[np.ndarray, " direction"]]:
+    # Angles above and beside the normal, without their signs
+    x, y, z = direction.T
+    return np.arcsin(np.clip(np.abs(y), 0, 1)), np.arctan2(np.abs(x), z)

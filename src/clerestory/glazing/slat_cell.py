@@ -1,0 +1,206 @@
+"""The space between two slats in section, and where straight lines lead in it.
+
+The section is a plane: the first coordinate runs from the sky into the room, the
+second upwards. Above stands the lower face of one slat, below the upper face of the
+next, to the left and right are the openings to the sky and to the room. All lines
+end on one of them: so view factors, sunlit parts and what is seen from outside are
+counts of lines, and no light is lost.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+
+# Lines per segment and per angle when view factors are counted, and per opening.
+_POINTS, _ANGLES, _BEAMS = 16, 128, 1024
+
+
+@final
+@dataclass(frozen=True)
+class SlatGeometry:
+    """A venetian blind in section.
+
+    Attributes
+    ----------
+    width : of a slat, along its chord [m]
+    spacing : distance of two slats [m]
+    tilt : turns the edge at the sky down when positive [rad]
+    curvature_radius : of the slats [m]; 0 for flat ones, positive if the middle is
+        above the edges at no tilt
+    segments : into which a slat is cut
+
+    Raises
+    ------
+    InputError : lengths that are not positive, slats bent beyond half a circle, or
+        slats that touch
+    """
+
+    width: float
+    spacing: float
+    tilt: float = 0.0
+    curvature_radius: float = 0.0
+    segments: int = 5
+
+    def __post_init__(self) -> None:
+        if not (self.width > 0 and self.spacing > 0):
+            raise InputError(
+                f"slats {self.width:g} m wide every {self.spacing:g} m; both above 0"
+                " expected"
+            )
+        if not abs(self.tilt) <= np.pi / 2:
+            raise InputError(
+                f"slats tilted by {np.degrees(self.tilt):g}°; -90 to 90° expected"
+            )
+        radius = abs(self.curvature_radius)
+        if radius and radius <= self.width / 2:
+            raise InputError(
+                f"slats {self.width:g} m wide bent to a radius of {radius:g} m; more"
+                " than half the width expected, or 0 for flat slats"
+            )
+        if not 1 <= self.segments <= 100:
+            raise InputError(f"{self.segments} segments; 1 to 100 expected")
+
+    def polyline(self) -> Float[np.ndarray, "points 2"]:
+        """Points of a slat from the sky to the room, its chord's middle at 0 [m]."""
+        if self.curvature_radius:
+            radius = self.curvature_radius
+            half = np.arcsin(self.width / 2 / abs(radius))
+            angle = np.linspace(-half, half, self.segments + 1)
+            x = abs(radius) * np.sin(angle)
+            y = radius * (np.cos(angle) - np.cos(half))
+        else:
+            x = np.linspace(-0.5, 0.5, self.segments + 1) * self.width
+            y = np.zeros_like(x)
+        cos, sin = np.cos(self.tilt), np.sin(self.tilt)
+        return np.stack([x * cos - y * sin, x * sin + y * cos], axis=1)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class SlatCell:
+    """Faces of the space between two slats.
+
+    Faces are numbered: the upper faces of the lower slat's segments, from the sky to
+    the room, then the lower faces of the upper slat's, then the openings to the sky
+    and to the room.
+
+    Attributes
+    ----------
+    start, end : of each face [m]
+    normal : into the space
+    segments : per slat
+    """
+
+    start: Float[np.ndarray, "face 2"]
+    end: Float[np.ndarray, "face 2"]
+    normal: Float[np.ndarray, "face 2"]
+    segments: int
+
+    @classmethod
+    def between(cls, slats: SlatGeometry) -> "SlatCell":
+        """Return the space between two slats."""
+        lower = slats.polyline()
+        upper = lower + np.array([0, slats.spacing])
+        start = np.concatenate([lower[:-1], upper[:-1], lower[[0, -1]]])
+        end = np.concatenate([lower[1:], upper[1:], upper[[0, -1]]])
+        along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
+        normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        count = slats.segments
+        normal[count : 2 * count] *= -1
+        normal[2 * count] *= -1
+        return cls(start, end, normal, count)
+
+    @property
+    def sky(self) -> int:
+        """Number of the opening to the sky."""
+        return 2 * self.segments
+
+    @property
+    def room(self) -> int:
+        """Number of the opening to the room."""
+        return 2 * self.segments + 1
+
+    @property
+    def lengths(self) -> Float[np.ndarray, " face"]:
+        """Length of each face [m]."""
+        return np.asarray(np.linalg.norm(self.end - self.start, axis=1))
+
+    def view_factors(self) -> Float[np.ndarray, "face face"]:
+        """Share of the light that each face sends evenly to each other one."""
+        part = (np.arange(_POINTS) + 0.5) / _POINTS
+        sine = (np.arange(_ANGLES) + 0.5) / _ANGLES * 2 - 1
+        factors = np.zeros((len(self.start), len(self.start)))
+        for face in range(len(self.start)):
+            along = (self.end - self.start)[face]
+            point = self.start[face] + part[:, None] * along
+            tangent = along / np.linalg.norm(along)
+            direction = (
+                sine[:, None] * tangent
+                + np.sqrt(1 - sine[:, None] ** 2) * self.normal[face]
+            )
+            origin = np.repeat(point, _ANGLES, axis=0)
+            hit = self._hits(origin, np.tile(direction, (_POINTS, 1)), face)
+            factors[face] = np.bincount(hit, minlength=len(self.start)) / len(hit)
+        return self._reciprocal(factors)
+
+    def beam(
+        self, direction: Float[np.ndarray, "direction 2"], *, opening: int
+    ) -> Float[np.ndarray, "direction face"]:
+        """Share of parallel light that enters by an opening which meets each face.
+
+        Parameters
+        ----------
+        direction : of travel, into the space
+        opening : `sky` or `room`
+        """
+        part = ((np.arange(_BEAMS) + 0.5) / _BEAMS)[:, None]
+        origin = self.start[opening] + part * (self.end - self.start)[opening]
+        shares = np.zeros((len(direction), len(self.start)))
+        for row, toward in enumerate(direction):
+            hit = self._hits(origin, np.broadcast_to(toward, origin.shape), opening)
+            shares[row] = np.bincount(hit, minlength=len(self.start)) / _BEAMS
+        return shares
+
+    def _hits(
+        self,
+        origin: Float[np.ndarray, "line 2"],
+        direction: Float[np.ndarray, "line 2"],
+        leaving: int,
+    ) -> Int[np.ndarray, " line"]:
+        # Number of the face that each line meets first
+        along = self.end - self.start
+        away = self.start - origin[:, None]
+        cross = _cross(direction[:, None], along)
+        parallel = np.abs(cross) < 1e-14 * np.linalg.norm(along, axis=1)
+        cross = np.where(parallel, 1, cross)
+        distance = _cross(away, along) / cross
+        place = _cross(away, direction[:, None]) / cross
+        slack = 1e-9
+        met = ~parallel & (distance > 0) & (place >= -slack) & (place <= 1 + slack)
+        met[:, leaving] = False
+        hit = np.argmin(np.where(met, distance, np.inf), axis=1)
+        lost = ~met.any(axis=1)
+        # Lines along an edge may miss all faces: they leave at the far opening
+        hit[lost] = np.where(direction[lost, 0] > 0, self.room, self.sky)
+        return np.asarray(hit)
+
+    def _reciprocal(
+        self, factors: Float[np.ndarray, "face face"]
+    ) -> Float[np.ndarray, "face face"]:
+        # Counted factors miss L_i F_ij = L_j F_ji slightly; mend, and keep the sums
+        length = self.lengths[:, None]
+        flux = length * factors
+        for _ in range(50):
+            flux = (flux + flux.T) / 2
+            flux *= length / flux.sum(axis=1, keepdims=True)
+        return np.asarray(flux / length)
+
+
+def _cross(
+    a: Float[np.ndarray, "*a 2"], b: Float[np.ndarray, "*b 2"]
+) -> Float[np.ndarray, "*batch"]:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

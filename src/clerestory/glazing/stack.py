@@ -1,0 +1,244 @@
+"""A stack of layers becomes one BSDF, with what each layer keeps of the light.
+
+Wavelength by wavelength each layer gives four matrices, the stack is combined, and
+the result counts with its weight in the solar and in the visible average. This is
+exact where bands are not: a blue pane behind a red one is dark in every wavelength.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.product import Product
+from clerestory.bsdf.scattering import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.errors import InputError
+from clerestory.glazing.bsdf_layer import BsdfLayer
+from clerestory.glazing.interreflection import Passage, pass_through
+from clerestory.glazing.layer import Layer, diagonal
+from clerestory.glazing.optics import SIDES, Optics, Side
+from clerestory.glazing.standard import CHANNELS, Band, Channel, Standard, nfrc
+from clerestory.hemisphere.klems import klems
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.spectra import common_wavelengths
+
+# Matrices of this many numbers are worked on together: 100 MB for four of them.
+_TOGETHER = 3_000_000
+
+Method = Literal["wavelengths", "bands"]
+Report = Callable[[float, str], None]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class StackedLayers:
+    """What a stack of layers does to light.
+
+    Attributes
+    ----------
+    bsdf : of the whole stack, with visible and solar channels
+    absorptance : per channel and side, share of the light from each incident patch
+        that each layer keeps, over (layer, incident)
+    layers : names, from the sky to the room
+    standard : name of the averages
+    """
+
+    bsdf: Bsdf
+    absorptance: dict[tuple[Channel, Side], Float[np.ndarray, "layer incident"]]
+    layers: tuple[str, ...]
+    standard: str
+    partition: RingPartition = field(repr=False)
+
+    def direct_hemispherical(
+        self, function: Function, *, channel: Channel = "visible"
+    ) -> Float[np.ndarray, " incident"]:
+        """Share of the light from each incident patch that is passed on in all."""
+        return self.bsdf.direct_hemispherical(function, channel=channel)
+
+    def diffuse(self, function: Function, *, channel: Channel = "visible") -> float:
+        """Share of light from a uniform hemisphere that is passed on in all."""
+        return self.bsdf.diffuse(function, channel=channel)
+
+    def diffuse_absorptance(
+        self, *, channel: Channel = "solar", side: Side = "front"
+    ) -> Float[np.ndarray, " layer"]:
+        """Share of light from a uniform hemisphere that each layer keeps."""
+        measure = self.partition.projected_solid_angles()
+        return np.asarray(self.absorptance[channel, side] @ measure / np.pi)
+
+
+def stack_layers(
+    layers: Sequence[Layer],
+    *,
+    partition: RingPartition | None = None,
+    standard: Standard | None = None,
+    method: Method = "wavelengths",
+    name: str = "",
+    report: Report = lambda _share, _note: None,
+) -> StackedLayers:
+    """Return what layers behind each other do to light.
+
+    Parameters
+    ----------
+    layers : from the sky to the room, at least one
+    partition : patches on both sides; None for the 145 of Klems
+    standard : spectral averages; None for NFRC's
+    method : "wavelengths" combines the layers at each wavelength that one of them is
+        known at; "bands" combines the solar and the visible averages of the layers,
+        which is quicker. A single BSDF keeps its own averages.
+    name : of the system
+    report : is told the share done, and a note
+
+    Raises
+    ------
+    InputError : no layer, or layers that no wavelength is common to
+
+    Examples
+    --------
+    >>> from clerestory.glazing.diffuser import Diffuser
+    >>> from clerestory.glazing.pane import grey_pane
+    >>> cloth = Diffuser(grey_pane(0.5, 0.2))
+    >>> pair = stack_layers([cloth, cloth], partition=klems("quarter"))
+    >>> round(pair.diffuse("transmission_front"), 4)  # 0.25 / (1 - 0.04)
+    0.2604
+    """
+    if not layers:
+        raise InputError("a stack without layers; at least one expected")
+    partition = partition or klems("full")
+    standard = standard or nfrc()
+    single = len(layers) == 1 and isinstance(layers[0], BsdfLayer)
+    if single or method == "bands":
+        sums = {
+            channel: _band_by_band(layers, standard.band(channel), channel, partition)
+            for channel in CHANNELS
+        }
+    else:
+        sums = _by_wavelength(layers, standard, partition, report)
+    functions: dict[tuple[str, Function], ScatteringFunction] = {
+        (channel, part): ScatteringMatrix(
+            _bsdf(sums[channel].system.of(part), partition), partition, partition
+        )
+        for channel in ("visible", "solar")
+        for part in FUNCTIONS
+    }
+    names = tuple(layer.name for layer in layers)
+    absorptance = {
+        (channel, side): getattr(sums[channel], f"absorbed_{side}")
+        for channel in CHANNELS
+        for side in SIDES
+    }
+    bsdf = Bsdf(functions, Product(name=name or " | ".join(names)))
+    return StackedLayers(bsdf, absorptance, names, standard.name, partition)
+
+
+def _by_wavelength(
+    layers: Sequence[Layer],
+    standard: Standard,
+    partition: RingPartition,
+    report: Report,
+) -> dict[Channel, Passage]:
+    grid = common_wavelengths([layer.wavelength_nm for layer in layers])
+    weights = {channel: standard.band(channel).weights(grid) for channel in CHANNELS}
+    counts = np.flatnonzero(sum(weights.values()))
+    total: dict[Channel, Passage] = {}
+    chunk = max(1, _TOGETHER // len(partition) ** 2)
+    for start in range(0, len(counts), chunk):
+        part = counts[start : start + chunk]
+        passage = _passage(layers, grid[part], partition)
+        for channel in CHANNELS:
+            found = _weighted(passage, weights[channel][part])
+            total[channel] = _sum(total[channel], found) if channel in total else found
+        report((start + len(part)) / len(counts), f"{grid[part[-1]]:.0f} nm")
+    return total
+
+
+def _band_by_band(
+    layers: Sequence[Layer], band: Band, channel: Channel, partition: RingPartition
+) -> Passage:
+    measure = partition.projected_solid_angles()[:, None]
+    averages = [
+        _layer_band(layer, band, channel, partition).map(lambda f: measure * f)
+        for layer in layers
+    ]
+    return pass_through(averages)
+
+
+def _layer_band(
+    layer: Layer, band: Band, channel: Channel, partition: RingPartition
+) -> Optics:
+    # The average of a layer on its own
+    if isinstance(layer, BsdfLayer):
+        return layer.band(channel, partition)
+    weights = band.weights(layer.wavelength_nm)
+    counts = np.flatnonzero(weights)
+    chunk = max(1, _TOGETHER // len(partition) ** 2)
+    total: Optics | None = None
+    for start in range(0, len(counts), chunk):
+        part = counts[start : start + chunk]
+        shares = _mean(
+            layer.matrices(layer.wavelength_nm[part], partition), weights[part]
+        )
+        total = shares if total is None else _add(total, shares)
+    if total is None:
+        raise InputError(f"layer {layer.name!r} is not known in the {channel} band")
+    return total
+
+
+def _passage(
+    layers: Sequence[Layer],
+    wavelength_nm: Float[np.ndarray, " wavelength"],
+    partition: RingPartition,
+) -> Passage:
+    measure = partition.projected_solid_angles()
+    cosine = partition.centres()[:, 2]
+    clear = [layer.specular(wavelength_nm, cosine) for layer in layers]
+    panes = [pane for pane in clear if pane is not None]
+    if len(panes) < len(layers):
+        flux = [
+            layer.matrices(wavelength_nm, partition).map(lambda f: measure[:, None] * f)
+            for layer in layers
+        ]
+        return pass_through(flux)
+
+    # Panes alone: every patch is a world of its own, with matrices of one number
+    single = pass_through([p.map(lambda share: share[..., None, None]) for p in panes])
+    return Passage(
+        single.system.map(lambda share: diagonal(share[..., 0, 0])),
+        single.absorbed_front[..., 0],
+        single.absorbed_back[..., 0],
+    )
+
+
+def _weighted(passage: Passage, weight: Float[np.ndarray, " wavelength"]) -> Passage:
+    return Passage(
+        _mean(passage.system, weight),
+        np.tensordot(passage.absorbed_front, weight, axes=(1, 0)),
+        np.tensordot(passage.absorbed_back, weight, axes=(1, 0)),
+    )
+
+
+def _mean(optics: Optics, weight: Float[np.ndarray, " wavelength"]) -> Optics:
+    return optics.map(lambda share: np.asarray(np.tensordot(weight, share, axes=1)))
+
+
+def _sum(one: Passage, other: Passage) -> Passage:
+    return Passage(
+        _add(one.system, other.system),
+        one.absorbed_front + other.absorbed_front,
+        one.absorbed_back + other.absorbed_back,
+    )
+
+
+def _add(one: Optics, other: Optics) -> Optics:
+    return Optics.gather(lambda name: one.of(name) + other.of(name))
+
+
+def _bsdf(
+    flux: Float[np.ndarray, "exit incident"], partition: RingPartition
+) -> Float[np.ndarray, "exit incident"]:
+    # Rounding may leave zeros slightly negative
+    return np.asarray(np.maximum(flux, 0) / partition.projected_solid_angles()[:, None])

@@ -1,0 +1,152 @@
+"""Standards: how spectral properties are averaged into solar and visible ones.
+
+A band is a fixed set of weights at fixed wavelengths. The average over the band of
+anything that is known at other wavelengths is a weighted sum of what is known, so a
+stack of layers can be summed while its wavelengths are computed one after another.
+
+References: NFRC 300 (source ASTM E891 direct, AM 1.5; visible D65 and CIE 1931 Y);
+EN 410 (tables of weights). The sums end at the last interval that lies wholly in
+the range, as in LBNL's WINDOW.
+"""
+
+from dataclasses import dataclass
+from importlib import resources
+from typing import Literal, final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.spectra import Spectrum, interpolation_matrix
+
+Channel = Literal["solar", "visible"]
+CHANNELS: tuple[Channel, ...] = ("solar", "visible")
+
+# Rounding of wavelengths in files [nm].
+_ROUNDING_NM = 1e-3
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Band:
+    """Weights of a spectral average.
+
+    Attributes
+    ----------
+    wavelength_nm : where the average looks
+    weight : what each wavelength counts; they sum to 1
+
+    Examples
+    --------
+    >>> band = Band(np.array([400.0, 700.0]), np.array([0.5, 0.5]))
+    >>> band.average(Spectrum(np.array([300.0, 800.0]), np.array([0.0, 1.0])))
+    0.5
+    """
+
+    wavelength_nm: Float[np.ndarray, " wavelength"]
+    weight: Float[np.ndarray, " wavelength"]
+
+    def __post_init__(self) -> None:
+        if abs(float(self.weight.sum()) - 1) > 1e-9:
+            raise InputError(
+                f"weights of a band sum to {self.weight.sum():.6g}; 1 expected"
+            )
+
+    def average(self, spectrum: Spectrum) -> float:
+        """Average of a spectrum over the band."""
+        return float(self.weight @ spectrum.at(self.wavelength_nm))
+
+    def weights(
+        self, known_nm: Float[np.ndarray, " known"]
+    ) -> Float[np.ndarray, " known"]:
+        """What values at other wavelengths count, with straight lines between them."""
+        return np.asarray(
+            self.weight @ interpolation_matrix(known_nm, self.wavelength_nm)
+        )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Standard:
+    """The solar and the visible band of a standard.
+
+    Attributes
+    ----------
+    name : what reports call it
+    solar, visible : the bands
+    """
+
+    name: str
+    solar: Band
+    visible: Band
+
+    def band(self, channel: Channel) -> Band:
+        """Return one of the two bands."""
+        return self.solar if channel == "solar" else self.visible
+
+
+def nfrc() -> Standard:
+    """Return the averages of NFRC 300: direct sun of AM 1.5, and D65 with the eye.
+
+    >>> flat = Spectrum(np.array([300.0, 2500.0]), np.array([0.4, 0.4]))
+    >>> round(nfrc().solar.average(flat), 12)
+    0.4
+    """
+    solar = trapezoidal_band(_table("astm_e891_direct"), low_nm=300, high_nm=2500)
+    daylight, eye = _table("cie_d65"), _table("cie_1931_y")
+    photopic = Spectrum(daylight.wavelength_nm, daylight.value * eye.value)
+    return Standard("NFRC", solar, trapezoidal_band(photopic, low_nm=380, high_nm=780))
+
+
+def en410() -> Standard:
+    """Return the averages of EN 410, as weights in tables."""
+    tables = [_table(name) for name in ("en410_solar", "en410_visible")]
+    solar, visible = (
+        Band(table.wavelength_nm, table.value / table.value.sum()) for table in tables
+    )
+    return Standard("EN 410", solar, visible)
+
+
+def standard(name: str) -> Standard:
+    """Return a standard by its name, "nfrc" or "en410".
+
+    Raises
+    ------
+    InputError : another name
+    """
+    known = {"nfrc": nfrc, "en410": en410}
+    word = name.lower().replace(" ", "")
+    if word not in known:
+        raise InputError(f"unknown standard {name!r}; {' or '.join(known)} expected")
+    return known[word]()
+
+
+def trapezoidal_band(source: Spectrum, *, low_nm: float, high_nm: float) -> Band:
+    """Return the weights of a trapezoidal sum over the intervals within a range.
+
+    Raises
+    ------
+    InputError : no interval lies in the range, or there is no power in it
+    """
+    inside = (source.wavelength_nm >= low_nm - _ROUNDING_NM) & (
+        source.wavelength_nm <= high_nm + _ROUNDING_NM
+    )
+    wavelength, power = source.wavelength_nm[inside], source.value[inside]
+    if len(wavelength) < 2:
+        raise InputError(
+            f"the source has no interval from {low_nm:g} to {high_nm:g} nm"
+        )
+    step = np.diff(wavelength)
+    half = (np.append(step, 0) + np.insert(step, 0, 0)) / 2
+    weight = half * power
+    if weight.sum() <= 0:
+        raise InputError(f"the source has no power from {low_nm:g} to {high_nm:g} nm")
+    return Band(wavelength, weight / weight.sum())
+
+
+def _table(name: str) -> Spectrum:
+    file = resources.files("clerestory.glazing") / "data" / f"{name}.csv"
+    lines = file.read_text(encoding="utf-8").splitlines()
+    rows = [line.split(",") for line in lines if line[:1].isdigit()]
+    wavelength, value = np.array(rows, dtype=float).T
+    return Spectrum(wavelength, value)

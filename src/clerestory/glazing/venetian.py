@@ -1,0 +1,178 @@
+"""Venetian blinds by radiosity: slats that scatter evenly, bounced to the last.
+
+In section the light on each face of a slat is known from geometry, what it sends on
+from a balance of all faces, and what leaves into a direction from how much of each
+face is seen from there. Because the slats are long, a direction counts by its
+projection on the section, its profile angle.
+
+References: ISO 15099:2003, 7.2 and 7.3; D. Carli, Calculation of optical properties
+for a venetian blind type of shading device, Carli Inc., 2006 (the model of WINDOW);
+J. H. Klems, Solar heat gain through fenestration systems containing shading, LBNL
+46682, 2000.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, NamedTuple, final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.glazing.layer import Layer, diagonal
+from clerestory.glazing.optics import Optics
+from clerestory.glazing.pane import Pane
+from clerestory.glazing.slat_cell import SlatCell, SlatGeometry
+from clerestory.hemisphere.partition import RingPartition
+
+Distribution = Literal["directional", "uniform"]
+
+
+class _Beams(NamedTuple):
+    """Shares of the light along each direction that meet each face of the slats."""
+
+    entering: Float[np.ndarray, "direction face"]
+    straight: Float[np.ndarray, " direction"]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class VenetianBlind(Layer):
+    """A blind of parallel slats.
+
+    Attributes
+    ----------
+    material : of the slats; their upper face is its front
+    slats : section
+    distribution : "directional" looks at the slats from each exit patch; "uniform"
+        spreads what is scattered evenly
+    vertical : whether the slats stand upright; positive tilt then turns the edge at
+        the sky to the left, seen from the room
+
+    Examples
+    --------
+    >>> from clerestory.glazing.pane import grey_pane
+    >>> from clerestory.hemisphere.klems import klems
+    >>> slats = SlatGeometry(width=0.05, spacing=0.05, tilt=np.pi / 6)
+    >>> blind = VenetianBlind(grey_pane(0, 0), slats)
+    >>> seen = blind.matrices(np.array([550.0]), klems("quarter")).transmission_front
+    >>> round(float(seen[0, 0, 0] * klems("quarter").projected_solid_angles()[0]), 2)
+    0.5
+    """
+
+    material: Pane
+    slats: SlatGeometry
+    distribution: Distribution = "directional"
+    vertical: bool = False
+
+    @property
+    def name(self) -> str:
+        """Name of the material, and the tilt."""
+        tilt = np.degrees(self.slats.tilt)
+        return f"{self.material.name}, slats at {tilt:.0f}°"
+
+    @property
+    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+        """Where the material was measured."""
+        return self.material.wavelength_nm
+
+    def matrices(
+        self,
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+        partition: RingPartition,
+    ) -> Optics:
+        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        section = self._section(partition)
+        measure = partition.projected_solid_angles()
+        front, back = (
+            self._beams(section * [1, 1], self._cell.sky),
+            self._beams(section * [-1, 1], self._cell.room),
+        )
+        sent = [self._sent(beams.entering, wavelength_nm) for beams in (front, back)]
+
+        # Light leaves as it would come in along the opposite direction
+        to_room, to_sky = (
+            self._beams(section * [-1, -1], self._cell.room).entering,
+            self._beams(section * [1, -1], self._cell.sky).entering,
+        )
+        if self.distribution == "uniform":
+            to_room, to_sky = (
+                np.broadcast_to(seen, to_room.shape) for seen in self._mean_view()
+            )
+        parts = [
+            np.einsum("of,wfi->woi", seen, light) / np.pi
+            for seen, light in (
+                (to_room, sent[0]),
+                (to_sky, sent[1]),
+                (to_sky, sent[0]),
+                (to_room, sent[1]),
+            )
+        ]
+        straight = [diagonal((b.straight / measure)[None]) for b in (front, back)]
+        return Optics(
+            parts[0] + straight[0], parts[1] + straight[1], parts[2], parts[3]
+        )
+
+    def flipped(self) -> "VenetianBlind":
+        """Return the blind turned about its vertical axis."""
+        if self.vertical:
+            return replace(self, material=self.material.flipped())
+        turned = replace(self.slats, tilt=-self.slats.tilt)
+        return replace(self, slats=turned)
+
+    @cached_property
+    def _cell(self) -> SlatCell:
+        return SlatCell.between(self.slats)
+
+    @cached_property
+    def _view(self) -> Float[np.ndarray, "face face"]:
+        return self._cell.view_factors()
+
+    def _section(self, partition: RingPartition) -> Float[np.ndarray, "patch 2"]:
+        # Directions of travel in the section, into the room and upwards (or right)
+        x, y, z = partition.centres().T
+        return np.stack([z, x if self.vertical else y], axis=1)
+
+    def _beams(
+        self, direction: Float[np.ndarray, "direction 2"], opening: int
+    ) -> _Beams:
+        shares = self._cell.beam(direction, opening=opening)
+        other = self._cell.room if opening == self._cell.sky else self._cell.sky
+        return _Beams(shares[:, : 2 * self.slats.segments], shares[:, other])
+
+    def _sent(
+        self,
+        entering: Float[np.ndarray, "direction face"],
+        wavelength_nm: Float[np.ndarray, " wavelength"],
+    ) -> Float[np.ndarray, "wavelength face direction"]:
+        # Exitance of each face per irradiance of the blind, after all bounces
+        count = self.slats.segments
+        spacing, length = self.slats.spacing, self._cell.lengths[: 2 * count]
+        passes = self._material_matrix(wavelength_nm)
+        among = self._view[: 2 * count, : 2 * count]
+        fall = entering.T * spacing / length[:, None]
+        balance = np.eye(2 * count) - passes @ among
+        return np.asarray(np.linalg.solve(balance, passes @ fall))
+
+    def _material_matrix(
+        self, wavelength_nm: Float[np.ndarray, " wavelength"]
+    ) -> Float[np.ndarray, "wavelength face face"]:
+        # Each face sends what it reflects, and what passes from the other face
+        shares = self.material.at(wavelength_nm)
+        count = self.slats.segments
+        same, across = np.eye(count), np.eye(count)
+        upper = [shares.reflection_front, shares.transmission_back]
+        lower = [shares.transmission_front, shares.reflection_back]
+        rows = [
+            np.concatenate(
+                [one[:, None, None] * same, two[:, None, None] * across], axis=2
+            )
+            for one, two in (upper, lower)
+        ]
+        return np.concatenate(rows, axis=1)
+
+    def _mean_view(
+        self,
+    ) -> tuple[Float[np.ndarray, " face"], Float[np.ndarray, " face"]]:
+        # Share of each opening's view that each face takes
+        count = 2 * self.slats.segments
+        return self._view[self._cell.room, :count], self._view[self._cell.sky, :count]

@@ -1,0 +1,160 @@
+"""Spectra: values at growing wavelengths, straight lines between them.
+
+Wavelengths are in nanometres, everywhere, and their names say so. Files of the
+glazing industry use micrometres as often; their readers convert.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+
+# Nanometres in the units that files name, by the first letters of their names.
+_UNITS_NM = {"nm": 1.0, "nano": 1.0, "um": 1000.0, "µm": 1000.0, "micro": 1000.0}
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """A quantity over wavelength.
+
+    Attributes
+    ----------
+    wavelength_nm : where it is known, growing
+    value : what it is there
+
+    Raises
+    ------
+    InputError : wavelengths do not grow, or a value is not finite
+
+    Examples
+    --------
+    >>> ramp = Spectrum(np.array([400.0, 500.0]), np.array([0.0, 1.0]))
+    >>> ramp.at(np.array([300.0, 450.0, 600.0])).tolist()
+    [0.0, 0.5, 1.0]
+    """
+
+    wavelength_nm: Float[np.ndarray, " wavelength"]
+    value: Float[np.ndarray, " wavelength"]
+
+    def __post_init__(self) -> None:
+        check_wavelengths(self.wavelength_nm)
+        if self.value.shape != self.wavelength_nm.shape:
+            raise InputError(
+                f"{len(self.value)} values at {len(self.wavelength_nm)} wavelengths;"
+                " one value per wavelength expected"
+            )
+        if not np.all(np.isfinite(self.value)):
+            raise InputError("a spectrum holds values that are not finite")
+
+    def at(
+        self, wavelength_nm: Float[np.ndarray, "*batch"]
+    ) -> Float[np.ndarray, "*batch"]:
+        """Values at other wavelengths; beyond the ends the last value holds."""
+        return np.asarray(np.interp(wavelength_nm, self.wavelength_nm, self.value))
+
+
+def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
+    """Refuse wavelengths that do not grow or are not positive.
+
+    Raises
+    ------
+    InputError : as said
+    """
+    w = wavelength_nm
+    if len(w) == 0 or not np.all(np.isfinite(w)) or w[0] <= 0:
+        raise InputError("wavelengths are missing or not positive; nanometres expected")
+    fall = np.flatnonzero(np.diff(w) <= 0)
+    if len(fall):
+        at = int(fall[0])
+        raise InputError(
+            f"wavelength {w[at + 1]:g} nm follows {w[at]:g} nm; growing ones expected"
+        )
+
+
+def interpolation_matrix(
+    known_nm: Float[np.ndarray, " known"], wanted_nm: Float[np.ndarray, " wanted"]
+) -> Float[np.ndarray, "wanted known"]:
+    """Shares of the known values in each interpolated one; beyond the ends the last.
+
+    >>> one = interpolation_matrix(np.array([1.0, 2.0]), np.array([1.25]))
+    >>> one.tolist()
+    [[0.75, 0.25]]
+    """
+    return np.stack(
+        [np.interp(wanted_nm, known_nm, unit) for unit in np.eye(len(known_nm))],
+        axis=1,
+    )
+
+
+def common_wavelengths(
+    grids: list[Float[np.ndarray, " _"]],
+) -> Float[np.ndarray, " wavelength"]:
+    """All wavelengths of several grids within the range that all of them cover [nm].
+
+    Raises
+    ------
+    InputError : the ranges do not overlap
+
+    Examples
+    --------
+    >>> a, b = np.array([300.0, 400.0, 500.0]), np.array([350.0, 600.0])
+    >>> common_wavelengths([a, b]).tolist()
+    [350.0, 400.0, 500.0]
+    """
+    low = max(float(grid[0]) for grid in grids)
+    high = min(float(grid[-1]) for grid in grids)
+    if low > high:
+        raise InputError(
+            f"one layer is known from {low:g} nm, another up to {high:g} nm;"
+            " overlapping ranges expected"
+        )
+    every = np.unique(np.concatenate(grids))
+    return every[(every >= low) & (every <= high)]
+
+
+def wavelength_unit_nm(name: str) -> float | None:
+    """Return how many nanometres a unit has, by its name; None if it is unknown.
+
+    >>> wavelength_unit_nm("Microns"), wavelength_unit_nm("nanometers")
+    (1000.0, 1.0)
+    """
+    word = name.strip().lower()
+    return next((nm for key, nm in _UNITS_NM.items() if word.startswith(key)), None)
+
+
+def read_spectrum(path: str | Path) -> Spectrum:
+    """Read a table of two columns, wavelength and value.
+
+    Lines with other text are comments. A comment "Wavelength Units: microns" (as in
+    LBNL's .ssp and .dsp files) names the unit; without it, wavelengths are taken as
+    nanometres, and as micrometres if all of them are below 100.
+
+    Raises
+    ------
+    InputError : no rows, or wavelengths that do not grow
+    """
+    rows: list[tuple[float, float]] = []
+    unit = None
+    for line in read_text(path).splitlines():
+        words = line.replace(",", " ").replace(";", " ").split()
+        try:
+            rows.append((float(words[0]), float(words[1])))
+        except (ValueError, IndexError):
+            key, _, name = line.partition(":")
+            if "wavelength unit" in key.lower():
+                unit = wavelength_unit_nm(name)
+    if not rows:
+        raise InputError("no rows of wavelength and value found", file=path)
+    wavelength, value = np.array(rows).T
+    if unit is None:
+        unit = 1000.0 if wavelength.max() < 100 else 1.0
+    try:
+        return Spectrum(wavelength * unit, value)
+    except InputError as error:
+        raise InputError(error.message, file=path) from error
