@@ -16,7 +16,7 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.colour import rgb_from_xyz, rgb_to_xyz
+from clerestory.bsdf.colour import rgb_from_xyz
 from clerestory.bsdf.scattering import FUNCTIONS, OTHER_SIDE, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
@@ -40,6 +40,22 @@ def scattering_table(bsdf: Bsdf) -> Table:
     ):
         return TreeTable(parts, _REVERSE)
     return MatrixTable(_matrices(bsdf))
+
+
+def forward_table(bsdf: Bsdf) -> Table:
+    """Return the transmission of daylight as a table that is drawn from for its light.
+
+    It is the reciprocal function: what the table calls leaving is where the light
+    comes from, and what it calls incident where it goes.
+    """
+    parts = _colours(bsdf, "transmission_front")
+    if parts is not None and isinstance(parts[0], ScatteringTree):
+        if parts[0].rank == 3:
+            # Function 0 is read from function 1 with directions exchanged
+            return TreeTable([None, parts], [1, 0])
+        return TreeTable([tuple(part.reciprocal() for part in parts)], [0])
+    matrices = _matrices(bsdf)[FUNCTIONS.index("transmission_front")]
+    return MatrixTable([tuple(part.reciprocal() for part in matrices)])
 
 
 def _colours(bsdf: Bsdf, name: Function):
@@ -71,15 +87,6 @@ def _matrices(bsdf: Bsdf):
             tuple(ScatteringMatrix(t, like.exits, like.incidents) for t in tables)
         )
     return found
-
-
-def _rgb(xyz):
-    # Colours outside Radiance's primaries fade towards grey, as in bsdf.colour
-    rows = np.linalg.inv(rgb_to_xyz())
-    rgb = mi.Color3f(*[sum(float(row[i]) * xyz[i] for i in range(3)) for row in rows])
-    least, luminance = dr.min(rgb), xyz[1]
-    share = dr.select(least < 0, luminance / (luminance - least), 1)
-    return dr.maximum(luminance + share * (rgb - luminance), 0)
 
 
 @dataclass
@@ -127,15 +134,12 @@ def define() -> type:
             self.m_flags = flags
 
         def take(self, bsdf, up, added, peak):
-            """Scatter by a `Bsdf`; `added` are the diffuse front, back, transmission."""
+            """Scatter by a `Bsdf` and by diffuse parts: front, back, transmission."""
             self.table = scattering_table(bsdf)
             self.up = mi.Vector3f(*[float(c) for c in up])
             self.added = Added(*[mi.Color3f(*[float(c) for c in a]) for a in added])
             dr.make_opaque(self.up, self.added)
             self.peak = PeakTable(bsdf) if peak else None
-            self.tristimulus = isinstance(self.table, TreeTable) and (
-                self.table.colours == 3
-            )
             if peak:
                 sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
                 self.m_components = [*self.m_components, mi.BSDFFlags.Null | sides]
@@ -154,7 +158,7 @@ def define() -> type:
             return wi, frame.to_local(si.sh_frame.to_world(wo))
 
         def parts(self, wi):
-            """Return the functions on the side of wi and how often each part is drawn."""
+            """Return the functions on the side of wi, and the chance of each part."""
             room = wi.z > 0
             transmission = dr.select(room, mi.UInt32(0), mi.UInt32(1))
             reflection = dr.select(room, mi.UInt32(3), mi.UInt32(2))
@@ -170,10 +174,6 @@ def define() -> type:
             chances = [passed, mirrored, spread, through, straight]
             return transmission, reflection, [c * scale for c in chances]
 
-        def colour(self, value):
-            """Return RGB for what a table holds."""
-            return _rgb(value) if self.tristimulus else value
-
         def evaluate(self, si, wo, active):
             """BSDF × cosine and pdf, without what passes straight."""
             wi, wo = self.split(si, mi.Vector3f(wo))
@@ -181,7 +181,7 @@ def define() -> type:
             same = wi.z * wo.z > 0
             function = dr.select(same, reflection, transmission)
             value, density = self.table.evaluate(function, wo, wi)
-            value = self.colour(value)
+            value = self.table.colour(value)
             if self.peak is not None:
                 value = dr.select(same, value, self.peak.without(value, wi, wo))
             added = dr.select(wi.z > 0, self.added.front, self.added.back)

@@ -87,6 +87,10 @@ class MatrixTable:
         density = dr.gather(mi.Float, self.density, cell)
         return mi.Point2f(-through.x, -through.y), self._value(cell), density
 
+    def colour(self, value):
+        """Return RGB for a value of the table."""
+        return value
+
     def _value(self, cell):
         if self.colours == 1:
             return mi.Color3f(dr.gather(mi.Float, self.values, cell))

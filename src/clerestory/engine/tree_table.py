@@ -17,6 +17,7 @@ import mitsuba as mi
 import numpy as np
 from scipy.ndimage import maximum_filter
 
+from clerestory.bsdf.colour import rgb_to_xyz
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.engine.square import disc_from_square, square_from_disc
 from clerestory.hemisphere import square
@@ -123,6 +124,10 @@ class TreeTable:
             _, density = self._descend(number, place, (0,))
             density = density * (1 - _DEFENSIVE) + _DEFENSIVE * dr.inv_pi
         return value, density
+
+    def colour(self, value):
+        """Return RGB for a value of the table."""
+        return _rgb(value) if self.colours == 3 else value
 
     def _read(self, function, incident, leaving, fixed):
         # Values of all colours, and the density of drawing what is not fixed
@@ -256,6 +261,15 @@ class TreeTable:
             branch = dr.select(a, mi.UInt32(low), 0) + dr.select(b, mi.UInt32(high), 0)
             code = dr.gather(mi.Int32, self.slots, block + branch)
         return mi.Point2f(corner.x + size * u, corner.y + size * v)
+
+
+def _rgb(xyz):
+    # Colours outside Radiance's primaries fade towards grey, as in bsdf.colour
+    rows = np.linalg.inv(rgb_to_xyz())
+    rgb = mi.Color3f(*[sum(float(row[i]) * xyz[i] for i in range(3)) for row in rows])
+    least, luminance = dr.min(rgb), xyz[1]
+    share = dr.select(least < 0, luminance / (luminance - least), 1)
+    return dr.maximum(luminance + share * (rgb - luminance), 0)
 
 
 def _azimuth(direction):

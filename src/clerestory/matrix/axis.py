@@ -12,13 +12,17 @@ import numpy as np
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
 
-Kind = Literal["sensor", "interior", "exterior", "sky", "time", "unknown"]
+Kind = Literal[
+    "sensor", "interior", "exterior", "sky", "sun", "time", "pixel", "unknown"
+]
 
 _MEANING = {
     "sensor": "sensors",
     "interior": "window patches on the room side",
     "exterior": "window patches on the outer side",
     "sky": "sky patches",
+    "sun": "suns",
+    "pixel": "pixels",
     "time": "time steps",
     "unknown": "unlabelled entries",
 }
@@ -93,6 +97,16 @@ def window_axis(
 def sky_axis(partition: SkyPartition) -> Axis:
     """Return the axis of the patches of a sky."""
     return Axis("sky", len(partition), partition=partition)
+
+
+def sun_axis(count: int) -> Axis:
+    """Return the axis of `count` suns."""
+    return Axis("sun", count)
+
+
+def pixel_axis(count: int) -> Axis:
+    """Return the axis of a picture's pixels, row by row from the top."""
+    return Axis("pixel", count)
 
 
 def time_axis(times: np.ndarray) -> Axis:

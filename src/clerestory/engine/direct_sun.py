@@ -1,0 +1,306 @@
+"""Direct sun through a window: C_ds, from suns to sensors, without any interreflection.
+
+For each sensor and sun, points of the window are connected to both, and directions
+are drawn from the lobes into which the window's BSDF scatters this very sun; both
+share the work by multiple importance sampling. So a smooth blind and a film with
+lobes of a degree cost the same. What the BSDF passes straight, if asked for, is a
+term of its own, sharp as the sun.
+
+Reference: A. McNeil, The five-phase method for simulating complex fenestration with
+Radiance, LBNL, 2013.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine import points as sampling
+from clerestory.engine.bsdf_file import forward_table
+from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.peak import PeakTable
+from clerestory.engine.pixels import Progress
+from clerestory.engine.points import Points, points
+from clerestory.engine.walk import towards
+from clerestory.engine.windows import WindowTable, window_shapes
+from clerestory.errors import DeviceError
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.window import Window
+
+# Independent batches of each coefficient
+BATCHES = 16
+
+# Most lanes in one launch
+_LANES = 1 << 21
+
+# Half the sun's apparent diameter, as 1 − cos
+_DEPTH = 2 * float(np.sin(np.radians(0.533) / 4)) ** 2
+
+
+@dataclass
+class SunWindow:
+    """One window with its BSDF, and what stands on either side.
+
+    Attributes
+    ----------
+    inside : the scene with all windows, which end the light of the room side
+    outside : the scene without windows
+    own : table of this window
+    role : its number among the windows, plus one
+    table : its BSDF, drawn from for light that comes from the sun
+    peak : what passes straight, kept apart; None: part of the table
+    """
+
+    inside: LoweredScene
+    outside: LoweredScene
+    own: WindowTable
+    role: int
+    table: object
+    peak: PeakTable | None
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        windows: tuple[Window, ...],
+        number: int,
+        bsdf: Bsdf,
+        *,
+        peak: bool,
+        origin: Float[np.ndarray, "3"],
+    ) -> "SunWindow":
+        """Return the window with the given number among all windows of a scene."""
+        own, _ = window_shapes((windows[number],), origin)
+        return cls(
+            inside=lower(scene, origin=origin, receivers=windows),
+            outside=lower(scene, origin=origin),
+            own=own,
+            role=number + 1,
+            table=forward_table(bsdf),
+            peak=PeakTable(bsdf) if peak else None,
+        )
+
+    def sees(self, point, sun, active):
+        """Return whether the sun shines on a point of the window from outside."""
+        normal = self.own.to_scene(mi.UInt32(0), mi.Vector3f(0, 0, 1))
+        reach = dr.max(dr.abs(point))
+        start = point - normal * (4e-6 * dr.maximum(reach, 0.05))
+        lit = active & (dr.dot(normal, sun) < 0)
+        return lit & ~self.outside.scene.ray_test(mi.Ray3f(start, sun), lit)
+
+    def transmitted(self, direction, sun):
+        """Return the BTDF for light from the sun along a direction, and its density.
+
+        The density is that of drawing the direction from the sun's lobes [1/sr].
+        """
+        leaving = self.own.to_local(mi.UInt32(0), direction)
+        incident = self.own.to_local(mi.UInt32(0), sun)
+        value, density = self.table.evaluate(mi.UInt32(0), leaving, incident)
+        value = self.table.colour(value)
+        if self.peak is not None:
+            value = self.peak.without(value, leaving, incident)
+        return value, density * dr.maximum(leaving.z, 0)
+
+    def lobe(self, sun, u, v):
+        """Return a direction drawn from the lobes of the sun's light."""
+        incident = self.own.to_local(mi.UInt32(0), sun)
+        disc, _, _ = self.table.sample(mi.UInt32(0), incident, u, v)
+        height = dr.safe_sqrt(1 - dr.squared_norm(disc))
+        return self.own.to_scene(mi.UInt32(0), mi.Vector3f(disc.x, disc.y, height))
+
+    def straight(self, sun):
+        """Return the share of the sun's light that passes straight."""
+        if self.peak is None:
+            return mi.Color3f(0)
+        leaving = self.own.to_local(mi.UInt32(0), -sun)
+        return dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
+
+
+@dr.syntax
+def sunlight_at(
+    window: SunWindow,
+    sequence: Points,
+    origin,
+    normal,
+    sun,
+    seed,
+    active,
+):
+    """Irradiance at points per direct normal irradiance of a sun behind the window.
+
+    Parameters
+    ----------
+    origin, normal : of each point [m], on the room side
+    sun : unit vector to the middle of the sun
+    """
+    light = mi.Color3f(0)
+    index = mi.UInt32(0)
+    inside = window.inside
+    frame = mi.Frame3f(sun)
+    facing = window.own.to_scene(mi.UInt32(0), mi.Vector3f(0, 0, 1))
+    while active & (index < sequence.count):
+        # Take a place on the sun's disc
+        a = sampling.random_number(seed, index, mi.UInt32(1))
+        b = sampling.random_number(seed, index, mi.UInt32(2))
+        height = a * _DEPTH
+        flat = dr.sqrt(height * (2 - height))
+        sine, cosine = dr.sincos(2 * dr.pi * b)
+        place = frame.to_world(mi.Vector3f(flat * cosine, flat * sine, 1 - height))
+        slant = dr.maximum(-dr.dot(place, facing), 0)
+
+        # Connect with a point of the window
+        zero = mi.UInt32(0)
+        u = sampling.coordinate(sequence, seed, index, zero, sampling.CONNECT_U)
+        v = sampling.coordinate(sequence, seed, index, zero, sampling.CONNECT_V)
+        point, _, spherical = window.own.aim(origin, u, v)
+        across = point - origin
+        distance2 = dr.squared_norm(across)
+        direction = across * dr.rsqrt(distance2)
+        behind = -dr.dot(direction, facing)
+        by_area = distance2 / (dr.maximum(behind, 1e-6) * window.own.area)
+        pdf = dr.select(spherical > 0, spherical, by_area)
+        value, density = window.transmitted(-direction, place)
+        cosine = dr.dot(normal, direction)
+        lit = active & (behind > 1e-6) & (cosine > 0) & (dr.max(value) > 0)
+        lit &= ~inside.scene.ray_test(towards(origin, point), lit)
+        lit &= window.sees(point, place, lit)
+        gain = value * (slant * cosine / (pdf + density))
+        light += dr.select(lit, gain, 0)
+
+        # Look back along a direction that the sun's light takes
+        u = sampling.coordinate(sequence, seed, index, zero, sampling.DIRECTION_U)
+        v = sampling.coordinate(sequence, seed, index, zero, sampling.DIRECTION_V)
+        leaving = window.lobe(place, u, v)
+        value, density = window.transmitted(leaving, place)
+        cosine = -dr.dot(normal, leaving)
+        lit = active & (cosine > 0) & (dr.max(value) > 0)
+        ray = mi.Ray3f(origin, -leaving)
+        hit = inside.scene.ray_intersect_preliminary(ray, active=lit)
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, lit)
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        lit &= hit.is_valid()
+        role = dr.gather(mi.UInt32, inside.window_of_shape, shape, lit)
+        lit &= role == window.role
+        behind = dr.dot(leaving, facing)
+        element = si.prim_index >> 1
+        spherical = window.own.spherical_pdf(element, window.own.look(origin, element))
+        by_area = dr.square(si.t) / (dr.maximum(behind, 1e-6) * window.own.area)
+        pdf = dr.select(spherical > 0, spherical, by_area)
+        lit &= window.sees(si.p, place, lit)
+        gain = value * (slant * cosine / (pdf + density))
+        light += dr.select(lit, gain, 0)
+
+        # Look at the sun itself
+        if dr.hint(window.peak is not None, mode="scalar"):
+            passes = window.straight(place)
+            cosine = dr.dot(normal, place)
+            lit = active & (cosine > 0) & (dr.max(passes) > 0)
+            ray = mi.Ray3f(origin, place)
+            hit = inside.scene.ray_intersect_preliminary(ray, active=lit)
+            si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, lit)
+            shape = dr.reinterpret_array(mi.UInt32, si.shape)
+            lit &= hit.is_valid()
+            role = dr.gather(mi.UInt32, inside.window_of_shape, shape, lit)
+            lit &= role == window.role
+            lit &= window.sees(si.p, place, lit)
+            light += dr.select(lit, passes * cosine, 0)
+
+        index += 1
+    return light / sequence.count
+
+
+@dataclass(frozen=True, eq=False)
+class SunEstimate:
+    """Direct-sun coefficients.
+
+    Attributes
+    ----------
+    values : irradiance per direct normal irradiance
+    components : error components; the sum of their squares is the variance
+    """
+
+    values: Float[np.ndarray, "channel row sun"]
+    components: Float[np.ndarray, "component channel row sun"]
+
+
+def trace_sun(
+    scene: Scene,
+    windows: tuple[Window, ...],
+    number: int,
+    bsdf: Bsdf,
+    sensors: Sensors,
+    suns: Float[np.ndarray, "sun 3"],
+    *,
+    peak: bool,
+    samples: int,
+    seed: int,
+    progress: Progress | None,
+) -> SunEstimate:
+    """Trace direct sun through one window to sensors; the scene's surfaces are black."""
+    origin = np.mean(sensors.position, axis=0)
+    window = SunWindow.of(scene, windows, number, bsdf, peak=peak, origin=origin)
+    sequence = points(0, max(1, -(-samples // BATCHES)))
+    position = _upload(mi.Point3f, sensors.position - origin)
+    normal = _upload(mi.Vector3f, sensors.direction)
+    rows, count = len(sensors.position), len(suns)
+    grey = window.table.colours == 1
+    channels = 1 if grey else 3
+    values = np.zeros((channels, rows, count))
+    components = np.zeros((BATCHES, channels, rows, count), dtype=np.float32)
+    block = max(1, _LANES // (BATCHES * rows))
+    for first in range(0, count, block):
+        part = suns[first : first + block]
+        found = _launch(
+            window, sequence, position, normal, part, rows=rows, seed=seed + first
+        )[:, :, :, :channels]
+        mean = found.mean(axis=2)
+        spread = (found - mean[:, :, None]) / np.sqrt(BATCHES * (BATCHES - 1))
+        place = slice(first, first + len(part))
+        values[:, :, place] = mean.transpose(2, 0, 1)
+        components[..., place] = spread.transpose(2, 3, 0, 1)
+        if progress is not None:
+            progress(
+                (first + len(part)) / count, f"{first + len(part)} of {count} suns"
+            )
+    return SunEstimate(values, components)
+
+
+def _launch(
+    window: SunWindow,
+    sequence: Points,
+    position,
+    normal,
+    suns: Float[np.ndarray, "sun 3"],
+    *,
+    rows: int,
+    seed: int,
+) -> Float[np.ndarray, "row sun batch 3"]:
+    count = len(suns)
+    lane = dr.arange(mi.UInt32, rows * count * BATCHES)
+    pair = lane // BATCHES
+    row = pair // dr.opaque(mi.UInt32, count)
+    sun = pair % dr.opaque(mi.UInt32, count)
+    key = mi.sample_tea_32(lane, dr.opaque(mi.UInt32, seed & 0xFFFFFFFF))[0]
+    try:
+        light = sunlight_at(
+            window,
+            sequence,
+            dr.gather(mi.Point3f, position, row),
+            dr.gather(mi.Vector3f, normal, row),
+            dr.gather(mi.Vector3f, _upload(mi.Vector3f, suns), sun),
+            key,
+            mi.Bool(True),
+        )
+        values = light.numpy()
+    except RuntimeError as error:
+        reason = str(error).strip().splitlines()[-1]
+        raise DeviceError(f"the trace failed on {mi.variant()}: {reason}") from error
+    return values.T.reshape(rows, count, BATCHES, 3).astype(float)
+
+
+def _upload(kind: type, values: Float[np.ndarray, "n 3"]):
+    return kind(np.ascontiguousarray(values.T.astype(np.float32)))
