@@ -17,6 +17,7 @@ import mitsuba as mi
 from clerestory.engine import materials
 from clerestory.engine import points as sampling
 from clerestory.engine.lower import LoweredScene
+from clerestory.engine.mirrors import Mirrors, is_mirror, reflected
 from clerestory.engine.points import Points
 from clerestory.engine.portals import Portals
 from clerestory.engine.sky_light import SkyLight
@@ -40,6 +41,7 @@ class LitScene:
     model: LoweredScene
     sky: SkyLight
     portals: Portals
+    mirrors: Mirrors
 
 
 @dataclass
@@ -116,6 +118,23 @@ def sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
 
 
+def mirrored_sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
+    """Return the light of the suns by way of plane mirrors that a vertex scatters."""
+    if lit.sky.suns == 0 or lit.mirrors.count == 0:
+        return mi.Color3f(0)
+    sun, pdf, radiance = lit.sky.aim(draw.other(4), draw.other(5), draw.other(6))
+    normal, chance = lit.mirrors.choose(draw.other(7))
+    cosine = dr.dot(sun, normal)
+    direction = sun - 2 * cosine * normal
+    value, _ = vertex.scatter(direction)
+    lit_up = active & (cosine > 0) & (dr.max(value) > 0)
+    start = vertex.leave(direction, lit_up)
+    share, point = reflected(lit.model, start, direction, normal, lit_up)
+    lit_up &= dr.max(share) > 0
+    seen = passed(lit.model, point, lambda o: mi.Ray3f(o, sun), lit_up)
+    return dr.select(lit_up, value * radiance * share * seen / (pdf * chance), 0)
+
+
 def lamplight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     """Return the light of the lamps that a vertex scatters, aimed at directly."""
     lamps = lit.model.lamps
@@ -149,6 +168,7 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
     aimed, worth = aims(lit, position, mi.Bool(True))
     vertex = Vertex(position, lambda d, a: position, scatter, aimed, worth)
     light = sunlight(lit, vertex, draw, mi.Bool(True))
+    light += mirrored_sunlight(lit, vertex, draw, mi.Bool(True))
     light += lamplight(lit, vertex, draw, mi.Bool(True))
     u, v = draw.number(sampling.DIRECTION_U), draw.number(sampling.DIRECTION_V)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
@@ -197,16 +217,20 @@ def look(
     start = dr.maximum(dr.max(weight), 1e-20)  # weight that roulette compares with
     segment = mi.UInt32(1)  # segments between diffuse scattering, this one included
     vertex = mi.UInt32(1)  # vertices so far, the start included
+    # Mirrors since a vertex at which suns were aimed at; 2: more, or something else
+    relay = dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2))
 
     while active:
         hit = scene.ray_intersect_preliminary(ray, active=active)
         met = active & hit.is_valid()
 
-        # Take what shines at infinity; suns are shared with the direct aim
+        # Take what shines at infinity; suns are shared with the direct aim, and those
+        # in mirrors left to it
         escaped = active & ~met
         sky = lit.sky.radiance_of_dome(ray.d)
         sun, aim = lit.sky.radiance_of_suns(ray.d, escaped)
         share = dr.select(pdf > 0, pdf / (pdf + aim), 1)
+        share = dr.select(relay == 1, 0, share)
         light += dr.select(escaped, weight * (sky + sun * share), 0)
 
         # Take what a lamp sends from its front; the eye sees illums as something else
@@ -256,6 +280,7 @@ def look(
         # Aim at suns and lamps
         near = works & smooth & (segment <= segments)
         gained = sunlight(lit, place, draw, near) + lamplight(lit, place, draw, near)
+        gained += mirrored_sunlight(lit, place, draw, near)
         light += dr.select(near, weight * gained, 0)
 
         # Go on along the material's proposal, or towards a portal
@@ -289,6 +314,10 @@ def look(
         density = dr.select(spread, mixed, sample.pdf)
         pdf = dr.select(null, pdf, dr.select(delta, 0, density))
         sharp &= null | delta
+        if dr.hint(lit.mirrors.count > 0, mode="scalar"):
+            known = lit.mirrors.holds(si.n, works & delta & is_mirror(bsdf))
+            once = dr.select(known & (relay == 0), mi.UInt32(1), mi.UInt32(2))
+            relay = dr.select(null, relay, dr.select(delta, once, mi.UInt32(0)))
         segment += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
         active &= (dr.max(weight) > 0) & (segment <= segments)
 

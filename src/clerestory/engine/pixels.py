@@ -16,6 +16,7 @@ from jaxtyping import Float, Int
 from clerestory.engine import points as sampling
 from clerestory.engine.look import Draw, LitScene, gather_at_sensor, look
 from clerestory.engine.lower import lower
+from clerestory.engine.mirrors import Mirrors
 from clerestory.engine.points import Points, points
 from clerestory.engine.portals import Portals
 from clerestory.engine.sky_light import SkyLight
@@ -131,7 +132,8 @@ def trace_irradiance(scene: Scene, sensors: Sensors, effort: Effort) -> Lit:
 
 def _lit(scene: Scene, origin: Float[np.ndarray, "3"]) -> LitScene:
     model = lower(scene, origin=origin)
-    return LitScene(model, SkyLight.of(scene), Portals.of(scene, origin))
+    portals, mirrors = Portals.of(scene, origin), Mirrors.of(scene)
+    return LitScene(model, SkyLight.of(scene), portals, mirrors)
 
 
 def _segments(bounces: int | None) -> int:

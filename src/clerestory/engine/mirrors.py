@@ -1,0 +1,162 @@
+"""Sun by way of mirrors: aimed at where plane mirrors would show it.
+
+Paths that leave a surface at random hardly ever meet the sun in a mirror. So mirrors
+are aimed through as Radiance's virtual sources are: for a plane mirror the sun's image
+is a sun again. Only suns and single reflections are treated so; all else reaches
+mirrors by the paths themselves.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.walk import offset
+from clerestory.scene.model import Mirror, Polygon, Ring, Scene
+
+# Mirrors of more orientations than this are curved in effect; the smallest are left
+# to the paths.
+MOST = 64
+
+# Normals whose dot product differs from one by less are the same (0.08°).
+_SAME = 1e-6
+
+
+@dataclass
+class Mirrors:
+    """Orientations of plane mirrors, for kernels.
+
+    Attributes
+    ----------
+    count : of orientations
+    normal : unit vectors
+    cumulative : share of the area up to and with each
+    """
+
+    count: int
+    normal: mi.Vector3f
+    cumulative: mi.Float
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Mirrors":
+        """Return the orientations of a scene's plane mirrors, the largest first."""
+        normals: list[np.ndarray] = []
+        areas: list[float] = []
+        for surface in scene.surfaces:
+            material = scene.materials[surface.material]
+            if not isinstance(material, Mirror) or material.alternate is not None:
+                continue
+            if isinstance(surface, Polygon | Ring):
+                _add(normals, areas, _area_vector(surface))
+        order = np.argsort(areas)[::-1][:MOST]
+        # Kernels take no empty tables: without mirrors, one that is never aimed at
+        kept = np.array([normals[i] for i in order] or [[0.0, 0.0, 1.0]])
+        share = np.array([areas[i] for i in order] or [1.0])
+        cumulative = np.cumsum(share) / share.sum()
+        cumulative[-1] = 1
+        made = cls(
+            len(order),
+            mi.Vector3f(np.ascontiguousarray(kept.T.astype(np.float32))),
+            mi.Float(cumulative.astype(np.float32)),
+        )
+        dr.make_opaque(made.normal, made.cumulative)
+        return made
+
+    def choose(self, pick):
+        """Return the normal of a mirror, and the chance of choosing it."""
+        number = mi.UInt32(
+            dr.binary_search(
+                0,
+                self.count - 1,
+                lambda i: dr.gather(mi.Float, self.cumulative, i) <= pick,
+            )
+        )
+        low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
+        share = dr.gather(mi.Float, self.cumulative, number) - low
+        return dr.gather(mi.Vector3f, self.normal, number), share
+
+    @dr.syntax
+    def holds(self, normal, active):
+        """Return whether mirrors with a normal are aimed through."""
+        found = mi.Bool(False)
+        number = mi.UInt32(0)
+        while active & ~found & (number < self.count):
+            other = dr.gather(mi.Vector3f, self.normal, number)
+            found |= is_same(normal, other)
+            number += 1
+        return found
+
+
+def is_mirror(bsdf):
+    """Return whether a BSDF is that of a mirror: one peak, before the front."""
+    return (bsdf.flags() & +mi.BSDFFlags.All) == +mi.BSDFFlags.DeltaReflection
+
+
+def is_same(normal, other):
+    """Return whether two unit vectors are the same but for rounding."""
+    return dr.dot(normal, other) > 1 - _SAME
+
+
+@dr.syntax
+def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
+    """Look for a mirror of a given normal along a direction, through panes.
+
+    Returns
+    -------
+    share : of the light that comes from the mirror, its reflectance included; zero
+        where there is no such mirror
+    point : on the mirror, moved off its front [m]
+    """
+    ray = mi.Ray3f(start, direction)
+    looking = mi.Bool(active)
+    seen = mi.Color3f(1)
+    share = mi.Color3f(0)
+    point = mi.Point3f(start)
+    while looking:
+        hit = model.scene.ray_intersect_preliminary(ray, active=looking)
+        met = looking & hit.is_valid()
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
+        si.sh_frame = mi.Frame3f(si.n)
+        si.wi = si.to_local(-ray.d)
+        bsdf = si.bsdf()
+
+        # Stop at the mirror, pass panes
+        found = met & is_mirror(bsdf) & is_same(si.n, normal)
+        _, colour = bsdf.sample(
+            mi.BSDFContext(), si, mi.Float(0.5), mi.Point2f(0.5, 0.5), found
+        )
+        share = dr.select(found, seen * colour, share)
+        point = dr.select(found, offset(model, si, si.n, found), point)
+        pane = met & ~found & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null)
+        through = bsdf.eval_null_transmission(si, pane)
+        seen = dr.select(pane, seen * through, seen)
+        looking = pane & (dr.max(seen) > 0)
+        ray = mi.Ray3f(offset(model, si, ray.d, looking), ray.d)
+    return share, point
+
+
+def _area_vector(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
+    # Normal times area [m²]
+    if isinstance(surface, Ring):
+        area = np.pi * (surface.outer_radius**2 - surface.inner_radius**2)
+        return surface.normal / np.linalg.norm(surface.normal) * area
+    around = surface.vertices - surface.vertices[0]
+    return 0.5 * np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
+
+
+def _add(
+    normals: list[np.ndarray], areas: list[float], vector: Float[np.ndarray, "3"]
+) -> None:
+    # Add to the mirrors of the same orientation, or as a new one
+    area = float(np.linalg.norm(vector))
+    if area == 0:
+        return
+    for i, normal in enumerate(normals):
+        if normal @ vector / area > 1 - _SAME / 10:
+            areas[i] += area
+            return
+    normals.append(vector / area)
+    areas.append(area)
