@@ -48,14 +48,16 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     InputError : another command, or options that it does not know
     """
     stages = _stages(text)
-    program = _program(stages[0])
+    # `xform < file` reads what `xform file` reads
+    words = [w for w in stages[0] if w != "<"] or [""]
+    program = _program(words)
     made = ""
     files: list[str] = []
     placements = [Placement()]
     if program in GENERATORS:
-        made = generate(program, stages[0][1:], find)
+        made = generate(program, words[1:], find)
     else:
-        files, placements = _first_stage(stages[0], text, find)
+        files, placements = _first_stage(words, text, find)
     for words in stages[1:]:
         outer, more = (
             _xform(words[1:], find) if _program(words) == "xform" else ([], ["?"])
@@ -95,8 +97,6 @@ def _stages(text: str) -> list[list[str]]:
 def _first_stage(
     words: list[str], text: str, find: Callable[[str], Path]
 ) -> tuple[list[str], list[Placement]]:
-    # `xform < file` reads what `xform file` reads
-    words = [w for w in words if w != "<"]
     match _program(words):
         case "cat":
             files, placements = words[1:], [Placement()]

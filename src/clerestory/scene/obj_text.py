@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, UInt8
 
 from clerestory.errors import InputError
 from clerestory.scene.triangulate import triangulate
@@ -92,7 +92,7 @@ def parse_obj(data: bytes, *, file: str) -> ObjText:
     return reading.result()
 
 
-def _runs(letters: Int[np.ndarray, " bytes"]) -> Iterator[tuple[int, int, int, int]]:
+def _runs(letters: UInt8[np.ndarray, " bytes"]) -> Iterator[tuple[int, int, int, int]]:
     # Kind, first and last byte and first line of each run of lines of one kind
     ends = np.flatnonzero(letters == ord("\n"))
     starts = np.append(0, ends[:-1] + 1)
@@ -123,7 +123,7 @@ class _Reading:
     lines: dict[tuple[str, str], int] = field(default_factory=dict)
     count: int = 0
 
-    def add_vertices(self, letters: Int[np.ndarray, " bytes"], line: int) -> None:
+    def add_vertices(self, letters: UInt8[np.ndarray, " bytes"], line: int) -> None:
         values, words = self._numbers(letters, line)
         short = np.flatnonzero(words < 3)
         if len(short):
@@ -141,7 +141,7 @@ class _Reading:
         self.vertices.append(points)
         self.count += len(points)
 
-    def add_faces(self, letters: Int[np.ndarray, " bytes"], line: int) -> None:
+    def add_faces(self, letters: UInt8[np.ndarray, " bytes"], line: int) -> None:
         values, words = self._numbers(_without_slashes(letters), line)
         short = np.flatnonzero((words < 3) | (words > _MOST_CORNERS))
         if len(short):
@@ -230,7 +230,7 @@ class _Reading:
                     pass  # smoothing, lines, points, curves: nothing to see here
 
     def _numbers(
-        self, letters: Int[np.ndarray, " bytes"], line: int
+        self, letters: UInt8[np.ndarray, " bytes"], line: int
     ) -> tuple[Float[np.ndarray, " numbers"], Int[np.ndarray, " lines"]]:
         # All numbers behind the first letter of each line, and how many a line has
         blank = _SPACES[letters]
@@ -268,7 +268,9 @@ class _Reading:
         return ObjText(self._points(), parts, tuple(self.libraries))
 
 
-def _without_slashes(letters: Int[np.ndarray, " bytes"]) -> Int[np.ndarray, " bytes"]:
+def _without_slashes(
+    letters: UInt8[np.ndarray, " bytes"],
+) -> UInt8[np.ndarray, " bytes"]:
     # Blank out what follows a slash up to the next blank: only the vertex counts
     slash = letters == ord("/")
     if not slash.any():
