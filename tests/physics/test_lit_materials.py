@@ -1,0 +1,125 @@
+"""Materials in scenes at one instant, where the light has a closed form."""
+
+import numpy as np
+import pytest
+from physics_scenes import quad, sensor
+
+from clerestory.phases.render import irradiance
+from clerestory.scene.model import (
+    DistantSource,
+    Glow,
+    Illum,
+    Light,
+    Mirror,
+    Mixture,
+    Plastic,
+    Scene,
+    Trans,
+    Void,
+)
+
+FAR = 1e3
+SUN_DEG = 0.5
+SUN_SR = 2 * np.pi * (1 - np.cos(np.radians(SUN_DEG / 2)))
+BELOW = sensor((0, 0, 0), (0, 0, 1))
+
+
+def sky():
+    """A sky of unit radiance, over a black ground."""
+    glow = Glow("sky", np.ones(3))
+    return {"sky": glow}, DistantSource(np.array([0.0, 0, 1]), 180.0, "sky")
+
+
+def sun(direction):
+    """A sun of unit irradiance across its beam."""
+    light = Light("sun", np.full(3, 1 / SUN_SR))
+    direction = np.array(direction) / np.linalg.norm(direction)
+    return {"sun": light}, DistantSource(direction, SUN_DEG, "sun")
+
+
+def under_a_sheet(material, light):
+    """A sheet at z = 1 as far as a sensor below can tell."""
+    named, source = light
+    corners = (-FAR, -FAR, 1), (FAR, -FAR, 1), (FAR, FAR, 1), (-FAR, FAR, 1)
+    sheet = quad(*corners, material="sheet")
+    return Scene({"sheet": material, **named}, (sheet,), (source,))
+
+
+def assert_reads(scene, truth, *, precision, where=BELOW, **options):
+    """What the sensor reads is the truth, within four standard errors."""
+    found = irradiance(scene, where, **options)
+    error = found.error.max()
+    assert error < precision
+    assert found.irradiance[0] == pytest.approx(truth, abs=4 * error + 1e-4)
+
+
+SHEETS = {
+    "diffuse": (Trans("sheet", np.full(3, 0.8), 0.0, 0.0, 0.5, 0.0), 0.8 * 0.5),
+    "clear": (Trans("sheet", np.full(3, 0.8), 0.0, 0.0, 0.5, 1.0), 0.8 * 0.5),
+    "hidden": (Illum("sheet", np.zeros(3)), 1.0),
+    "net": (
+        Mixture("sheet", Plastic("sheet", np.full(3, 0.8)), Void(), 0.3),
+        0.7,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_a_sheet_passes_its_share_of_the_sky(device, name):
+    """E = τπL below, since the ground is black and sends nothing back up.
+
+    An illum passes all light: what it looks like is nothing.
+    """
+    material, share = SHEETS[name]
+    assert_reads(
+        under_a_sheet(material, sky()),
+        share * np.pi,
+        precision=0.03,
+        samples=1 << 14,
+        device=device,
+    )
+
+
+@pytest.mark.parametrize("name", ["diffuse", "clear", "net"])
+def test_a_sheet_passes_its_share_of_the_sun(device, name):
+    """Diffusely or straight on, the flux through the sheet is the same: τE·cos θ."""
+    material, share = SHEETS[name]
+    assert_reads(
+        under_a_sheet(material, sun((0.0, 0.6, 0.8))),
+        share * 0.8,
+        precision=0.03,
+        samples=1 << 14,
+        device=device,
+    )
+
+
+def test_diffuse_transmission_counts_as_a_bounce(device):
+    """The sky needs two gathers through a diffuser; `-ab 1` sees black beneath it."""
+    scene = under_a_sheet(SHEETS["diffuse"][0], sky())
+    for bounces, truth in ((1, 0.0), (2, 0.4 * np.pi)):
+        assert_reads(
+            scene,
+            truth,
+            precision=0.03,
+            samples=1 << 14,
+            bounces=bounces,
+            device=device,
+        )
+
+
+def test_a_mirror_shows_the_sun_to_a_sensor(device):
+    """A sensor that faces the mirror reads ρE·cos θ of the sun behind its back."""
+    direction = np.array([0.0, 0.8, 0.6])
+    wall = quad((-5, -2, -5), (-5, -2, 5), (5, -2, 5), (5, -2, -5), material="mirror")
+    named, source = sun(direction)
+    scene = Scene(
+        {"mirror": Mirror("mirror", np.full(3, 0.9)), **named}, (wall,), (source,)
+    )
+    where = sensor((0, 0, 0), (0, -1, 0))
+    assert_reads(
+        scene, 0.9 * 0.8, precision=1e-3, where=where, samples=256, device=device
+    )
+    # From behind it is black, and no sun comes through it
+    turned = quad(*wall.vertices[::-1], material="mirror")
+    black = Scene(scene.materials, (turned,), (source,))
+    assert_reads(black, 0.0, precision=1e-3, where=where, samples=256, device=device)
