@@ -75,6 +75,10 @@ class WindowTable(_Named):
 
     file: InputFile = Field(description="a Radiance file of window polygons")
     bsdf: InputFile = Field(description="a BSDF file (.xml)")
+    sun_bsdf: InputFile | None = Field(
+        None, description="a BSDF file (.xml), as fine as it is known"
+    )
+    peak: bool = Field(False, description="whether light that passes straight is sharp")
 
 
 class SensorsTable(_Named):
@@ -106,6 +110,14 @@ class SkyTable(_Table):
     subdivision: Literal[1, 2, 3, 4, 5, 6] = 4
     ground_reflectance: float = Field(0.2, ge=0, le=1)
     rotation_deg: float = Field(0.0, ge=-360, le=360)
+
+
+class SunTable(_Table):
+    """The direct sun of the five-phase method."""
+
+    places: Literal["exact", "patches"] = "exact"
+    tolerance_deg: float = Field(0.25, ge=0, le=5)
+    samples: int = Field(64, ge=1, le=1 << 16)
 
 
 class TraceTable(_Table):
@@ -170,7 +182,9 @@ class Study(_Table):
     _folder: Path = PrivateAttr(Path())
 
     title: str = ""
-    method: Literal["2-phase", "3-phase"] = Field(description='"2-phase" or "3-phase"')
+    method: Literal["2-phase", "3-phase", "5-phase"] = Field(
+        description='"2-phase", "3-phase" or "5-phase"'
+    )
     scene: SceneTable = Field(description="a table [scene]")
     window: list[WindowTable] = Field(default_factory=list)
     sensors: list[SensorsTable] = Field(
@@ -178,6 +192,7 @@ class Study(_Table):
     )
     weather: WeatherTable = Field(description="a table [weather]")
     sky: SkyTable = SkyTable()
+    sun: SunTable = SunTable()
     trace: TraceTable = TraceTable()
     schedule: ScheduleTable = ScheduleTable()
     metrics: MetricsTable = MetricsTable()
@@ -198,9 +213,11 @@ class Study(_Table):
 
     @model_validator(mode="after")
     def _windows_for_the_method(self) -> "Study":
-        if self.method == "3-phase" and not self.window:
+        if self.method != "2-phase" and not self.window:
             raise PydanticCustomError(
-                "rule", 'method "3-phase" without a window; a table [[window]] expected'
+                "rule",
+                'method "{method}" without a window; a table [[window]] expected',
+                {"method": self.method},
             )
         if self.method == "2-phase" and self.window:
             raise PydanticCustomError(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.partition import RingPartition
@@ -31,11 +32,15 @@ class WindowGroup:
     ----------
     inner, outer : the window with the patches of its room side and its outer side
     transmission : matrix T of its BSDF
+    fine : the BSDF that direct sun is traced through
+    peak : whether what it passes straight is kept as sharp as the sun
     """
 
     inner: Window
     outer: Window
     transmission: TransferMatrix
+    fine: Bsdf
+    peak: bool
 
     @property
     def name(self) -> str:
@@ -114,6 +119,7 @@ def _weather(study: Study) -> Weather:
 def _window_groups(table: WindowTable) -> list[WindowGroup]:
     # One group for each modifier in the file, all with the same BSDF
     bsdf = read_bsdf(table.bsdf)
+    fine = read_bsdf(table.sun_bsdf) if table.sun_bsdf else bsdf
     windows = read_windows(table.file)
     labels = [table.label]
     if len(windows) > 1:
@@ -127,6 +133,8 @@ def _window_groups(table: WindowTable) -> list[WindowGroup]:
                 _with_patches(named, transmission.rows, file=table.bsdf),
                 _with_patches(named, transmission.columns, file=table.bsdf),
                 transmission,
+                fine,
+                table.peak,
             )
         )
     return groups

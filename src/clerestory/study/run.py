@@ -26,13 +26,12 @@ from clerestory.metrics.hours import occupied_hours
 from clerestory.metrics.summary import sensor_metrics
 from clerestory.phases.store import MatrixStore
 from clerestory.scene.check import check_scene
-from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.config import Study
 from clerestory.study.drawing import room_drawing, window_drawing
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.outputs import write_hourly, write_ill, write_metrics
 from clerestory.study.results import Results, save_results, sensor_names
-from clerestory.study.tracing import Display, Tracing, trace_study
+from clerestory.study.tracing import Display, Tracing, study_skies, trace_study
 
 MATRIX_FOLDER = "matrices"
 _PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
@@ -91,14 +90,9 @@ def run_study(
             display=display,
         )
     with log.phase("sky"):
-        sky = sky_matrix(
-            inputs.weather,
-            subdivision=study.sky.subdivision,
-            ground_reflectance=study.sky.ground_reflectance,
-            rotation_deg=study.sky.rotation_deg,
-        )
+        skies = study_skies(study, inputs.weather)
     with log.phase("multiply"):
-        hourly = tracing.illuminance(sky, display=display)
+        hourly = tracing.illuminance(skies, display=display)
     with log.phase("metrics"):
         data = _data(study, inputs, hourly)
     with log.phase("write"):
