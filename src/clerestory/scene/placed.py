@@ -1,8 +1,9 @@
 """The items of a .rad file and of all it includes, each in its place in the scene."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.scene.command import Inclusion, parse_command
 from clerestory.scene.flatness import checked
-from clerestory.scene.model import Simple
+from clerestory.scene.instance import INSTANCE_KINDS, read_instance
+from clerestory.scene.model import Simple, TriangleMesh
 from clerestory.scene.placement import Placement
 from clerestory.scene.primitives import surface
 from clerestory.scene.statements import (
@@ -21,10 +23,22 @@ from clerestory.scene.statements import (
     Directive,
     PolygonRun,
     Primitive,
+    Statement,
     parse_statements,
 )
 
-Item = PolygonRun | Primitive | Alias | Directive | Simple
+
+@dataclass(frozen=True)
+class Scope:
+    """Where names begin to stand for themselves alone, and where that ends.
+
+    Materials defined inside an instance are not known outside it.
+    """
+
+    opens: bool
+
+
+Item = PolygonRun | Primitive | Alias | Directive | Simple | Scope
 
 # Files nested deeper than this are a mistake, and would exhaust the stack
 _DEEPEST = 100
@@ -83,9 +97,11 @@ class _Walk:
             match item:
                 case Command():
                     yield from self._included(item, path, placement, within)
+                case Primitive() if item.kind in INSTANCE_KINDS:
+                    yield from self._instanced(item, path, placement, within)
                 case PolygonRun():
                     yield Placed(placement.polygons(item), file, placement)
-                case Primitive() | Alias() | Directive():
+                case Primitive() | Alias() | Directive() | Scope():
                     yield Placed(item, file, placement)
                 case _:
                     yield Placed(placement.surface(item), file, placement)
@@ -109,6 +125,35 @@ class _Walk:
         for inner in placements:
             for included in found:
                 yield from self.items(included, inner, (*within, path))
+
+    def _instanced(
+        self,
+        item: Primitive,
+        path: Path,
+        placement: Placement,
+        within: tuple[Path, ...],
+    ) -> Iterator[Placed]:
+        # What an instance or mesh names, where it puts it
+        with _located(path, item.line):
+            instance = read_instance(
+                item, file=str(path), find=lambda name: self._find(name, path)
+            )
+            inner = instance.placement.then(placement)
+            for found in instance.files:
+                _refuse_recursion(found, (*within, path))
+        if instance.placement.modifier is None:
+            yield Placed(Scope(opens=True), str(path), inner)
+        made = tuple(_built(instance.items, item.strings[0]))
+        for placed in chain(
+            self._put(made, path, inner, within),
+            *(self.items(found, inner, (*within, path)) for found in instance.files),
+        ):
+            # A modifier of its own outweighs all materials inside
+            defines = isinstance(placed.item, Primitive | Alias)
+            if instance.placement.modifier is None or not defines:
+                yield placed
+        if instance.placement.modifier is None:
+            yield Placed(Scope(opens=False), str(path), inner)
 
     def _inclusion(
         self, command: Command, path: Path, placement: Placement
@@ -162,8 +207,15 @@ def _refuse_recursion(found: Path, within: tuple[Path, ...]) -> None:
 
 
 def _parsed(text: str, file: str) -> tuple[Item | Command, ...]:
+    return tuple(_built(parse_statements(text, file=file), file))
+
+
+def _built(
+    statements: Iterable[Statement | TriangleMesh], file: str
+) -> list[Item | Command]:
+    # Statements with their surfaces as values
     items: list[Item | Command] = []
-    for statement in parse_statements(text, file=file):
+    for statement in statements:
         match statement:
             case PolygonRun():
                 items.append(checked(statement, file=file))
@@ -177,12 +229,14 @@ def _parsed(text: str, file: str) -> tuple[Item | Command, ...]:
                     file=file,
                     line=statement.line,
                 )
+            case Primitive() if statement.kind in INSTANCE_KINDS:
+                items.append(statement)
             case Primitive() if statement.kind in SURFACE_KINDS:
                 built = surface(statement, file=file)
                 items += [] if built is None else [built]
             case _:
                 items.append(statement)
-    return tuple(items)
+    return items
 
 
 def _is_outline(item: Primitive) -> bool:

@@ -37,7 +37,7 @@ from clerestory.scene.pattern_reader import (
     read_pattern,
     with_pattern,
 )
-from clerestory.scene.placed import Placed, placed_items
+from clerestory.scene.placed import Placed, Scope, placed_items
 from clerestory.scene.placement import Placement
 from clerestory.scene.statements import Alias, Directive, PolygonRun, Primitive
 
@@ -90,6 +90,9 @@ class _Reading:
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
     # Patterns with all that modifies them, and alone
     patterns: dict[str, Pattern] = field(default_factory=dict)
+    outside: list[tuple[dict[str, str], dict[str, Pattern]]] = field(
+        default_factory=list
+    )
     bare: dict[str, Pattern] = field(default_factory=dict)
 
     def add(self, placed: Placed) -> None:
@@ -102,6 +105,10 @@ class _Reading:
                 self._alias(placed.item, placed.file)
             case DistantSource():
                 self._add_distant(placed.item)
+            case Scope(opens=True):
+                self.outside.append((dict(self.in_force), dict(self.patterns)))
+            case Scope():
+                self.in_force, self.patterns = self.outside.pop()
             case Directive():
                 pass  # speaks to window readers
             case surface:

@@ -13,7 +13,7 @@ CASES = {
     "material": ("void brass x 0 0 0", 2, 'unknown type "brass"'),
     "unsupported": ("void mist x 0 0 0", 2, 'mist "x": this type is not'),
     "pattern": ("void brightfunc x 2 a b 0 0", 2, 'the file "b" is missing'),
-    "surface": ("grey instance x 1 a.oct 0 0", 2, 'instance "x": this type is not'),
+    "surface": ("grey instance x 1 a.oct 0 0", 2, 'instance "x": the file "a.oct"'),
     "modifier": ("wood sphere x 0 0 4 0 0 0 1", 2, 'undefined modifier "wood"'),
     "inherit": ("inherit plastic x 0 0 5 0 0 0 0 0", 2, 'undefined modifier "inherit"'),
     "late": ("\n\nlate sphere x 0 0 4 0 0 0 1", 4, 'undefined modifier "late"'),
