@@ -85,7 +85,7 @@ def test_values_that_cross_the_borders_of_chunks_are_whole(monkeypatch):
     text = nested(grid)
     whole = read(text, 4)
     for size in (150, 151, 1000):
-        monkeypatch.setattr("clerestory.bsdf.tree_text._CHUNK", size)
+        monkeypatch.setattr("clerestory.bsdf.tree_scan._CHUNK", size)
         np.testing.assert_array_equal(read(text, 4).slots, whole.slots)
 
 

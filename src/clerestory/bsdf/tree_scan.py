@@ -1,0 +1,150 @@
+"""The first pass over the text of a tensor tree: its braces, and its numbers.
+
+Nothing here recurses, and the text is looked at in pieces, so that a tree of hundreds
+of megabytes takes little more memory than its values.
+"""
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, Int8, Int32, UInt8
+
+# Bytes that are looked at together.
+_CHUNK = 1 << 22
+
+_SPACE, _WORD, _OPEN, _CLOSE = range(4)
+_KIND = np.full(256, _WORD, dtype=np.uint8)
+_KIND[list(b" \t\r\n\f\v,")] = _SPACE
+_KIND[ord("{")], _KIND[ord("}")] = _OPEN, _CLOSE
+_TO_SPACES = bytes.maketrans(b"{},", b"   ")
+
+
+@dataclass(frozen=True, eq=False)
+class TreeScan:
+    """Braces in the order of the text, and all values.
+
+    Attributes
+    ----------
+    step : +1 where a brace opens, −1 where it closes
+    words : how many stand before each brace, since the one before
+    values : all words as numbers
+    """
+
+    step: Int8[np.ndarray, " braces"]
+    words: Int32[np.ndarray, " braces"]
+    values: Float32[np.ndarray, " values"]
+
+
+class TreeFault(Exception):
+    """A fault of a text, at the brace of some number or at an offset in bytes."""
+
+    def __init__(self, message: str, *, brace: int = -1, offset: int = -1) -> None:
+        super().__init__(message)
+        self.message, self.brace, self.offset = message, brace, offset
+
+
+def position_of(text: bytes, fault: TreeFault) -> int:
+    """Offset of a fault [bytes]."""
+    if fault.brace < 0:
+        return max(fault.offset, 0)
+    seen = 0
+    for start in range(0, len(text), _CHUNK):
+        kind = _KIND[np.frombuffer(text[start : start + _CHUNK], dtype=np.uint8)]
+        braces = np.flatnonzero(kind >= _OPEN)
+        if fault.brace < seen + len(braces):
+            return start + int(braces[fault.brace - seen])
+        seen += len(braces)
+    return len(text)
+
+
+def scan_tree(text: bytes) -> TreeScan:
+    """Return braces and values of a text.
+
+    Raises
+    ------
+    TreeFault : something is no finite number, or there are no braces
+
+    Examples
+    --------
+    >>> scan = scan_tree(b"{ { 0.5 } { 1 2 } }")
+    >>> scan.step.tolist(), scan.words.tolist(), scan.values.tolist()
+    ([1, 1, -1, 1, -1, -1], [0, 0, 1, 0, 2, 0], [0.5, 1.0, 2.0])
+    """
+    steps, words, values = [], [], []
+    carried, start = 0, 0
+    while start < len(text):
+        end = _end_of_word(text, start + _CHUNK)
+        chunk = text[start:end]
+        kind: UInt8[np.ndarray, " bytes"] = _KIND[np.frombuffer(chunk, dtype=np.uint8)]
+        word = kind == _WORD
+        begins = np.flatnonzero(word & ~np.concatenate([[False], word[:-1]]))
+        braces = np.flatnonzero(kind >= _OPEN)
+
+        # Count the words since the brace before
+        before = np.searchsorted(begins, braces)
+        count = np.diff(before, prepend=0)
+        if len(count):
+            count[0] += carried
+            carried = len(begins) - int(before[-1])
+        else:
+            carried += len(begins)
+        steps.append(np.where(kind[braces] == _OPEN, 1, -1).astype(np.int8))
+        words.append(count.astype(np.int32))
+        values.append(_numbers(chunk, len(begins), start))
+        start = end
+    if carried:
+        raise TreeFault("values after the tensor tree's last brace", offset=len(text))
+    if not any(len(step) for step in steps):
+        raise TreeFault("no tensor tree; text in braces {…} expected")
+    return TreeScan(
+        np.concatenate(steps), np.concatenate(words), np.concatenate(values)
+    )
+
+
+def _end_of_word(text: bytes, end: int) -> int:
+    # Step back to a byte that no word runs across; a longer word is cut, and refused
+    end = min(end, len(text))
+    for back in range(min(end, 100)):
+        if end == len(text) or _KIND[text[end - back]] != _WORD:
+            return end - back if end - back > 0 else end
+    return end
+
+
+def _numbers(chunk: bytes, count: int, offset: int) -> Float32[np.ndarray, " values"]:
+    plain = chunk.translate(_TO_SPACES)
+    if not count:
+        return np.empty(0, dtype=np.float32)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)
+            values = np.fromstring(plain.decode("ascii"), sep=" ")
+        with np.errstate(over="ignore"):
+            single = values.astype(np.float32)
+    except (DeprecationWarning, ValueError) as error:
+        raise _bad_word(plain, offset) from error
+    if len(single) != count or not np.all(np.isfinite(single)):
+        raise _bad_word(plain, offset)
+    return single
+
+
+def _bad_word(plain: bytes, offset: int) -> TreeFault:
+    # Name the first word that is no number, with its place
+    place = 0
+    for word in plain.split():
+        place = plain.index(word, place)
+        if not _is_finite(word):
+            shown = word[:40].decode("latin-1")
+            return TreeFault(
+                f"{shown!r} in a tensor tree; a number expected", offset=offset + place
+            )
+        place += len(word)
+    return TreeFault("unreadable values in a tensor tree", offset=offset)
+
+
+def _is_finite(word: bytes) -> bool:
+    try:
+        with np.errstate(over="ignore"):
+            return bool(np.isfinite(np.float32(float(word)))) and b"_" not in word
+    except ValueError:
+        return False
