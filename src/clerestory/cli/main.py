@@ -14,8 +14,9 @@ from typing import Annotated, Any
 import typer
 
 from clerestory import __version__
-from clerestory.cli import bsdf, picture, sky, trace
+from clerestory.cli import bsdf, glazing, picture, sky, trace
 from clerestory.cli.doctor import doctor
+from clerestory.cli.glare import glare
 from clerestory.cli.multiply import multiply
 from clerestory.cli.render import render
 from clerestory.cli.run import demo, report, run
@@ -43,6 +44,7 @@ app = typer.Typer(
 app.add_typer(trace.app, name="trace")
 app.add_typer(sky.app, name="sky")
 app.add_typer(bsdf.app, name="bsdf")
+app.add_typer(glazing.app, name="glazing")
 app.add_typer(picture.app, name="picture")
 app.command(epilog="Example: clerestory run study.toml --out results")(run)
 app.command(epilog="Example: clerestory demo my_first_study")(demo)
@@ -51,6 +53,9 @@ app.command(
     epilog="Example: clerestory render --scene materials.rad room.rad --view"
     " desk.vf --sky 'gensky 9 21 12 +s -a 48 -o -11 -m -15' -o noon.hdr"
 )(render)
+app.command(epilog="Example: clerestory glare desk.hdr --detail --check found.hdr")(
+    glare
+)
 app.command(epilog="Example: clerestory doctor")(doctor)
 app.command(epilog="Example: clerestory multiply V.mtx blind.xml D.mtx S.smx -o E.mtx")(
     multiply

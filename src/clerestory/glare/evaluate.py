@@ -19,7 +19,7 @@ from clerestory.scene.view import View
 _Luminance = Float[np.ndarray, "row column"]
 
 
-def glare(
+def evaluate_glare(
     picture: Picture,
     *,
     rules: SourceRules | None = None,
@@ -55,7 +55,7 @@ def glare(
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> pixels = np.full((64, 64, 3), 2.0, dtype=np.float32)
     >>> pixels[20:24, 30:34] = 60.0
-    >>> result = glare(Picture(pixels, view=eye))
+    >>> result = evaluate_glare(Picture(pixels, view=eye))
     >>> round(result.illuminance), round(result.dgp, 3), result.sources.count
     (1328, 0.3, 1)
     """
@@ -88,7 +88,7 @@ def eye_of(
 
     Raises
     ------
-    InputError : as `glare` does
+    InputError : as `evaluate_glare` does
     """
     seen = view or picture.view
     if seen is None:

@@ -78,14 +78,28 @@ class _Merging:
         # Pixels that have a pixel of another source within the angle, and its label
         outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
         row, column = self.pixels.row[outer], self.pixels.column[outer]
-        tree = cKDTree(self.near.direction[row, column])
-        pairs = tree.query_pairs(self.near.chord, output_type="ndarray")
-        pairs = outer[np.concatenate([pairs, pairs[:, ::-1]])]
-        one, other = pairs[:, 0], self.labels[pairs[:, 1]]
-        apart = self.labels[one] != other
-        key = np.unique(one[apart] * self.size.size + other[apart])
-        pixel, neighbour = np.divmod(key, self.size.size)
+        direction = self.near.direction[row, column]
+        found = []
+        for label in np.unique(self.labels):
+            mine = self.labels[outer] == label
+            # Only pixels about the source can meet it
+            about = ~mine & self._in_box(row, column, row[mine], column[mine])
+            distance, _ = cKDTree(direction[mine]).query(
+                direction[about], distance_upper_bound=self.near.chord
+            )
+            pixel = outer[about][np.isfinite(distance)]
+            found.append((pixel, np.full(pixel.size, label)))
+        pixel, neighbour = (np.concatenate(part) for part in zip(*found, strict=True))
         return pixel, neighbour
+
+    def _in_box(
+        self, row: np.ndarray, column: np.ndarray, rows: np.ndarray, columns: np.ndarray
+    ) -> np.ndarray:
+        # Whether pixels lie within reach of the rows and columns of others
+        reach = self.near.reach
+        inside: np.ndarray = (row >= rows.min() - reach) & (row <= rows.max() + reach)
+        inside &= (column >= columns.min() - reach) & (column <= columns.max() + reach)
+        return inside
 
     def _is_outer(self, index: np.ndarray) -> np.ndarray:
         # Whether pixels have an unlike neighbour or lie at the edge of the picture

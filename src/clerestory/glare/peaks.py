@@ -6,6 +6,7 @@ The sun or its mirror image within a bright sky would else vanish in the average
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from clerestory.glare.islands import islands
 from clerestory.glare.merge import merge_sources
 from clerestory.glare.scan import ScannedPixels
 from clerestory.glare.search import Neighbourhood
@@ -29,45 +30,43 @@ def split_peaks(
     near : of the merging angle, within which peaks become one in the end
     nearer : of half that angle, within which a pixel joins an earlier one
     """
-    picture = np.zeros(solid_angle.shape, dtype=np.int64)
     place = np.full(solid_angle.shape, -1, dtype=np.int64)
     row, column = peaks.row, peaks.column
     place[row, column] = np.arange(row.size)
-    before = _attached_to(row, column, place, nearer)
+    turned = np.ascontiguousarray((place >= 0)[::-1].T)
+    peaks = peaks._replace(island=islands(turned, nearer.reach))
 
-    tips = np.flatnonzero(before < 0)
-    labels = np.zeros(row.size, dtype=np.int64)
-    if tips.size == 1:
-        return labels + 1
-    count = 0
-    for begin, end in zip(tips, [*tips[1:], row.size], strict=True):
-        label = _last_found(picture, int(row[begin]), int(column[begin]), nearer)
-        if not label:
-            count += 1
-            label = count
-        labels[begin] = label
-        for pixel in range(begin + 1, end):
-            labels[pixel] = labels[before[pixel]]
-        some = slice(begin, end)
-        picture[row[some], column[some]] = labels[some]
-    return merge_sources(peaks, labels, solid_angle, near, skip_inner=False)
+    # The label of a pixel is the index of the first pixel of its group
+    alone = _is_alone(row, column, place, nearer)
+    tips = np.bincount(peaks.island, weights=alone)
+    begin = np.full(tips.size, row.size)
+    np.minimum.at(begin, peaks.island, np.arange(row.size))
+    birth = begin[peaks.island]
+    picture = np.zeros(solid_angle.shape, dtype=np.int64)
+    for pixel in np.flatnonzero(tips[peaks.island] > 1):
+        label = _last_found(picture, int(row[pixel]), int(column[pixel]), nearer)
+        picture[row[pixel], column[pixel]] = label or pixel + 1
+        birth[pixel] = picture[row[pixel], column[pixel]] - 1
+    _, labels = np.unique(birth, return_inverse=True)
+
+    wide = peaks._replace(island=islands(turned, near.reach))
+    return merge_sources(wide, labels + 1, solid_angle, near, skip_inner=False)
 
 
-def _attached_to(
+def _is_alone(
     row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
 ) -> np.ndarray:
-    # Index of an earlier peak beside each peak, −1 for none
+    # Whether no earlier peak stands beside a peak, where it is found for certain
     rows, _ = place.shape
-    before = np.full(row.size, -1)
+    alone = np.ones(row.size, dtype=bool)
     close = nearer.sure_reach[row, column] >= np.sqrt(2)
     sees_row = ~nearer.blind(row, column)
     for down, right in _BEFORE:
         there_row, there_column = row + down, column + right
-        seen = close if down else close & sees_row
-        inside = seen & (there_row >= 0) & (there_row < rows) & (there_column >= 0)
-        there = place[there_row[inside], there_column[inside]]
-        before[inside] = np.where(before[inside] < 0, there, before[inside])
-    return before
+        inside = (there_row >= 0) & (there_row < rows) & (there_column >= 0)
+        inside &= close if down else close & sees_row
+        alone[inside] &= place[there_row[inside], there_column[inside]] < 0
+    return alone
 
 
 def _last_found(

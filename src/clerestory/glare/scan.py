@@ -88,7 +88,9 @@ def first_scan(
     birth = np.zeros(start.size, dtype=np.int64)  # run at which each run's source began
     for here in np.flatnonzero(tips > 1):
         members = np.flatnonzero(island[start] == here)
-        birth[members] = _scan_runs(members, start, begins, pixels, near, labels)
+        birth[members] = _scan_runs(
+            members, start, begins, pixels, near, labels, alone[members]
+        )
     first_run = np.full(tips.size, start.size)
     np.minimum.at(first_run, island[start], np.arange(start.size))
     simple = tips[island[start]] <= 1
@@ -127,17 +129,23 @@ def _scan_runs(
     pixels: ScannedPixels,
     near: Neighbourhood,
     labels: np.ndarray,
+    alone: np.ndarray,
 ) -> np.ndarray:
     # The run at which the source of each run began, found by searching as evalglare
+    only = 0  # the one label there is so far, −1 for several
     ends = np.append(np.flatnonzero(begins)[1:], begins.size)
     birth = np.zeros(members.size, dtype=np.int64)
     wanted = np.ones(start.size + 2, dtype=bool)
     wanted[0] = False
     for place, run in enumerate(members):
         row, column = int(pixels.row[start[run]]), int(pixels.column[start[run]])
-        label = _find(labels, wanted, row, column, near)
+        if only > 0 and not alone[place]:
+            label = only
+        else:
+            label = _find(labels, wanted, row, column, near, alone=alone[place])
         if not label:
             label = int(run) + 1
+            only = -1 if only else label
         birth[place] = label - 1
         bottom = row + 1
         labels[bottom - (ends[run] - start[run]) : bottom, column] = label
@@ -145,13 +153,29 @@ def _scan_runs(
 
 
 def _find(
-    labels: np.ndarray, wanted: np.ndarray, row: int, column: int, near: Neighbourhood
+    labels: np.ndarray,
+    wanted: np.ndarray,
+    row: int,
+    column: int,
+    near: Neighbourhood,
+    *,
+    alone: bool,
 ) -> int:
     # What is met upwards counts before what is met downwards; straight up to the left
     # comes first of all
     if row > 0 and column > 0 and near.sure_reach[row, column] >= 2:
         label = int(labels[row - 1, column - 1])
         if label:
+            return label
+    # Where all labels around are one, something is found for certain
+    if not alone:
+        reach = near.reach
+        around = labels[
+            max(row - reach, 0) : row + reach + 1,
+            max(column - reach, 0) : column + 1,
+        ]
+        label = int(around.max())
+        if ((around == 0) | (around == label)).all():
             return label
     window = near.window(row, column)
     above, below = (

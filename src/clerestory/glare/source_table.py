@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from jaxtyping import Float, Int
+from numpy.typing import ArrayLike
 
 from clerestory.errors import InputError
 
@@ -57,14 +58,15 @@ class GlareSources:
     def of(
         cls,
         *,
-        luminance: Float[np.ndarray, " source"],
-        solid_angle: Float[np.ndarray, " source"],
-        position_index: Float[np.ndarray, " source"],
-        sigma: Float[np.ndarray, " source"] | None = None,
+        luminance: ArrayLike,
+        solid_angle: ArrayLike,
+        position_index: ArrayLike,
+        sigma: ArrayLike | None = None,
     ) -> "GlareSources":
         """Sources known by what the indices need, such as luminaires of a plan.
 
-        The illuminance of each is that of a small source at its angle.
+        The illuminance of each is that of a small source at its angle `sigma`, on the
+        line of sight if not given.
         """
         bright, omega, index = (
             np.asarray(values, dtype=float)

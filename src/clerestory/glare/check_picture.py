@@ -1,0 +1,74 @@
+"""The check picture: what was taken for a glare source, in colours.
+
+Luminances stay as they are; colours only tell the sources apart.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.errors import InputError
+from clerestory.glare.sources import Members
+from clerestory.image.picture import Picture
+
+Colour = tuple[float, float, float]
+
+# Shares of red, green and blue in the luminance of sources, in turn
+PALETTE: tuple[Colour, ...] = (
+    (0.1, 0.85, 0.05),
+    (0.15, 0.15, 0.7),
+    (0.5, 0.5, 0.0),
+    (0.5, 0.0, 0.5),
+    (0.0, 0.5, 0.5),
+    (0.8, 0.2, 0.0),
+)
+TASK_COLOUR: Colour = (0.0, 0.0, 1.0)
+
+
+def check_picture(
+    picture: Picture,
+    members: Members,
+    *,
+    colour: Colour | None = None,
+    task: Bool[np.ndarray, "row column"] | None = None,
+) -> Picture:
+    """Return the picture in grey with its glare sources in colours.
+
+    Parameters
+    ----------
+    members : pixels of the sources
+    colour : shares of red, green and blue for all sources alike
+    task : pixels to be shown in blue
+
+    Raises
+    ------
+    InputError : a colour without light
+
+    Examples
+    --------
+    >>> grey = Picture(np.ones((30, 30, 3), dtype=np.float32))
+    >>> one = Members(np.array([1]), np.array([4]), np.array([7]))
+    >>> shown = check_picture(grey, one, colour=(1, 0, 0))
+    >>> shown.radiance[4, 7].round(2).tolist()
+    [3.77, 0.0, 0.0]
+    """
+    luminance = picture.luminance() / np.float32(LUMINOUS_EFFICACY)
+    shown = np.repeat(luminance[..., None], 3, axis=2)
+    if task is not None:
+        shown[task] = luminance[task][:, None] * _primaries(TASK_COLOUR)
+    palette = PALETTE if colour is None else (colour,)
+    colours = np.stack([_primaries(one) for one in palette])
+    label, row, column = members
+    shown[row, column] = luminance[row, column][:, None] * colours[label % len(palette)]
+    return replace(picture, radiance=shown.astype(np.float32))
+
+
+def _primaries(colour: Colour) -> Float[np.ndarray, "3"]:
+    # Radiances of red, green and blue with a luminance of one
+    shares = np.asarray(colour, dtype=float)
+    if not (shares.min() >= 0 and 0 < shares.sum() < np.inf):
+        raise InputError(f"colour {colour}; shares of 0 or more expected, not all 0")
+    primaries: np.ndarray = shares / shares.sum() / np.array(LUMINANCE_WEIGHTS)
+    return primaries

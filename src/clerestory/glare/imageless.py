@@ -1,0 +1,92 @@
+"""DGP without pictures: from the illuminance of the eye and what the windows show.
+
+The field of view is a set of directions, such as the patches of a sky seen through the
+windows, and the sun where it is seen. Each direction brighter than the threshold is a
+source of its own. What is lost: the shape of sources, their merging, bright reflections
+within the room.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
+from clerestory.glare.position_index import position_index
+from clerestory.scene.view import View
+
+
+def imageless_dgp(
+    illuminance: Float[np.ndarray, " time"],
+    *,
+    luminance: Float[np.ndarray, "direction time"],
+    solid_angle: Float[np.ndarray, "direction *time"],
+    index: Float[np.ndarray, "direction *time"],
+    threshold: float = 2000.0,
+    coefficients: DgpCoefficients = EVALGLARE,
+) -> Float[np.ndarray, " time"]:
+    """Daylight glare probability of each step.
+
+    Parameters
+    ----------
+    illuminance : on the eye, from everything [lux]
+    luminance : of each direction [cd/m²]; rows of the sun hold its luminance through
+        the window while it is seen, else 0
+    solid_angle : of each direction as seen through the windows [sr]
+    index : position index of each direction; one that is behind the eye is infinite
+    threshold : directions glare if they are brighter [cd/m²]
+
+    References
+    ----------
+    Jones, N. L. (2019): Fast climate-based glare analysis and spatial mapping.
+    Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient simulation for
+    visual comfort evaluations. Energy and Buildings 267.
+
+    Examples
+    --------
+    >>> one = np.ones((1, 1))
+    >>> dgp = imageless_dgp(
+    ...     np.array([3000.0]), luminance=1e6 * one, solid_angle=6.8e-5 * one, index=3 * one
+    ... )
+    >>> dgp.round(3).tolist()
+    [0.433]
+    """
+    if luminance.shape != (len(solid_angle), len(illuminance)):
+        raise InputError(
+            f"luminances {luminance.shape} for {len(solid_angle)} directions and"
+            f" {len(illuminance)} steps; as many rows and columns expected"
+        )
+    k = coefficients
+    weight = solid_angle**k.a2 / index**k.a4
+    bright = np.where(luminance > threshold, luminance, 0.0) ** k.a1
+    if weight.ndim == 1:
+        total = weight @ bright
+    else:
+        total = (weight * bright).sum(axis=0)
+    level = np.maximum(np.asarray(illuminance, dtype=float), 1e-9)
+    contrast = k.c2 * np.log10(1 + total / level**k.a3)
+    return np.minimum(k.c1 * level**k.a5 + k.c3 + contrast, 1.0)
+
+
+def position_of(
+    direction: Float[np.ndarray, "*shape 3"], view: View
+) -> Float[np.ndarray, "*shape"]:
+    """Position index of unit vectors from the eye, infinite behind it.
+
+    The vertical is the view's up vector turned into the plane across the line of
+    sight.
+
+    Examples
+    --------
+    >>> eye = View(direction=np.array([0.0, 1.0, 0.0]))
+    >>> position_of(np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]), eye).tolist()
+    [1.0, inf]
+    """
+    right = np.cross(view.direction, view.up)
+    right /= np.linalg.norm(right)
+    up = np.cross(right, view.direction)
+    ahead = np.clip(direction @ view.direction, -1, 1)
+    above, aside = direction @ up, direction @ right
+    sigma = np.arccos(ahead)
+    tau = np.arctan2(np.abs(aside), above)
+    index = position_index(sigma, tau, above < 0)
+    return np.where(ahead > 0, index, np.inf)
