@@ -19,6 +19,7 @@ _HOME = {
     "reinhart": "hemisphere.reinhart",
     "Bsdf": "bsdf.bsdf",
     "read_bsdf": "bsdf.xml",
+    "generate_bsdf": "bsdfgen.generate",
     "Weather": "sky.weather",
     "SkyMatrix": "sky.sky_matrix",
     "read_weather": "sky.read",

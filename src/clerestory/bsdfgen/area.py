@@ -53,18 +53,19 @@ class SampleArea:
     @property
     def thickness(self) -> float:
         """Depth of the system behind z = 0 [m]."""
-        return float(max(0.0, -self.bounds[0, 2]))
+        return max(0.0, -float(self.bounds[0, 2]))
 
     @property
     def size(self) -> Float[np.ndarray, "3"]:
         """Width, height and depth of the box [m]."""
-        size: Float[np.ndarray, "3"] = self.bounds[1] - self.bounds[0]
+        size: Float[np.ndarray, 3] = self.bounds[1] - self.bounds[0]
         return size
 
     def slab(self) -> Float[np.ndarray, "2 3"]:
         """Corners of the box with its planes just off the system [m]."""
         off = _CLEARANCE * float(self.size.max())
-        return self.bounds + np.array([[0, 0, -off], [0, 0, off]])
+        slab: Float[np.ndarray, "2 3"] = self.bounds + np.outer([-off, off], [0, 0, 1])
+        return slab
 
 
 def area_from_dimensions(

@@ -47,8 +47,8 @@ def check_bands(bands: Mapping[str, Weights]) -> None:
 
 
 def band_values(
-    channels: Float[np.ndarray, "channel *value"], weights: Weights
-) -> Float[np.ndarray, "*value"]:
+    channels: Float[np.ndarray, " channel *value"], weights: Weights
+) -> Float[np.ndarray, " *value"]:
     """Values of a band; the one channel of grey scenes serves for all three.
 
     >>> band_values(np.array([[0.5], [0.5], [0.5]]), (0.2, 0.7, 0.1)).round(6).tolist()
@@ -61,16 +61,16 @@ def band_values(
 
 
 def tristimulus(
-    channels: Float[np.ndarray, "channel *value"],
-) -> Float[np.ndarray, "3 *value"]:
+    channels: Float[np.ndarray, " channel *value"],
+) -> Float[np.ndarray, " 3 *value"]:
     """CIE X, Y and Z of red, green and blue; grey scenes are white."""
     rgb = np.broadcast_to(channels, (3, *channels.shape[1:]))
     return np.tensordot(rgb_to_xyz(), rgb, axes=1)
 
 
 def chromaticity(
-    channels: Float[np.ndarray, "channel *value"],
-) -> tuple[Float[np.ndarray, "*value"], Float[np.ndarray, "*value"]]:
+    channels: Float[np.ndarray, " channel *value"],
+) -> tuple[Float[np.ndarray, " *value"], Float[np.ndarray, " *value"]]:
     """CIE 1976 u' and v' of red, green and blue; white where all are zero.
 
     References: CIE 15:2004, eq. 8.24.
@@ -79,6 +79,8 @@ def chromaticity(
     total = x + 15 * y + 3 * z
     lit = total > 0
     total = np.where(lit, total, 1)
-    u, v = (np.where(lit, k * part / total, w) for k, part, w in (
-        (4, x, _WHITE_UV[0]), (9, y, _WHITE_UV[1])))
+    u, v = (
+        np.where(lit, k * part / total, w)
+        for k, part, w in ((4, x, _WHITE_UV[0]), (9, y, _WHITE_UV[1]))
+    )
     return np.asarray(u), np.asarray(v)

@@ -13,7 +13,7 @@ from clerestory.bsdfgen.paint import Share, positive, share
 from clerestory.bsdfgen.profile import extruded
 from clerestory.bsdfgen.system import System
 from clerestory.errors import InputError
-from clerestory.scene.model import Dielectric, Metal, Polygon, Scene
+from clerestory.scene.model import Dielectric, Material, Metal, Polygon, Scene
 
 # A cell is this many times as wide and as high as the film is thick.
 _SLENDER = 8.0
@@ -63,20 +63,21 @@ def mirrored_channels(
         )
     count = math.ceil(_SLENDER * thickness / pitch)
     across = count * pitch
-    ends = {"start": -0.01 * across, "end": 1.01 * across}
+    ends = -0.01 * across, 1.01 * across
     high, low = across + pitch, -pitch
-    faces = np.array([(high, 0.0), (low, 0.0)]), np.array(
-        [(low, -thickness), (high, -thickness)]
+    faces = (
+        np.array([(high, 0.0), (low, 0.0)]),
+        np.array([(low, -thickness), (high, -thickness)]),
     )
     surfaces: list[Polygon] = []
     for number, face in enumerate(faces):
-        surfaces += extruded(face, name=f"sheet{number}", material="sheet", **ends)
+        surfaces += extruded(face, ends=ends, material="sheet", name=f"sheet{number}")
     half = min(mirror_depth, thickness * (1 - 2 * _INSET)) / 2
     for number in range(count):
         y = (number + 0.5) * pitch
         line = np.array([(y, half - thickness / 2), (y, -half - thickness / 2)])
-        surfaces += extruded(line, name=f"mirror{number}", material="mirror", **ends)
-    materials = {
+        surfaces += extruded(line, ends=ends, material="mirror", name=f"mirror{number}")
+    materials: dict[str, Material] = {
         "sheet": Dielectric("sheet", np.full(3, transmissivity), index),
         "mirror": Metal("mirror", share("reflectance", reflectance), 1.0, 0.0),
     }

@@ -70,12 +70,15 @@ def _units(scene: Scene) -> Iterator[str]:
         )
     elif max(width, height) < _NARROWEST:
         yield (
-            f"the system is {width:.4g} m wide and {height:.4g} m high; is it in metres?"
+            f"the system is {width:.4g} m wide and {height:.4g} m high;"
+            " is it in metres?"
         )
 
 
 def _in_room(scene: Scene) -> Iterator[str]:
-    high = np.array([Scene(scene.materials, (s,)).bounds()[1, 2] for s in scene.surfaces])
+    high = np.array(
+        [Scene(scene.materials, (s,)).bounds()[1, 2] for s in scene.surfaces]
+    )
     inside = np.flatnonzero(high > _IN_ROOM)
     if len(inside):
         worst = scene.surfaces[int(inside[np.argmax(high[inside])])]
@@ -91,6 +94,6 @@ def _far_behind(area: SampleArea) -> Iterator[str]:
     gap = -float(area.bounds[1, 2])
     if gap > _FAR_BEHIND * np.sqrt(width * height):
         yield (
-            f"the system ends {gap:.4g} m behind the plane z = 0, where the BSDF stands;"
+            f"the system ends {gap:.4g} m behind z = 0, where the BSDF stands;"
             " less than a tenth of its size expected"
         )

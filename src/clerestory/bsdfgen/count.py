@@ -98,8 +98,8 @@ class Counter:
         first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
         self._trace(np.full(len(self._rows), first), effort)
         while True:
-            found = tuple(self._cells(part) for part in self._sums)
-            risk = sum(self._risk(part.cells) for part in found)
+            found = self._cells(self._sums[0]), self._cells(self._sums[1])
+            risk = self._risk(found[0].cells) + self._risk(found[1].cells)
             spent = self._paths[self._rows]
             if goal is not None:
                 more = goal * len(self._rows) - int(spent.sum())
@@ -111,7 +111,7 @@ class Counter:
             extra = _shared(risk * spent, more)
             short = not done and spent.max() >= _MOST
             if done or short or not extra.any():
-                return Counted(*found, paths=int(spent.sum()), reached=not short)
+                return Counted(*found, int(spent.sum()), not short)
             self._trace(extra, effort)
 
     def _trace(self, extra: Int[np.ndarray, " row"], effort: TraceEffort) -> None:
@@ -183,9 +183,7 @@ class Counter:
         return float(error / (aim * mean)) if mean > 0 else 0.0
 
 
-def _shared(
-    cost: Float[np.ndarray, " row"], more: int
-) -> Int[np.ndarray, " row"]:
+def _shared(cost: Float[np.ndarray, " row"], more: int) -> Int[np.ndarray, " row"]:
     # Paths for each row: the root of its cost, in powers of two for few launches
     root = np.sqrt(cost)
     if more <= 0 or not root.any():

@@ -67,9 +67,7 @@ def fabric(
     )
 
 
-def scatterer(
-    name: str, reflected: np.ndarray, passed: np.ndarray
-) -> Plastic | Trans:
+def scatterer(name: str, reflected: np.ndarray, passed: np.ndarray) -> Plastic | Trans:
     """Return a diffuse material of given reflectance and transmittance.
 
     Raises

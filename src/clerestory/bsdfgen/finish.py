@@ -1,5 +1,6 @@
 """What is done to traced functions at the end: reciprocity, one sense, fewer cells."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +13,8 @@ from clerestory.bsdf.scattering import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_combine import combine
-
-Functions = dict[tuple[str, Function], ScatteringFunction]
+from clerestory.bsdfgen.request import Functions
+from clerestory.errors import InputError
 
 
 def reciprocal_with_errors(functions: Functions) -> Functions:
@@ -71,8 +72,7 @@ def one_transmission(functions: Functions) -> Functions:
     return {
         (band, name): part
         for (band, name), part in functions.items()
-        if name != "transmission_front"
-        or (band, "transmission_back") not in functions
+        if name != "transmission_front" or (band, "transmission_back") not in functions
     }
 
 
@@ -84,3 +84,30 @@ def reduced(functions: Functions, percent: float) -> Functions:
         else part
         for key, part in functions.items()
     }
+
+
+def error_functions(
+    functions: Mapping[tuple[str, Function], ScatteringFunction],
+) -> Functions:
+    """Return the standard errors of functions in the same shape as their values.
+
+    Raises
+    ------
+    InputError : a function that carries none
+    """
+    found: Functions = {}
+    for (channel, name), part in functions.items():
+        if channel in ("cie-u", "cie-v"):
+            continue
+        if isinstance(part, ScatteringMatrix) and part.standard_error is not None:
+            found[channel, name] = ScatteringMatrix(
+                part.standard_error, part.exits, part.incidents
+            )
+        elif isinstance(part, ScatteringTree) and part.standard_error is not None:
+            found[channel, name] = part.standard_error
+        else:
+            raise InputError(
+                f"{channel} {name.replace('_', ' ')} carries no standard errors;"
+                " a traced function that was not reduced expected"
+            )
+    return found

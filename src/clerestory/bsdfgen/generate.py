@@ -12,7 +12,6 @@ from typing import Literal
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product import Geometry, Product
-from clerestory.bsdf.scattering import Function, ScatteringFunction
 from clerestory.bsdfgen.area import SampleArea, area_of
 from clerestory.bsdfgen.bands import VISIBLE, Weights, check_bands
 from clerestory.bsdfgen.check import check_system
@@ -20,6 +19,7 @@ from clerestory.bsdfgen.effort import Progress, TraceEffort
 from clerestory.bsdfgen.finish import one_transmission, reciprocal_with_errors, reduced
 from clerestory.bsdfgen.matrix import trace_matrices
 from clerestory.bsdfgen.mgf_text import mgf_text
+from clerestory.bsdfgen.request import TraceRequest
 from clerestory.bsdfgen.system import System
 from clerestory.bsdfgen.tree import trace_trees
 from clerestory.engine import device as devices
@@ -122,23 +122,14 @@ def generate_bsdf(
     for doubt in check_system(system.scene, system.area):
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
     product = _product(system, geometry)
-    options = {
-        "backs": _BACKS[sides],
-        "bands": system.bands,
-        "colour": colour,
-        "effort": effort,
-    }
+    request = TraceRequest(system.area, _BACKS[sides], system.bands, colour, effort)
     if basis in ("tree3", "tree4"):
         engine = devices.load(device, "sample_area_tree")
         rank = int(basis[-1])
-        traced = trace_trees(
-            engine, system.scene, system.area, rank=rank, depth=halvings, **options
-        )
+        traced = trace_trees(engine, system.scene, request, rank=rank, depth=halvings)
     else:
         engine = devices.load(device, "sample_area_matrix")
-        traced = trace_matrices(
-            engine, system.scene, system.area, partition=klems(basis), **options
-        )
+        traced = trace_matrices(engine, system.scene, klems(basis), request)
     if not traced.reached:
         warnings.warn(
             f"the relative error {relative_error} was not reached after"

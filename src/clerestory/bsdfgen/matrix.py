@@ -1,66 +1,38 @@
 """Matrices of a traced system on the patches of a partition."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.bands import Weights, band_values, tristimulus
-from clerestory.bsdfgen.effort import TraceEffort
+from clerestory.bsdfgen.bands import band_values, tristimulus
+from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
 
 
-@dataclass(frozen=True, eq=False)
-class TracedMatrices:
-    """Matrices of some sides.
-
-    Attributes
-    ----------
-    functions : by band and function, with their standard errors
-    paths : traced in all
-    reached : whether the relative error aimed at was reached
-    """
-
-    functions: dict[tuple[str, Function], ScatteringFunction]
-    paths: int
-    reached: bool
-
-
 def trace_matrices(
-    engine: Any,
-    scene: Scene,
-    area: SampleArea,
-    *,
-    partition: RingPartition,
-    backs: tuple[bool, ...],
-    bands: Mapping[str, Weights],
-    colour: bool,
-    effort: TraceEffort,
-) -> TracedMatrices:
+    engine: Any, scene: Scene, partition: RingPartition, request: TraceRequest
+) -> Traced:
     """Return matrices of transmission and reflection for light from some sides.
 
     Parameters
     ----------
     engine : module `engine.sample_area_matrix`
-    backs : for each side, whether it is that of the room
     """
     traced = engine.trace_matrix(
         scene,
-        area.slab(),
+        request.area.slab(),
         partition,
-        periodic=area.periodic,
-        sides=backs,
-        effort=effort,
+        periodic=request.area.periodic,
+        sides=request.backs,
+        effort=engine.Effort(**asdict(request.effort)),
     )
     count = len(partition)
-    functions: dict[tuple[str, Function], ScatteringFunction] = {}
-    for number, back in enumerate(backs):
+    functions: Functions = {}
+    for number, back in enumerate(request.backs):
         side = "back" if back else "front"
         incident = slice(number * count, (number + 1) * count)
         for kind, exits in (
@@ -70,15 +42,15 @@ def trace_matrices(
             name: Any = f"{kind}_{side}"
             part = traced.values[:, incident, exits]
             spread = np.moveaxis(traced.components[:, :, incident, exits], 0, 1)
-            for band, weights in bands.items():
+            for band, weights in request.bands.items():
                 value, error = (band_values(of, weights) for of in (part, spread))
                 functions[band, name] = _matrix(value, error, partition)
-            if colour:
+            if request.colour:
                 xyz, errors = tristimulus(part), tristimulus(spread)
                 for band, axis in (("cie-x", 0), ("cie-z", 2)):
                     matrix = _matrix(xyz[axis], errors[axis], partition)
                     functions[band, name] = matrix
-    return TracedMatrices(functions, traced.paths, traced.reached)
+    return Traced(functions, traced.paths, traced.reached)
 
 
 def _matrix(

@@ -100,8 +100,8 @@ def _material(material: Material) -> Iterator[str]:
             kind = type(material).__name__.lower()
             source = material.source
             raise InputError(
-                f'{kind} "{material.name}" has no counterpart in MGF; leave the geometry'
-                " out of the BSDF",
+                f'{kind} "{material.name}" has no counterpart in MGF; leave the'
+                " geometry out of the BSDF",
                 file=None if source is None else source.file,
                 line=None if source is None else source.line,
             )

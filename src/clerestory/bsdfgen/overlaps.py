@@ -18,7 +18,7 @@ _MOST_PAIRS = 4_000_000
 
 
 def overlapping(scene: Scene) -> Iterator[str]:
-    """Yield the first pair of coplanar surfaces that overlap, and how many there are."""
+    """Yield the first pair of coplanar surfaces that overlap, and how many more."""
     parts = meshes(scene)
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     surface = np.concatenate([m.surface for m in parts])
@@ -50,10 +50,10 @@ def _planes(
     lead = np.argmax(np.abs(normal) > 1e-6, axis=1)
     normal *= np.sign(normal[np.arange(len(flat)), lead])[:, None]
     offset = np.einsum("tx,tx->t", normal, corner[flat].mean(axis=1))
-    key = np.column_stack([np.round(normal, 5), np.round(offset / max(10 * near, 1e-12))])
-    _, which, count = np.unique(
-        key, axis=0, return_inverse=True, return_counts=True
+    key = np.column_stack(
+        [np.round(normal, 5), np.round(offset / max(10 * near, 1e-12))]
     )
+    _, which, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
     order = np.argsort(which.ravel(), kind="stable")
     for part in np.split(flat[order], np.cumsum(count)[:-1]):
         if len(part) > 1:
@@ -90,7 +90,9 @@ def _pairs(
 
 
 def _overlap(
-    one: Float[np.ndarray, "pair 3 2"], other: Float[np.ndarray, "pair 3 2"], near: float
+    one: Float[np.ndarray, "pair 3 2"],
+    other: Float[np.ndarray, "pair 3 2"],
+    near: float,
 ) -> Bool[np.ndarray, " pair"]:
     # Two triangles are apart if the normal of one of their edges separates them
     apart = np.zeros(len(one), dtype=bool)

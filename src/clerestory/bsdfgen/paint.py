@@ -12,7 +12,9 @@ from clerestory.errors import InputError
 Share = float | Sequence[float]
 
 
-def share(name: str, value: Share, solar: float | None = None) -> Float[np.ndarray, "3"]:
+def share(
+    name: str, value: Share, solar: float | None = None
+) -> Float[np.ndarray, "3"]:
     """Return a share of light in the three channels that are traced.
 
     Parameters
@@ -30,7 +32,9 @@ def share(name: str, value: Share, solar: float | None = None) -> Float[np.ndarr
     [0.5, 0.4, 0.4]
     """
     channels = np.atleast_1d(np.asarray(value, dtype=float))
-    if channels.shape not in ((1,), (3,)) or not np.all((channels >= 0) & (channels <= 1)):
+    if channels.shape not in ((1,), (3,)) or not np.all(
+        (channels >= 0) & (channels <= 1)
+    ):
         raise InputError(f"{name} = {value}; one or three shares from 0 to 1 expected")
     if solar is None:
         return np.broadcast_to(channels, 3).copy()

@@ -27,7 +27,10 @@ def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
     >>> diffuse_pane(transmittance=0.5).area.periodic
     True
     """
-    passed, reflected = share("transmittance", transmittance), share("reflectance", reflectance)
+    passed, reflected = (
+        share("transmittance", transmittance),
+        share("reflectance", reflectance),
+    )
     return _sheet(scatterer("pane", reflected, passed), "Diffuse pane")
 
 

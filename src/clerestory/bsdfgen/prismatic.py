@@ -63,13 +63,18 @@ def prismatic(
     depth = base + height
     count = math.ceil(_SLENDER * depth / pitch)
     across = count * pitch
-    ends = {"start": -0.01 * across, "end": 1.01 * across, "material": "film"}
-    teeth = [(n * pitch + y, z) for n in range(-1, count + 1) for y, z in (
-        (0.0, -base), (ridge, -depth))]
+    ends = -0.01 * across, 1.01 * across
+    teeth = [
+        (n * pitch + y, z)
+        for n in range(-1, count + 1)
+        for y, z in ((0.0, -base), (ridge, -depth))
+    ]
     saw = np.array([*teeth, ((count + 1) * pitch, -base)])
-    surfaces: list[Polygon] = list(extruded(saw, name="prism", **ends))
+    surfaces: list[Polygon] = list(
+        extruded(saw, ends=ends, material="film", name="prism")
+    )
     flat = np.array([((count + 1) * pitch, 0.0), (-pitch, 0.0)])
-    surfaces += extruded(flat, name="sheet", **ends)
+    surfaces += extruded(flat, ends=ends, material="film", name="sheet")
     film = Dielectric("film", np.full(3, transmissivity), index)
     corners = np.array([[0, 0, -depth], [across, across, 0]])
     return System(

@@ -41,24 +41,24 @@ def arc(width: float, rise: float) -> Float[np.ndarray, "point 2"]:
 def extruded(
     section: Float[np.ndarray, "point 2"],
     *,
-    start: float,
-    end: float,
+    ends: tuple[float, float],
     material: str,
     name: str,
     closed: bool = False,
 ) -> Iterator[Polygon]:
     """Yield the strips of a section (y, z) drawn along x.
 
-    The front of a strip is on the left of the section, seen against x: y to the left,
-    z up.
+    The front of a strip looks up where the section runs towards -z.
 
     Parameters
     ----------
+    ends : from where to where on x [m]
     closed : whether the last point is joined to the first
     """
     points = [*section, section[0]] if closed else list(section)
+    ring = ends[0], ends[1], ends[1], ends[0]
     for number, (a, b) in enumerate(pairwise(points)):
-        corners = [(start, *a), (end, *a), (end, *b), (start, *b)]
+        corners = [(x, *point) for x, point in zip(ring, (a, a, b, b), strict=True)]
         yield Polygon(np.array(corners, dtype=float), material, f"{name}.{number}")
 
 

@@ -82,8 +82,8 @@ def coarser_light(
 def _cost(
     luminous: Float[np.ndarray, " node"], noise: Float[np.ndarray, " node"], cells: int
 ) -> Float[np.ndarray, " node"]:
-    cost: Float[np.ndarray, " node"] = (
-        2 * _CAUTION * noise / cells - cells * np.square(luminous)
+    cost: Float[np.ndarray, " node"] = 2 * _CAUTION * noise / cells - cells * np.square(
+        luminous
     )
     return cost
 

@@ -176,11 +176,12 @@ def _around(
     quarter = len(rim) // 4
     for number in range(4):
         inner = np.take(
-            rim, range(number * quarter, (number + 1) * quarter + 1), axis=0, mode="wrap"
+            rim,
+            range(number * quarter, (number + 1) * quarter + 1),
+            axis=0,
+            mode="wrap",
         )
-        flat = np.concatenate(
-            [[outer[number], outer[(number + 1) % 4]], inner[::-1]]
-        )
+        flat = np.concatenate([[outer[number], outer[(number + 1) % 4]], inner[::-1]])
         flat = flat[::-1] if side else flat
         corners = np.column_stack([flat + middle, np.full(len(flat), z)])
         yield Polygon(corners, material, f"sheet{side}.{number}")

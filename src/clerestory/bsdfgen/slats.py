@@ -83,16 +83,20 @@ def venetian(
     solar_below = solar if solar_reflectance_below is None else solar_reflectance_below
     if solar is None and solar_below is not None:
         raise InputError("solar_reflectance_below without solar_reflectance")
-    sheen = {"specularity": specularity, "roughness": roughness}
-    upper = Plastic("upper", share("reflectance", reflectance, solar), **sheen)
-    lower = Plastic("lower", share("reflectance_below", below, solar_below), **sheen)
+    upper, lower = (
+        Plastic(name, share(what, value, band), specularity, roughness)
+        for name, what, value, band in (
+            ("upper", "reflectance", reflectance, solar),
+            ("lower", "reflectance_below", below, solar_below),
+        )
+    )
     alike = bool(np.all(upper.reflectance == lower.reflectance))
     if not alike and thickness == 0:
         thickness = _THIN * slat_width
 
     section = _section(slat_width, rise, thickness, math.radians(tilt_deg))
     high, low = section[:, 1].max(), section[:, 1].min()
-    section = section - [0, high]
+    section = section - np.array([0, high])
     depth = max(high - low, 1e-3 * slat_width)
     reach = float(np.abs(section[:, 0]).max())
     if slats is None:
@@ -109,9 +113,8 @@ def venetian(
     for number in range(-beyond, count + beyond):
         middle = (number + 0.5) * spacing
         strips = extruded(
-            section + [middle, 0],
-            start=ends[0],
-            end=ends[1],
+            section + np.array([middle, 0]),
+            ends=ends,
             material="upper",
             name=f"slat{number}",
             closed=thickness > 0,
@@ -121,8 +124,13 @@ def venetian(
     if not alike:
         surfaces = [_painted(s, half) for s in surfaces]
     return System(
-        Scene({"upper": upper} if alike else {"upper": upper, "lower": lower}, tuple(surfaces)),
-        _area(count * spacing, across, depth, vertical=vertical, periodic=slats is None),
+        Scene(
+            {"upper": upper} if alike else {"upper": upper, "lower": lower},
+            tuple(surfaces),
+        ),
+        _area(
+            count * spacing, across, depth, vertical=vertical, periodic=slats is None
+        ),
         bands(solar=solar is not None),
         Product(
             name=_name(slat_width, spacing, tilt_deg, vertical=vertical),
@@ -137,9 +145,10 @@ def _section(
     # Points (y, z) of a slat around its middle: the upper side from the inner to the
     # outer edge, then the lower side back
     line = arc(width, rise)[::-1]
-    points = line + [0, thickness / 2]
+    lift = np.array([0, thickness / 2])
+    points = line + lift
     if thickness > 0:
-        points = np.concatenate([points, line[::-1] - [0, thickness / 2]])
+        points = np.concatenate([points, line[::-1] - lift])
     along, above = points.T
     y = along * np.sin(tilt) + above * np.cos(tilt)
     z = along * np.cos(tilt) - above * np.sin(tilt)

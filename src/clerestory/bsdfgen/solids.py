@@ -38,9 +38,7 @@ def open_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
                 " with their fronts outwards expected"
             )
         elif _volume(corner, faces) < 0 and not area.periodic:
-            yield (
-                f"{name} is inside out; faces whose fronts point outwards expected"
-            )
+            yield (f"{name} is inside out; faces whose fronts point outwards expected")
 
 
 def _welded(
@@ -77,8 +75,7 @@ def _in_sides(
     near = _SAME * float(area.size.max())
     low, high = area.bounds[0, :2] + near, area.bounds[1, :2] - near
     beyond = np.concatenate([ends[..., :2] <= low, ends[..., :2] >= high], axis=-1)
-    found: Bool[np.ndarray, " edge"] = beyond.all(axis=1).any(axis=-1)
-    return found
+    return np.asarray(beyond.all(axis=1).any(axis=-1))
 
 
 def _volume(

@@ -1,44 +1,23 @@
 """Tensor trees of a traced system, block by block, joined to whole trees."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int32
 
-from clerestory.bsdf.scattering import Function, ScatteringFunction
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_combine import bits_of
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.bands import Weights, band_values, chromaticity
+from clerestory.bsdfgen.bands import band_values, chromaticity
 from clerestory.bsdfgen.branches import joined
 from clerestory.bsdfgen.count import BlockCells, Counter
-from clerestory.bsdfgen.effort import TraceEffort
 from clerestory.bsdfgen.refine import Light, chosen_cells, coarser_light
+from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
 from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.scene.model import Scene
 
 # Most finest cells in a block of a rank 4 tree, for both functions and all channels.
 _MOST_SUMS = 1 << 24
-
-Functions = dict[tuple[str, Function], ScatteringFunction]
-
-
-@dataclass(frozen=True, eq=False)
-class TracedTrees:
-    """Trees of some sides.
-
-    Attributes
-    ----------
-    functions : by band and function, with their standard errors
-    paths : traced in all
-    reached : whether the relative error aimed at was reached everywhere
-    """
-
-    functions: Functions
-    paths: int
-    reached: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,34 +29,27 @@ class _Structure:
 
 
 def trace_trees(
-    engine: Any,
-    scene: Scene,
-    area: SampleArea,
-    *,
-    rank: int,
-    depth: int,
-    backs: tuple[bool, ...],
-    bands: Mapping[str, Weights],
-    colour: bool,
-    effort: TraceEffort,
-) -> TracedTrees:
+    engine: Any, scene: Scene, request: TraceRequest, *, rank: int, depth: int
+) -> Traced:
     """Return trees of transmission and reflection for light from some sides.
 
     Parameters
     ----------
     engine : module `engine.sample_area_tree`
-    backs : for each side, whether it is that of the room
+    rank : 3 if every azimuth is alike, 4 otherwise
+    depth : halvings of each coordinate down to the finest cells
     """
+    area, effort = request.area, request.effort
     slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
     weights = np.array([1.0]) if slab.grey else np.array(LUMINANCE_WEIGHTS)
     grid = engine.Grid(rank, depth, _block(rank, depth, len(weights) + 1))
     functions: Functions = {}
     paths, reached = 0, True
-    for number, back in enumerate(backs):
+    for number, back in enumerate(request.backs):
         found = []
         for block in range(grid.blocks):
             if effort.progress is not None:
-                share = (number + block / grid.blocks) / len(backs)
+                share = (number + block / grid.blocks) / len(request.backs)
                 effort.progress(share, f"block {block + 1} of {grid.blocks}")
             counter = Counter(engine, slab, grid, block, back, weights)
             found.append(counter.count(effort))
@@ -87,11 +59,11 @@ def trace_trees(
             blocks = [getattr(part, kind) for part in found]
             structure = _joined(blocks, weights, grid)
             name: Any = f"{kind}_{side}"
-            made = _trees(structure, rank, depth, bands, colour=colour)
+            made = _trees(structure, grid, request)
             functions |= {(band, name): tree for band, tree in made.items()}
     if effort.progress is not None:
         effort.progress(1.0, "done")
-    return TracedTrees(functions, paths, reached)
+    return Traced(functions, paths, reached)
 
 
 def _block(rank: int, depth: int, channels: int) -> int:
@@ -155,12 +127,7 @@ def _joined(
 
 
 def _trees(
-    structure: _Structure,
-    rank: Any,
-    depth: int,
-    bands: Mapping[str, Weights],
-    *,
-    colour: bool,
+    structure: _Structure, grid: Any, request: TraceRequest
 ) -> dict[str, ScatteringTree]:
     # Values of each band on the same cells; errors are those of the luminous value
     channels = structure.value.T
@@ -179,13 +146,13 @@ def _trees(
         inner = structure.slots < 0
         cell = np.where(inner, 0, structure.slots)
         slots = np.where(inner, structure.slots, bits_of(value)[cell])
-        return ScatteringTree(slots.astype(np.int32), rank, depth, error)
+        return ScatteringTree(slots.astype(np.int32), grid.rank, grid.depth, error)
 
     made = {}
-    for band, of in bands.items():
+    for band, of in request.bands.items():
         value = band_values(channels, of)
         made[band] = tree(value, tree(value * relative, None))
-    if colour:
+    if request.colour:
         u, v = chromaticity(channels)
         made |= {"cie-u": tree(u, None), "cie-v": tree(v, None)}
     return made

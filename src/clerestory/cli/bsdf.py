@@ -14,6 +14,7 @@ from clerestory.bsdf.plausibility import check as check_bsdf
 from clerestory.bsdf.scattering import Function
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.cli.bsdf_convert import convert, reduce
+from clerestory.cli.bsdf_generate import EXAMPLE, generate
 from clerestory.cli.bsdf_package import package_file
 from clerestory.cli.bsdf_report import (
     comparison_lines,
@@ -41,6 +42,7 @@ app.command(
 app.command(
     "package", epilog="Example: clerestory bsdf package blind.xml -o blind.rad"
 )(package_file)
+app.command(epilog=EXAMPLE)(generate)
 
 _UNREADABLE = 2
 _PICTURES = (".png", ".svg", ".pdf")

@@ -64,7 +64,7 @@ class Receiver(Protocol):
     """What takes the light that leaves the slab."""
 
     def receive(self, paths: Lanes, direction, weight, active) -> None:
-        """Take the share `weight` of each path's light, travelling along `direction`."""
+        """Take a share of the light of each path, travelling along a direction."""
 
 
 @dataclass
@@ -190,9 +190,7 @@ def follow(
         before, grown_to, total = mi.Ray3f(ray), mi.UInt32(segment), mi.Float(0)
         next_step, kept = step, mi.Color3f(0)
         for number in range(BRANCHES):
-            place = mi.Point2f(
-                _turn(u, number / BRANCHES), _turn(v, number * 0.618034)
-            )
+            place = mi.Point2f(_turn(u, number / BRANCHES), _turn(v, number * 0.618034))
             branching = active & (number < count)
             sample, factor = bsdf.sample(
                 context, si, _turn(lobe, number / BRANCHES), place, branching & met

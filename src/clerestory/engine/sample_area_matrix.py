@@ -7,7 +7,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.estimate import BATCHES, Effort, Estimate, _estimate, _Sums
+from clerestory.engine.estimate import BATCHES, Effort, Estimate, Sums, estimate
 from clerestory.engine.patches import PatchTable
 from clerestory.engine.points import points
 from clerestory.engine.sample_area import follow, lower_slab, start
@@ -15,6 +15,8 @@ from clerestory.engine.starts import Lanes, lanes
 from clerestory.engine.walk import Target
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
+
+__all__ = ["Effort", "trace_matrix"]
 
 # Keeps the sample points apart from those of other matrices made with the same seed.
 _SALT = 0x5BD1E995
@@ -76,20 +78,18 @@ def trace_matrix(
     def launch(target: Target, rows: np.ndarray, first: int, number: int) -> None:
         sequence = points(first, number)
         seed = effort.seed ^ _SALT
-        paths = lanes(sequence, rows=rows, batches=BATCHES, seed=seed, stream=0)
+        paths = lanes(sequence, rows=rows, batches=effort.batches, seed=seed, stream=0)
         back = dr.gather(mi.Bool, backs, paths.number // count)
         ray = start(slab, sequence, paths, table, paths.number % count, back)
         receiver = Patches(target, table, count, back)
         follow(slab, receiver, sequence, paths, ray, dr.opaque(mi.UInt32, limit))
 
-    def noisy(sums: _Sums) -> tuple[np.ndarray, float]:
+    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
         values = sums.means() / measure[:, None]
-        error = np.sqrt(np.mean(np.var(values, axis=1, ddof=1)) / BATCHES)
+        error = np.sqrt(np.mean(variance(values, axis=1)))
         mean = float(np.mean(values))
         ratio = error / (effort.relative_error * mean) if mean > 0 else 0.0
         return np.full(len(sums.count), ratio > 1), float(ratio)
 
-    target = Target(
-        None, None, mi.UInt64(), 2 * count, 1 if slab.grey else 3
-    )
-    return _estimate(launch, target, len(sides) * count, effort, noisy, together=True)
+    target = Target(None, None, mi.UInt64(), 2 * count, 1 if slab.grey else 3)
+    return estimate(launch, target, len(sides) * count, effort, noisy, together=True)

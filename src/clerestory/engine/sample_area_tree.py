@@ -100,7 +100,9 @@ class _Cells:
             mi.UInt32(dr.clip(mi.Int32(c), 0, (1 << grid.depth) - 1))
             for c in (place.x, place.y)
         )
-        cell = _interleave((a >> grid.block, b >> grid.block), 2, grid.depth - grid.block)
+        cell = _interleave(
+            (a >> grid.block, b >> grid.block), 2, grid.depth - grid.block
+        )
         if grid.rank == 3:
             inside = _interleave((self.incident, a, b), 3, grid.block)
         else:
@@ -113,7 +115,9 @@ class _Cells:
         light = [weight[channel] for channel in range(self.target.channels - 1)]
         luminance = light[0]
         if len(light) == 3:
-            luminance = sum(w * c for w, c in zip(LUMINANCE_WEIGHTS, light, strict=True))
+            luminance = sum(
+                w * c for w, c in zip(LUMINANCE_WEIGHTS, light, strict=True)
+            )
         scores = [*light, dr.square(luminance)]
         self.target.score(mi.UInt32(0), cell, scores, active)
 

@@ -1,0 +1,279 @@
+"""Generated BSDFs whose every value, or whose sums, have a closed form."""
+
+import numpy as np
+import pytest
+
+import clerestory as cl
+from clerestory.bsdf.analytic import pane_shares
+from clerestory.bsdf.reciprocity import diffuse_share
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.channel import mirrored_channels
+from clerestory.bsdfgen.fabric import fabric
+from clerestory.bsdfgen.microlouvre import microlouvre
+from clerestory.bsdfgen.pane import clear_pane, diffuse_pane
+from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.screen import perforated, woven
+from clerestory.bsdfgen.slats import venetian
+from clerestory.hemisphere.klems import klems
+from clerestory.scene.model import Mirror, Plastic, Polygon, Scene
+
+FUNCTIONS = (
+    "transmission_front",
+    "transmission_back",
+    "reflection_front",
+    "reflection_back",
+)
+BOX = np.array([[0.0, 0, -0.1], [1, 1, 0]])
+
+
+def sheet(material, z=-0.05):
+    """An endless sheet across the cell of one square metre."""
+    corners = [(-1, -1, z), (2, -1, z), (2, 2, z), (-1, 2, z)]
+    polygon = Polygon(np.array(corners, dtype=float), "m", "sheet")
+    return Scene({"m": material}, (polygon,))
+
+
+def part(bsdf, name):
+    return bsdf.functions["visible", name]
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_empty_area_passes_all_light_straight_on(device, periodic):
+    """T is diagonal: the exact inverse of the projected solid angles."""
+    bsdf = cl.generate_bsdf(
+        Scene(),
+        area=SampleArea(BOX, periodic),
+        basis="half",
+        samples=256,
+        device=device,
+        geometry=False,
+    )
+    straight = np.diag(1 / klems("half").projected_solid_angles())
+    for side in ("front", "back"):
+        found = part(bsdf, f"transmission_{side}").values
+        # A direction on the very edge of its patch may fall to either side
+        assert found == pytest.approx(straight, abs=1e-3 * straight.max())
+        assert np.all(part(bsdf, f"reflection_{side}").values == 0)
+
+
+def test_lambertian_sheet_is_even(device):
+    """A sheet that passes 0.4 and reflects 0.3 has the values 0.4/π and 0.3/π."""
+    system = diffuse_pane(transmittance=0.4, reflectance=0.3)
+    bsdf = cl.generate_bsdf(system, basis="quarter", samples=1 << 14, device=device)
+    for name, share in zip(FUNCTIONS, (0.4, 0.4, 0.3, 0.3), strict=True):
+        matrix = part(bsdf, name)
+        score = (matrix.values - share / np.pi) / matrix.standard_error
+        assert np.sqrt(np.mean(matrix.standard_error**2)) < 0.1 * share / np.pi
+        assert np.abs(score).max() < 7  # of 1681 values, t with 15 degrees of freedom
+        assert matrix.direct_hemispherical().mean() == pytest.approx(share, rel=2e-3)
+
+
+def test_mirror_keeps_the_number_of_each_patch(device):
+    """A mirror of reflectance 0.8 sends patch i to patch i, and nothing through."""
+    mirror = Mirror("m", np.full(3, 0.8))
+    bsdf = cl.generate_bsdf(
+        sheet(mirror),
+        area=SampleArea(BOX, periodic=True),
+        basis="full",
+        samples=256,
+        device=device,
+    )
+    measure = klems("full").projected_solid_angles()
+    for side in ("front", "back"):
+        found = part(bsdf, f"reflection_{side}").values * measure[:, None]
+        assert np.diag(found) == pytest.approx(0.8, abs=0.8 * 0.02)
+        assert found.sum(axis=0) == pytest.approx(0.8, rel=1e-5)
+        assert np.all(part(bsdf, f"transmission_{side}").values == 0)
+
+
+def test_glass_has_fresnels_shares(device):
+    """Each patch of a pane passes and reflects the mean of Fresnel's shares over it."""
+    bsdf = cl.generate_bsdf(clear_pane(transmissivity=0.9), samples=1024, device=device)
+    full = klems("full")
+    u = np.stack([(np.arange(4000) + 0.5) / 4000, np.full(4000, 0.5)], axis=1)
+    for patch in (0, 40, 100, 144):
+        cosine = full.sample(np.full(4000, patch), u)[:, 2]
+        expected = pane_shares(cosine, transmissivity=0.9, index=1.52)
+        for name, share in zip(FUNCTIONS[::2], expected, strict=True):
+            found = part(bsdf, name).direct_hemispherical()[patch]
+            assert found == pytest.approx(float(share.mean()), abs=0.01)
+
+
+def straight_share(width, spacing, tangent):
+    """Share of light that passes black flat slats, by the tangent of its profile."""
+    return np.maximum(0, 1 - width * np.abs(tangent) / spacing)
+
+
+@pytest.mark.parametrize("vertical", [False, True])
+def test_black_slats_pass_what_geometry_says(device, vertical):
+    """Light at the profile angle α passes flat slats with 1 - (w/s)·|tan α|."""
+    width, spacing = 0.05, 0.08
+    blind = venetian(
+        slat_width=width, spacing=spacing, reflectance=0.0, vertical=vertical
+    )
+    bsdf = cl.generate_bsdf(blind, basis="full", samples=1 << 13, device=device)
+    full = klems("full")
+    rng = np.random.default_rng(1)
+    for side in ("front", "back"):
+        assert np.all(part(bsdf, f"reflection_{side}").values == 0)
+        matrix = part(bsdf, f"transmission_{side}")
+        found = matrix.direct_hemispherical()
+        direction = full.sample(
+            np.repeat(np.arange(145), 20000), rng.random((145 * 20000, 2))
+        )
+        along = direction[:, 0 if vertical else 1] / direction[:, 2]
+        expected = straight_share(width, spacing, along).reshape(145, -1).mean(axis=1)
+        measure = full.projected_solid_angles()
+        error = np.sqrt(((matrix.standard_error * measure[:, None]) ** 2).sum(axis=0))
+        assert np.all(error < 0.01)
+        assert np.all(np.abs(found - expected) < 5 * error + 2e-3)
+
+
+def test_microlouvre_cuts_off_at_its_angle(device):
+    """No straight light above the cut-off, and some of it just below."""
+    cutoff = 40.0
+    bsdf = cl.generate_bsdf(
+        microlouvre(cutoff_deg=cutoff, reflectance=0.0),
+        basis="tree4",
+        sides="front",
+        halvings=5,
+        samples=256,
+        device=device,
+    )
+    for angle, dark in ((30.0, False), (37.0, False), (45.0, True), (60.0, True)):
+        alpha = np.radians(angle)
+        high_sun = np.array([0.0, np.sin(alpha), -np.cos(alpha)])
+        share = bsdf.hemispherical(high_sun, function="transmission_front")
+        assert (share < 0.02) == dark, angle
+
+
+SYSTEMS = {
+    "venetian": venetian(
+        slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.48
+    ),
+    "curved": venetian(
+        slat_width=0.08,
+        spacing=0.072,
+        tilt_deg=30,
+        rise=0.008,
+        reflectance=0.7,
+        reflectance_below=0.3,
+        vertical=True,
+    ),
+    "prismatic": prismatic(),
+    "mirrored_channels": mirrored_channels(),
+    "perforated": perforated(thickness=0.5e-3),
+    "woven": woven(),
+    "fabric": fabric(openness=0.05, reflectance=0.5, diffuse_transmittance=0.1),
+}
+
+
+@pytest.mark.parametrize("kind", SYSTEMS)
+def test_systems_keep_energy_and_reciprocity(device, kind):
+    """No more light leaves than came, and light goes the same ways forth and back."""
+    bsdf = cl.generate_bsdf(
+        SYSTEMS[kind], basis="quarter", samples=4096, seed=3, device=device
+    )
+    for side in ("front", "back"):
+        total = sum(
+            part(bsdf, f"{name}_{side}").direct_hemispherical()
+            for name in ("transmission", "reflection")
+        )
+        assert np.all(total <= 1.02)  # Russian roulette makes noise
+        assert total.mean() <= 1.002
+    pairs = (
+        ("transmission_front", "transmission_back"),
+        ("reflection_front", "reflection_front"),
+        ("reflection_back", "reflection_back"),
+    )
+    for name, other in pairs:
+        forth, back = part(bsdf, name), part(bsdf, other)
+        turned = back.reciprocal()
+        error = np.hypot(
+            forth.standard_error,
+            type(back)(back.standard_error, back.exits, back.incidents)
+            .reciprocal()
+            .values,
+        )
+        # Values that only a few paths reached have errors of their own size
+        known = (error < 0.2 * (forth.values + turned.values)) & (error > 0)
+        score = (forth.values - turned.values)[known] / error[known]
+        assert np.sqrt(np.mean(score**2)) < 1.5
+        assert abs(diffuse_share(forth) - diffuse_share(back)) < 0.01
+
+
+def test_lossless_systems_lose_nothing(device):
+    """A clear film and mirrors of reflectance 1 absorb no light."""
+    for system in (prismatic(), mirrored_channels(reflectance=1.0)):
+        bsdf = cl.generate_bsdf(system, basis="quarter", samples=1024, device=device)
+        for side in ("front", "back"):
+            total = sum(
+                part(bsdf, f"{name}_{side}").direct_hemispherical()
+                for name in ("transmission", "reflection")
+            )
+            assert total == pytest.approx(1, abs=0.03)
+            assert total.mean() == pytest.approx(1, abs=2e-3)
+
+
+def test_finite_sample_loses_light_at_its_edges(device):
+    """White slats of a small sample lose what an endless blind of the same keeps."""
+    shape = {"slat_width": 0.08, "spacing": 0.08, "tilt_deg": 60, "reflectance": 1.0}
+    endless, few = (
+        cl.generate_bsdf(
+            venetian(**shape, **more), basis="quarter", samples=2048, device=device
+        )
+        for more in ({}, {"slats": 3})
+    )
+    kept, lost = (
+        part(b, "transmission_front").direct_hemispherical()
+        + part(b, "reflection_front").direct_hemispherical()
+        for b in (endless, few)
+    )
+    assert kept == pytest.approx(1, abs=0.02)
+    assert np.all(lost <= 1 + 1e-5)
+
+
+def test_two_bands_are_traced_at_once(device):
+    """Visible and solar values follow their own reflectances."""
+    blind = venetian(
+        slat_width=0.05, spacing=0.05, tilt_deg=80, reflectance=0.8, solar_reflectance=0.4
+    )
+    both = cl.generate_bsdf(blind, basis="quarter", samples=8192, device=device)
+    assert both.channels == ("visible", "solar")
+    for band, reflectance in (("visible", 0.8), ("solar", 0.4)):
+        alone = cl.generate_bsdf(
+            venetian(
+                slat_width=0.05, spacing=0.05, tilt_deg=80, reflectance=reflectance
+            ),
+            basis="quarter",
+            samples=8192,
+            seed=7,
+            device=device,
+        )
+        one = both.diffuse("reflection_front", channel=band)
+        assert one == pytest.approx(alone.diffuse("reflection_front"), rel=0.01)
+
+
+def test_coloured_matrices_keep_their_colour(device):
+    """RGB of the transmission matrix is that of a coloured sheet."""
+    rgb = np.array([0.6, 0.4, 0.2])
+    paint = Plastic("m", rgb)
+    bsdf = cl.generate_bsdf(
+        sheet(paint),
+        area=SampleArea(BOX, periodic=True),
+        basis="quarter",
+        colour=True,
+        samples=4096,
+        device=device,
+    )
+    x, z = (bsdf.diffuse("reflection_front", channel=c) for c in ("cie-x", "cie-z"))
+    y = bsdf.diffuse("reflection_front")
+    # Radiance's primaries: X and Z of unit red, green and blue
+    assert x / y == pytest.approx(
+        np.dot([0.5142, 0.3239, 0.1619], rgb) / np.dot([0.2651, 0.6701, 0.0648], rgb),
+        rel=1e-3,
+    )
+    assert z / y == pytest.approx(
+        np.dot([0.0241, 0.1229, 0.8530], rgb) / np.dot([0.2651, 0.6701, 0.0648], rgb),
+        rel=1e-3,
+    )
