@@ -7,6 +7,7 @@ balls before the dome, where Radiance follows every ray.
 
 import numpy as np
 import pytest
+from material_texts import SHEETS
 from radiance import run
 
 from clerestory.engine import device as devices
@@ -25,27 +26,6 @@ def unit(*vector):
     return np.array(vector) / np.linalg.norm(vector)
 
 
-SHEETS = {
-    "plastic": "void plastic m 0 0 5 .5 .4 .3 .05 .1",
-    "smooth plastic": "void plastic m 0 0 5 .5 .4 .3 .05 0",
-    "metal": "void metal m 0 0 5 .5 .4 .3 .8 .15",
-    "smooth metal": "void metal m 0 0 5 .5 .4 .3 .8 0",
-    "trans": "void trans m 0 0 7 .5 .4 .3 .1 .15 .6 .5",
-    "smooth trans": "void trans m 0 0 7 .5 .4 .3 .05 0 .6 .5",
-    "plastic2": "void plastic2 m 4 0 .3 1 . 0 6 .5 .4 .3 .1 .1 .3",
-    "metal2": "void metal2 m 6 0 1 1 . -rz 90 0 6 .5 .4 .3 .8 .3 .15",
-    "trans2": "void trans2 m 4 0 1 1 . 0 8 .5 .4 .3 .1 .1 .2 .6 .5",
-    "glass": "void glass m 0 0 3 .9 .8 .7",
-    "dense glass": "void glass m 0 0 4 .9 .8 .7 1.8",
-    "mirror": "void mirror m 0 0 3 .9 .8 .7",
-    "mixture": (
-        "void plastic a 0 0 5 .5 .4 .3 .1 .2\n"
-        "void trans b 0 0 7 .5 .4 .3 .1 .1 .6 .5\nvoid mixfunc m 4 a b .3 . 0 0"
-    ),
-    "perforated": (
-        "void plastic a 0 0 5 .5 .4 .3 .1 .2\nvoid mixfunc m 4 a void .6 . 0 0"
-    ),
-}
 SHEET = "\nm polygon s 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n"
 
 SUNS = [unit(-0.5, 0, 0.9), unit(-0.6, -0.6, 0.5), unit(0.6, 0.7, -0.3)]
