@@ -120,95 +120,137 @@ class SunWindow:
         return dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
 
 
+@dataclass
+class Place:
+    """Where sunlight is received, and how much of it counts.
+
+    Attributes
+    ----------
+    point : [m], on the room side
+    leave : function that returns the point moved off its surface towards a direction
+    receive : function that returns what counts of light from a direction, cosine
+        included
+    """
+
+    point: mi.Point3f
+    leave: object
+    receive: object
+
+
+def on_disc(sun, a, b):
+    """Return a direction to the disc of a sun; a, b lie in the unit square."""
+    height = a * _DEPTH
+    flat = dr.sqrt(height * (2 - height))
+    sine, cosine = dr.sincos(2 * dr.pi * b)
+    local = mi.Vector3f(flat * cosine, flat * sine, 1 - height)
+    return mi.Frame3f(sun).to_world(local)
+
+
+def sunlight(window: SunWindow, place: Place, sun, draw, active):
+    """Light of the sun through the window, one sample per direct normal irradiance.
+
+    Parameters
+    ----------
+    sun : unit vector to a point of the sun
+    draw : function that returns sample numbers by purpose
+    """
+    light = _by_window(window, place, sun, draw, active)
+    light += _by_lobe(window, place, sun, draw, active)
+    if window.peak is not None:
+        light += _straight(window, place, sun, active)
+    return light
+
+
+def _by_window(window: SunWindow, place: Place, sun, draw, active):
+    # Connect with a point of the window
+    own, inside = window.own, window.inside
+    facing = own.to_scene(mi.UInt32(0), mi.Vector3f(0, 0, 1))
+    u, v = draw(sampling.CONNECT_U), draw(sampling.CONNECT_V)
+    point, _, spherical = own.aim(place.point, u, v)
+    across = point - place.point
+    distance2 = dr.squared_norm(across)
+    direction = across * dr.rsqrt(distance2)
+    behind = -dr.dot(direction, facing)
+    by_area = distance2 / (dr.maximum(behind, 1e-6) * own.area)
+    pdf = dr.select(spherical > 0, spherical, by_area)
+    value, density = window.transmitted(-direction, sun)
+    value *= place.receive(direction)
+    lit = active & (behind > 1e-6) & (dr.max(value) > 0)
+    lit &= ~inside.scene.ray_test(towards(place.leave(direction, lit), point), lit)
+    lit &= window.sees(point, sun, lit)
+    slant = dr.maximum(-dr.dot(sun, facing), 0)
+    return dr.select(lit, value * (slant / (pdf + density)), 0)
+
+
+def _by_lobe(window: SunWindow, place: Place, sun, draw, active):
+    # Look back along a direction that the sun's light takes
+    own = window.own
+    facing = own.to_scene(mi.UInt32(0), mi.Vector3f(0, 0, 1))
+    u, v = draw(sampling.DIRECTION_U), draw(sampling.DIRECTION_V)
+    leaving = window.lobe(sun, u, v)
+    value, density = window.transmitted(leaving, sun)
+    value *= place.receive(-leaving)
+    lit = active & (dr.max(value) > 0)
+    si, lit = _window_along(window, place, -leaving, lit)
+    behind = dr.dot(leaving, facing)
+    element = si.prim_index >> 1
+    spherical = own.spherical_pdf(element, own.look(place.point, element))
+    by_area = dr.square(si.t) / (dr.maximum(behind, 1e-6) * own.area)
+    pdf = dr.select(spherical > 0, spherical, by_area)
+    lit &= window.sees(si.p, sun, lit)
+    slant = dr.maximum(-dr.dot(sun, facing), 0)
+    return dr.select(lit, value * (slant / (pdf + density)), 0)
+
+
+def _straight(window: SunWindow, place: Place, sun, active):
+    # Look at the sun itself
+    value = window.straight(sun) * place.receive(sun)
+    si, lit = _window_along(window, place, sun, active & (dr.max(value) > 0))
+    lit &= window.sees(si.p, sun, lit)
+    return dr.select(lit, value, 0)
+
+
+def _window_along(window: SunWindow, place: Place, direction, active):
+    # What a ray meets, and whether it is the window
+    inside = window.inside
+    ray = mi.Ray3f(place.leave(direction, active), direction)
+    hit = inside.scene.ray_intersect_preliminary(ray, active=active)
+    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
+    shape = dr.reinterpret_array(mi.UInt32, si.shape)
+    met = active & hit.is_valid()
+    role = dr.gather(mi.UInt32, inside.window_of_shape, shape, met)
+    return si, met & (role == window.role)
+
+
 @dr.syntax
 def sunlight_at(
     window: SunWindow,
     sequence: Points,
-    origin,
-    normal,
+    place: Place,
     sun,
     seed,
     active,
 ):
-    """Irradiance at points per direct normal irradiance of a sun behind the window.
+    """Irradiance at a place per direct normal irradiance of a sun behind the window.
 
     Parameters
     ----------
-    origin, normal : of each point [m], on the room side
     sun : unit vector to the middle of the sun
     """
     light = mi.Color3f(0)
     index = mi.UInt32(0)
-    inside = window.inside
-    frame = mi.Frame3f(sun)
-    facing = window.own.to_scene(mi.UInt32(0), mi.Vector3f(0, 0, 1))
     while active & (index < sequence.count):
-        # Take a place on the sun's disc
         a = sampling.random_number(seed, index, mi.UInt32(1))
         b = sampling.random_number(seed, index, mi.UInt32(2))
-        height = a * _DEPTH
-        flat = dr.sqrt(height * (2 - height))
-        sine, cosine = dr.sincos(2 * dr.pi * b)
-        place = frame.to_world(mi.Vector3f(flat * cosine, flat * sine, 1 - height))
-        slant = dr.maximum(-dr.dot(place, facing), 0)
-
-        # Connect with a point of the window
-        zero = mi.UInt32(0)
-        u = sampling.coordinate(sequence, seed, index, zero, sampling.CONNECT_U)
-        v = sampling.coordinate(sequence, seed, index, zero, sampling.CONNECT_V)
-        point, _, spherical = window.own.aim(origin, u, v)
-        across = point - origin
-        distance2 = dr.squared_norm(across)
-        direction = across * dr.rsqrt(distance2)
-        behind = -dr.dot(direction, facing)
-        by_area = distance2 / (dr.maximum(behind, 1e-6) * window.own.area)
-        pdf = dr.select(spherical > 0, spherical, by_area)
-        value, density = window.transmitted(-direction, place)
-        cosine = dr.dot(normal, direction)
-        lit = active & (behind > 1e-6) & (cosine > 0) & (dr.max(value) > 0)
-        lit &= ~inside.scene.ray_test(towards(origin, point), lit)
-        lit &= window.sees(point, place, lit)
-        gain = value * (slant * cosine / (pdf + density))
-        light += dr.select(lit, gain, 0)
-
-        # Look back along a direction that the sun's light takes
-        u = sampling.coordinate(sequence, seed, index, zero, sampling.DIRECTION_U)
-        v = sampling.coordinate(sequence, seed, index, zero, sampling.DIRECTION_V)
-        leaving = window.lobe(place, u, v)
-        value, density = window.transmitted(leaving, place)
-        cosine = -dr.dot(normal, leaving)
-        lit = active & (cosine > 0) & (dr.max(value) > 0)
-        ray = mi.Ray3f(origin, -leaving)
-        hit = inside.scene.ray_intersect_preliminary(ray, active=lit)
-        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, lit)
-        shape = dr.reinterpret_array(mi.UInt32, si.shape)
-        lit &= hit.is_valid()
-        role = dr.gather(mi.UInt32, inside.window_of_shape, shape, lit)
-        lit &= role == window.role
-        behind = dr.dot(leaving, facing)
-        element = si.prim_index >> 1
-        spherical = window.own.spherical_pdf(element, window.own.look(origin, element))
-        by_area = dr.square(si.t) / (dr.maximum(behind, 1e-6) * window.own.area)
-        pdf = dr.select(spherical > 0, spherical, by_area)
-        lit &= window.sees(si.p, place, lit)
-        gain = value * (slant * cosine / (pdf + density))
-        light += dr.select(lit, gain, 0)
-
-        # Look at the sun itself
-        if dr.hint(window.peak is not None, mode="scalar"):
-            passes = window.straight(place)
-            cosine = dr.dot(normal, place)
-            lit = active & (cosine > 0) & (dr.max(passes) > 0)
-            ray = mi.Ray3f(origin, place)
-            hit = inside.scene.ray_intersect_preliminary(ray, active=lit)
-            si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, lit)
-            shape = dr.reinterpret_array(mi.UInt32, si.shape)
-            lit &= hit.is_valid()
-            role = dr.gather(mi.UInt32, inside.window_of_shape, shape, lit)
-            lit &= role == window.role
-            lit &= window.sees(si.p, place, lit)
-            light += dr.select(lit, passes * cosine, 0)
-
+        light += sunlight(
+            window,
+            place,
+            on_disc(sun, a, b),
+            lambda purpose: sampling.coordinate(
+                sequence, seed, index, mi.UInt32(0), purpose
+            ),
+            active,
+        )
         index += 1
     return light / sequence.count
 
@@ -285,16 +327,23 @@ def _launch(
     row = pair // dr.opaque(mi.UInt32, count)
     sun = pair % dr.opaque(mi.UInt32, count)
     key = mi.sample_tea_32(lane, dr.opaque(mi.UInt32, seed & 0xFFFFFFFF))[0]
+    point = dr.gather(mi.Point3f, position, row)
+    upwards = dr.gather(mi.Vector3f, normal, row)
+    place = Place(
+        point,
+        lambda direction, active: point,
+        lambda direction: mi.Color3f(dr.maximum(dr.dot(upwards, direction), 0)),
+    )
     try:
         light = sunlight_at(
             window,
             sequence,
-            dr.gather(mi.Point3f, position, row),
-            dr.gather(mi.Vector3f, normal, row),
+            place,
             dr.gather(mi.Vector3f, _upload(mi.Vector3f, suns), sun),
             key,
             mi.Bool(True),
         )
+        dr.eval(light)
         values = light.numpy()
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[-1]

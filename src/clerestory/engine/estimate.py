@@ -65,6 +65,8 @@ class Effort:
     bounces : most diffuse reflections or gathers, as Radiance's -ab; None: no limit
     seed : any whole number; the same seed gives the same result
     progress : called with the share done and a note
+    batches : independent estimates of each row
+    components : whether the batches' deviations are kept, as error components
     """
 
     samples: int | None = None
@@ -72,6 +74,8 @@ class Effort:
     bounces: int | None = None
     seed: int = 0
     progress: Progress | None = None
+    batches: int = BATCHES
+    components: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,23 +85,24 @@ class Estimate:
     Attributes
     ----------
     values : mean over the batches
-    components : error components; the sum of their squares is the variance
+    components : error components; the sum of their squares is the variance; None if
+        they are not kept
     paths : traced in all
     reached : whether the relative error aimed at was reached in all rows
     """
 
     values: Float[np.ndarray, "channel row column"]
-    components: Float[np.ndarray, "component channel row column"]
+    components: Float[np.ndarray, "component channel row column"] | None
     paths: int
     reached: bool
 
 
 Launch = Callable[[Target, "np.ndarray", int, int], None]
-Unfinished = Callable[["_Sums"], tuple[np.ndarray, float]]
+Unfinished = Callable[["Sums"], tuple[np.ndarray, float]]
 
 
 @dataclass
-class _Sums:
+class Sums:
     """Fixed-point sums of some rows, and how many points each batch has seen."""
 
     total: UInt64[np.ndarray, "row batch column channel"]
@@ -117,7 +122,7 @@ def trace_view(
     """
     origin = np.mean(sensors.position, axis=0)
     model = lower(scene, origin=origin, receivers=windows)
-    target = _target(model, None, model.windows.columns)
+    target = matrix_target(model, None, model.windows.columns)
     return _from_sensors(target, sensors, origin, effort)
 
 
@@ -129,7 +134,7 @@ def trace_coefficients(
     The relative error of a row is that of the irradiance under a uniform sky.
     """
     origin = np.mean(sensors.position, axis=0)
-    target = _target(lower(scene, origin=origin), SkyTable.of(sky), len(sky))
+    target = matrix_target(lower(scene, origin=origin), SkyTable.of(sky), len(sky))
     return _from_sensors(target, sensors, origin, effort)
 
 
@@ -147,24 +152,22 @@ def trace_daylight(
     table, _ = window_shapes((window,), origin)
     segments = _segments(effort.bounces, first=1)
     projected = window.partition.projected_solid_angles()
-    units = {"batches": BATCHES, "seed": effort.seed}
+    units = {"batches": effort.batches, "seed": effort.seed}
 
     def launch(target: Target, rows: np.ndarray, first: int, count: int) -> None:
         sequence = points(first, count)
         paths = lanes(sequence, rows=rows, stream=1, **units)
         trace_window_patches(target, sequence, paths, window=table, segments=segments)
 
-    def noisy(sums: _Sums) -> tuple[np.ndarray, float]:
+    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
         irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
-        error = np.sqrt(np.mean(_variance(irradiance, axis=0)))
+        error = np.sqrt(np.mean(variance(irradiance, axis=0)))
         mean = float(np.mean(irradiance))
         ratio = error / (effort.relative_error * mean) if mean > 0 else 0.0
         return np.full(len(sums.count), ratio > 1), float(ratio)
 
-    target = _target(model, SkyTable.of(sky), len(sky))
-    return _estimate(
-        launch, target, len(window.partition), effort, noisy, together=True
-    )
+    target = matrix_target(model, SkyTable.of(sky), len(sky))
+    return estimate(launch, target, len(window.partition), effort, noisy, together=True)
 
 
 def _from_sensors(
@@ -172,7 +175,7 @@ def _from_sensors(
 ) -> Estimate:
     position = sensors.position - origin
     segments = _segments(effort.bounces, first=0)
-    units = {"batches": BATCHES, "seed": effort.seed}
+    units = {"batches": effort.batches, "seed": effort.seed}
 
     def launch(target: Target, rows: np.ndarray, first: int, count: int) -> None:
         sequence = points(first, count)
@@ -180,7 +183,7 @@ def _from_sensors(
         start = {"position": position[rows], "normal": sensors.direction[rows]}
         trace_sensors(target, sequence, paths, **start, segments=segments)
 
-    return _estimate(launch, target, len(position), effort, _dim_rows(effort))
+    return estimate(launch, target, len(position), effort, _dim_rows(effort))
 
 
 def _segments(bounces: int | None, *, first: int) -> int:
@@ -188,20 +191,20 @@ def _segments(bounces: int | None, *, first: int) -> int:
     return (1 << 30) if bounces is None else bounces + first
 
 
-def _target(model: LoweredScene, sky: SkyTable | None, columns: int) -> Target:
+def matrix_target(model: LoweredScene, sky: SkyTable | None, columns: int) -> Target:
     return Target(model, sky, mi.UInt64(), columns, 1 if model.grey else 3)
 
 
-def _variance(values: np.ndarray, *, axis: int) -> np.ndarray:
+def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
     # Of the mean of independent batches
     return np.var(values, axis=axis, ddof=1) / values.shape[axis]
 
 
 def _dim_rows(effort: Effort) -> Unfinished:
-    def noisy(sums: _Sums) -> tuple[np.ndarray, float]:
+    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
         irradiance = sums.means().sum(axis=2)
         mean = irradiance.mean(axis=1)
-        error = np.sqrt(_variance(irradiance, axis=1))
+        error = np.sqrt(variance(irradiance, axis=1))
         floor = np.maximum(mean, _DARK * mean.mean())
         share = np.max(error / np.where(floor > 0, floor, 1), axis=-1)
         ratio = share / effort.relative_error
@@ -210,7 +213,7 @@ def _dim_rows(effort: Effort) -> Unfinished:
     return noisy
 
 
-def _estimate(
+def estimate(
     launch: Launch,
     target: Target,
     rows: int,
@@ -220,7 +223,7 @@ def _estimate(
     together: bool = False,
 ) -> Estimate:
     # Trace block after block of rows, each to its end
-    row_bytes = BATCHES * target.columns * target.channels * 8
+    row_bytes = effort.batches * target.columns * target.channels * 8
     block = rows if together else max(1, min(rows, _SUMS // row_bytes))
     values, components, paths, reached = [], [], 0, True
     for first in range(0, rows, block):
@@ -231,14 +234,16 @@ def _estimate(
         sums, good = _trace_rows(launch, target, numbers, effort, unfinished, progress)
         means = sums.means()
         mean = means.mean(axis=1)
-        spread = (means - mean[:, None]) / np.sqrt(BATCHES * (BATCHES - 1))
         values.append(np.moveaxis(mean, -1, 0))
-        components.append(np.moveaxis(spread, (1, 3), (0, 1)).astype(np.float32))
-        paths += int(sums.count.sum()) * BATCHES
+        if effort.components:
+            batches = effort.batches
+            spread = (means - mean[:, None]) / np.sqrt(batches * (batches - 1))
+            components.append(np.moveaxis(spread, (1, 3), (0, 1)).astype(np.float32))
+        paths += int(sums.count.sum()) * effort.batches
         reached &= good
     return Estimate(
         np.concatenate(values, axis=1),
-        np.concatenate(components, axis=2),
+        np.concatenate(components, axis=2) if components else None,
         paths,
         reached,
     )
@@ -259,14 +264,14 @@ def _trace_rows(
     effort: Effort,
     unfinished: Unfinished,
     progress: Progress,
-) -> tuple[_Sums, bool]:
+) -> tuple[Sums, bool]:
     # Lengthen the batches until the samples are spent or the error is reached
-    shape = (len(numbers), BATCHES, target.columns, target.channels)
-    sums = _Sums(
+    shape = (len(numbers), effort.batches, target.columns, target.channels)
+    sums = Sums(
         np.zeros(shape, dtype=np.uint64), np.zeros(len(numbers), dtype=np.int64)
     )
     if effort.samples is not None:
-        length = -(-effort.samples // BATCHES)
+        length = -(-effort.samples // effort.batches)
         everything = np.full(len(numbers), True)
         _lengthen(launch, target, numbers, sums, everything, length, progress)
         return sums, True
@@ -291,7 +296,7 @@ def _lengthen(
     launch: Launch,
     target: Target,
     numbers: Int[np.ndarray, " row"],
-    sums: _Sums,
+    sums: Sums,
     active: Bool[np.ndarray, " row"],
     length: int,
     progress: Progress,
@@ -299,17 +304,19 @@ def _lengthen(
     # Bring the batches of the active rows to `length` points, launch by launch
     todo = np.flatnonzero(active)
     have = int(sums.count[todo[0]])
-    row_bytes = BATCHES * target.columns * target.channels * 8
+    batches = sums.total.shape[1]
+    row_bytes = batches * target.columns * target.channels * 8
     work, done, start_time = len(todo) * (length - have), 0, time.perf_counter()
     while have < length:
         count = min(length - have, _STRETCH)
-        rows_at_once = max(1, min(_PATHS // (BATCHES * count), _SUMS // row_bytes))
+        rows_at_once = max(1, min(_PATHS // (batches * count), _SUMS // row_bytes))
         for start in range(0, len(todo), rows_at_once):
             rows = todo[start : start + rows_at_once]
-            sums.total[rows] += _launch(launch, target, numbers[rows], have, count)
+            part = _launch(launch, target, numbers[rows], have, count, batches)
+            sums.total[rows] += part
             done += len(rows) * count
-            rate = BATCHES * done / (time.perf_counter() - start_time) * 1e-6
-            note = f"{BATCHES * length:,} paths a row, {rate:.1f} million a second"
+            rate = batches * done / (time.perf_counter() - start_time) * 1e-6
+            note = f"{batches * length:,} paths a row, {rate:.1f} million a second"
             progress(done / work, note)
         have += count
         sums.count[todo] = have
@@ -321,9 +328,10 @@ def _launch(
     rows: Int[np.ndarray, " row"],
     first: int,
     count: int,
+    batches: int,
 ) -> UInt64[np.ndarray, "row batch column channel"]:
     # Run one unit of work and fetch what it scored
-    size = len(rows) * BATCHES * target.columns * target.channels
+    size = len(rows) * batches * target.columns * target.channels
     target.sums = dr.zeros(mi.UInt64, size + 1)
     try:
         launch(target, rows, first, count)
@@ -335,4 +343,4 @@ def _launch(
         raise DeviceError(
             f"{added[-1]} paths carry more than a path can: a fault of the tracer"
         )
-    return added[:-1].reshape(len(rows), BATCHES, target.columns, target.channels)
+    return added[:-1].reshape(len(rows), batches, target.columns, target.channels)

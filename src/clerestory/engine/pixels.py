@@ -79,7 +79,7 @@ def trace_picture(
     The relative error is that of the mean pixel: the root mean square of the standard
     errors over the mean radiance.
     """
-    rays = _PixelRays.of(view, columns, rows)
+    rays = PixelRays.of(view, columns, rows)
     origin = np.asarray(view.position, dtype=float)
     lit = _lit(scene, origin)
     limit = _segments(effort.bounces)
@@ -141,7 +141,7 @@ def _segments(bounces: int | None) -> int:
 
 
 @dataclass
-class _PixelRays:
+class PixelRays:
     # Rays through the middles of pixels, and how they change across a pixel
     origin: mi.Point3f
     direction: mi.Vector3f
@@ -152,7 +152,7 @@ class _PixelRays:
     valid: mi.Bool
 
     @classmethod
-    def of(cls, view: View, columns: int, rows: int) -> "_PixelRays":
+    def of(cls, view: View, columns: int, rows: int) -> "PixelRays":
         def at(x: float, y: float):
             return view.rays(columns, rows, np.full((rows, columns, 2), [x, y]))
 
