@@ -1,13 +1,11 @@
 """An interactive view of a BSDF as one file of HTML, with nothing to load.
 
-A matrix is shown on its own patches. A tensor tree is averaged, flux conserved, onto
-cells of about three degrees for the 145 incident patches of Klems.
+A matrix is shown on its own patches. A tensor tree, or a matrix of a million values, is
+averaged, flux conserved, onto cells of about three degrees for the 145 incident patches
+of Klems.
 """
 
-import base64
-import hashlib
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -19,7 +17,7 @@ import clerestory
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.finding import Finding
 from clerestory.bsdf.plausibility import check
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.files import write_text
@@ -27,6 +25,7 @@ from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.report.colour import ColourScale
 from clerestory.report.markup import Markup, element, embedded_json, join
+from clerestory.report.offline import asset, content_policy
 from clerestory.report.pixels import packed
 
 _SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_view.js")
@@ -40,6 +39,9 @@ _CODES = 65_534
 
 # Values of all functions that a page carries: about 8 MB once compressed.
 _MOST_VALUES = 5_000_000
+
+# A matrix with more values than this is shown like a tree.
+_MOST_VALUES_OF_ONE = 1_000_000
 
 
 def write_view(bsdf: Bsdf, path: str | Path) -> None:
@@ -60,12 +62,14 @@ def view_page(bsdf: Bsdf) -> str:
     name = bsdf.product.name.strip()
     file = Path(bsdf.source).name if bsdf.source else ""
     title = file if name in ("", "Name") else name
-    script = Markup("\n".join(_asset(asset) for asset in _SCRIPTS))
+    script = Markup("\n".join(asset(name) for name in _SCRIPTS))
+    data = view_data(bsdf)
     body = join(
         element("p", "Scattering of a layer", class_="maker"),
         element("h1", title or "BSDF"),
         element("p", _subtitle(bsdf, file), class_="where"),
-        Markup(_asset("bsdf_view.html")),
+        _left_out(data["left_out"]),
+        Markup(asset("bsdf_view.html")),
         _findings(check(bsdf)),
         element(
             "footer",
@@ -73,29 +77,40 @@ def view_page(bsdf: Bsdf) -> str:
             " opens without a network and loads nothing.",
         ),
     )
-    return Template(_asset("page.html")).substitute(
+    return Template(asset("page.html")).substitute(
         version=clerestory.__version__,
-        policy=_policy(script),
+        policy=content_policy(script),
         title=join(title or "BSDF", " · scattering"),
-        style=_asset("style.css") + _asset("bsdf_view.css"),
+        style=asset("style.css") + asset("bsdf_view.css"),
         body=body,
-        data=embedded_json("data", view_data(bsdf)),
+        data=embedded_json("data", data),
         script=script,
     )
 
 
 def view_data(bsdf: Bsdf) -> dict[str, Any]:
-    """Return the data of the view as plain values for JSON."""
+    """Return the data of the view as plain values for JSON.
+
+    Functions that would make the page too large are left out and named.
+    """
     functions: list[dict[str, Any]] = []
+    left_out: list[str] = []
     room = _MOST_VALUES
     for channel in sorted(bsdf.channels, key=lambda name: name != "visible"):
         for name in _known(bsdf, channel):
+            size = _size_shown(bsdf, name, channel)
+            if size > room:
+                left_out.append(f"{channel} {name.replace('_', ' ')}")
+                continue
+            room -= size
             part = _shown(bsdf, name, channel)
-            room -= part.values.size
-            if room >= 0:
-                functions.append(_function_data(part, channel, name))
+            functions.append(_function_data(part, channel, name))
     scale = ColourScale(1e-4, 1, "1/sr", "inferno", logarithmic=True)
-    return {"functions": functions, "colours": scale.table().tolist()}
+    return {
+        "functions": functions,
+        "left_out": left_out,
+        "colours": scale.table().tolist(),
+    }
 
 
 def fine_partition() -> RingPartition:
@@ -123,10 +138,21 @@ def _known(bsdf: Bsdf, channel: str) -> Sequence[Function]:
 
 def _shown(bsdf: Bsdf, name: Function, channel: str) -> ScatteringMatrix:
     part = bsdf.scattering(name, channel=channel)
-    if isinstance(part, ScatteringMatrix):
-        return part
-    exits, incidents = fine_partition(), klems("full")
+    exits, incidents = _patches_shown(part)
     return ScatteringMatrix(part.average(exits, incidents), exits, incidents)
+
+
+def _patches_shown(part: ScatteringFunction) -> tuple[RingPartition, RingPartition]:
+    # The patches of the file, unless it has none or far too many
+    own = part.own_partitions()
+    if own is None or len(own[0]) * len(own[1]) > _MOST_VALUES_OF_ONE:
+        return fine_partition(), klems("full")
+    return own
+
+
+def _size_shown(bsdf: Bsdf, name: Function, channel: str) -> int:
+    exits, incidents = _patches_shown(bsdf.scattering(name, channel=channel))
+    return len(exits) * len(incidents)
 
 
 def _function_data(
@@ -180,6 +206,18 @@ def _subtitle(bsdf: Bsdf, file: str) -> str:
     return " · ".join(word for word in words if word)
 
 
+def _left_out(names: Sequence[str]) -> Markup:
+    # What the page lacks, so that nobody takes it for missing in the file
+    if not names:
+        return Markup("")
+    kept = f"more than {_MOST_VALUES / 1e6:g} million values"
+    return element(
+        "p",
+        f"Not on this page, which would hold {kept}: {', '.join(names)}.",
+        class_="left-out",
+    )
+
+
 def _findings(findings: Sequence[Finding]) -> Markup:
     # What the doctor says, the remarks folded away
     grave = [finding for finding in findings if finding.matters]
@@ -197,16 +235,3 @@ def _findings(findings: Sequence[Finding]) -> Markup:
         return element("section", element("h2", head), remarks, class_="doctor")
     box = element("div", element("h2", head), element("ul", *items), class_="warnings")
     return element("section", box, remarks, class_="doctor")
-
-
-def _asset(name: str) -> str:
-    folder = resources.files("clerestory.report") / "assets"
-    return (folder / name).read_text(encoding="utf-8")
-
-
-def _policy(script: str) -> str:
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    return (
-        "default-src 'none'; style-src 'unsafe-inline'; img-src data:;"
-        f" script-src 'sha256-{digest}'"
-    )

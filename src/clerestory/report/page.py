@@ -5,9 +5,6 @@ it, and its content policy forbids everything else, scripts that came in with a
 name or a path included.
 """
 
-import base64
-import hashlib
-from importlib import resources
 from pathlib import Path
 from string import Template
 
@@ -23,6 +20,7 @@ from clerestory.report.content import ReportContent
 from clerestory.report.data import page_data
 from clerestory.report.headline import headline
 from clerestory.report.markup import Markup, element, embedded_json, join
+from clerestory.report.offline import asset, content_policy
 from clerestory.report.sections import plans_section, room_section, year_section
 from clerestory.study.results import Results
 
@@ -64,26 +62,13 @@ def report_page(content: ReportContent) -> str:
         ),
         element("div", id="tip", aria_hidden="true"),
     )
-    script = Markup("\n".join(_asset(name) for name in _SCRIPTS))
-    return Template(_asset("page.html")).substitute(
+    script = Markup("\n".join(asset(name) for name in _SCRIPTS))
+    return Template(asset("page.html")).substitute(
         version=clerestory.__version__,
-        policy=_policy(script),
+        policy=content_policy(script),
         title=join(content.title, " · daylight report"),
-        style=_asset("style.css"),
+        style=asset("style.css"),
         body=body,
         data=embedded_json("data", page_data(content)),
         script=script,
-    )
-
-
-def _asset(name: str) -> str:
-    folder = resources.files("clerestory.report") / "assets"
-    return (folder / name).read_text(encoding="utf-8")
-
-
-def _policy(script: str) -> str:
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    return (
-        "default-src 'none'; style-src 'unsafe-inline'; img-src data:;"
-        f" script-src 'sha256-{digest}'"
     )

@@ -7,6 +7,7 @@ import pytest
 
 from clerestory.bsdf.analytic import clear_air, lambertian
 from clerestory.bsdf.comparison import compare
+from clerestory.bsdf.resample import to_trees
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.report.bsdf_plot import (
@@ -86,6 +87,14 @@ def test_differences_are_those_of_the_closed_form():
     assert result.diffuse == pytest.approx((0.2, 0.3))
 
 
-def test_layers_on_other_patches_are_not_compared():
-    with pytest.raises(InputError, match="same patches"):
-        compare(lambertian(0.2, FULL), lambertian(0.2, klems("half")))
+def test_layers_on_other_patches_are_compared_on_the_coarser_ones():
+    """Of Lambertian layers every average is known; a tree counts as 145 patches."""
+    fine, coarse = lambertian(0.2, FULL), lambertian(0.3, klems("half"))
+    for pair in ((fine, coarse), (to_trees(fine, halvings=2), coarse)):
+        result = compare(*pair)
+        assert result.incidents.matches(klems("half"))
+        assert result.rms == pytest.approx(0.1 / np.pi)
+        assert result.redistributed == pytest.approx(0.1 / 0.5)
+    tree = compare(to_trees(fine, halvings=2), fine)
+    assert tree.incidents.matches(FULL)
+    assert tree.rms < 1e-6

@@ -15,6 +15,7 @@ from clerestory.bsdf.product import Product
 from clerestory.bsdf.resample import to_trees
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
+from clerestory.report import bsdf_view
 from clerestory.report.bsdf_view import (
     fine_partition,
     value_codes,
@@ -62,6 +63,35 @@ def test_a_tree_is_shown_on_fine_cells_with_its_flux():
     assert part["exits"]["name"] == "View"
     flux = fine_partition().projected_solid_angles() @ decoded(part)
     np.testing.assert_allclose(flux, 0.4, rtol=1e-3)
+
+
+def test_what_does_not_fit_the_page_is_named_on_it(monkeypatch):
+    monkeypatch.setattr(bsdf_view, "_MOST_VALUES", 2 * 41 * 41)
+    layer = lambertian(0.4, QUARTER)
+    data = view_data(layer)
+    assert len(data["functions"]) == 2
+    assert data["left_out"] == [
+        "visible transmission back",
+        "visible reflection back",
+    ]
+    words = html.document_fromstring(view_page(layer)).text_content()
+    assert "Not on this page" in words
+    assert "visible transmission back, visible reflection back" in words
+
+
+def test_a_huge_matrix_is_shown_on_coarser_patches(monkeypatch):
+    monkeypatch.setattr(bsdf_view, "_MOST_VALUES_OF_ONE", 1000)
+    part = view_data(single(0.3))["functions"][0]
+    assert part["exits"]["name"] == "View"
+    flux = fine_partition().projected_solid_angles() @ decoded(part)
+    np.testing.assert_allclose(flux, 0.3, rtol=1e-3)
+
+
+def single(share):
+    """A Lambertian transmission on 41 patches."""
+    layer = lambertian(share, QUARTER)
+    key = ("visible", "transmission_front")
+    return Bsdf({key: layer.functions[key]})
 
 
 def test_a_page_of_a_tree_stays_small():
