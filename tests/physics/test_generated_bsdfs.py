@@ -15,7 +15,7 @@ from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.screen import perforated, woven
 from clerestory.bsdfgen.slats import venetian
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.model import Mirror, Plastic, Polygon, Scene
+from clerestory.scene.model import Metal, Plastic, Polygon, Scene
 
 FUNCTIONS = (
     "transmission_front",
@@ -69,8 +69,11 @@ def test_lambertian_sheet_is_even(device):
 
 
 def test_mirror_keeps_the_number_of_each_patch(device):
-    """A mirror of reflectance 0.8 sends patch i to patch i, and nothing through."""
-    mirror = Mirror("m", np.full(3, 0.8))
+    """A mirror sends patch i to patch i, and nothing through.
+
+    Its reflectance of 0.8 grows towards grazing angles, by less than 1 % below 65°.
+    """
+    mirror = Metal("m", np.full(3, 0.8), 1.0, 0.0)
     bsdf = cl.generate_bsdf(
         sheet(mirror),
         area=SampleArea(BOX, periodic=True),
@@ -81,8 +84,9 @@ def test_mirror_keeps_the_number_of_each_patch(device):
     measure = klems("full").projected_solid_angles()
     for side in ("front", "back"):
         found = part(bsdf, f"reflection_{side}").values * measure[:, None]
-        assert np.diag(found) == pytest.approx(0.8, abs=0.8 * 0.02)
-        assert found.sum(axis=0) == pytest.approx(0.8, rel=1e-5)
+        # A direction on the very edge of its patch may fall to either side
+        assert np.diag(found) == pytest.approx(found.sum(axis=0), rel=0.02)
+        assert found.sum(axis=0)[:117] == pytest.approx(0.8, rel=0.01)
         assert np.all(part(bsdf, f"transmission_{side}").values == 0)
 
 
@@ -148,9 +152,7 @@ def test_microlouvre_cuts_off_at_its_angle(device):
 
 
 SYSTEMS = {
-    "venetian": venetian(
-        slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.48
-    ),
+    "venetian": venetian(slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.48),
     "curved": venetian(
         slat_width=0.08,
         spacing=0.072,
@@ -236,7 +238,11 @@ def test_finite_sample_loses_light_at_its_edges(device):
 def test_two_bands_are_traced_at_once(device):
     """Visible and solar values follow their own reflectances."""
     blind = venetian(
-        slat_width=0.05, spacing=0.05, tilt_deg=80, reflectance=0.8, solar_reflectance=0.4
+        slat_width=0.05,
+        spacing=0.05,
+        tilt_deg=80,
+        reflectance=0.8,
+        solar_reflectance=0.4,
     )
     both = cl.generate_bsdf(blind, basis="quarter", samples=8192, device=device)
     assert both.channels == ("visible", "solar")

@@ -24,7 +24,13 @@ def incident_part(number: _Number, *, rank: int, levels: int) -> _Number:
     return found
 
 
-def joined(incident: _Number, leaving: _Number, *, rank: int, levels: int) -> _Number:
+def joined(
+    incident: Int[np.ndarray, " *incident"],
+    leaving: Int[np.ndarray, " *leaving"],
+    *,
+    rank: int,
+    levels: int,
+) -> Int[np.ndarray, " *place"]:
     """Return the number of the place of an incident and a leaving cell.
 
     >>> joined(np.array([0b10_01]), np.array([0b11_11]), rank=4, levels=2).tolist()

@@ -66,8 +66,8 @@ def mirrored_channels(
     ends = -0.01 * across, 1.01 * across
     high, low = across + pitch, -pitch
     faces = (
-        np.array([(high, 0.0), (low, 0.0)]),
-        np.array([(low, -thickness), (high, -thickness)]),
+        np.array([(low, 0.0), (high, 0.0)]),
+        np.array([(high, -thickness), (low, -thickness)]),
     )
     surfaces: list[Polygon] = []
     for number, face in enumerate(faces):

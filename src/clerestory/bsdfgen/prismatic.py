@@ -64,17 +64,22 @@ def prismatic(
     count = math.ceil(_SLENDER * depth / pitch)
     across = count * pitch
     ends = -0.01 * across, 1.01 * across
+    high, low = (count + 1) * pitch, -pitch
     teeth = [
-        (n * pitch + y, z)
-        for n in range(-1, count + 1)
-        for y, z in ((0.0, -base), (ridge, -depth))
+        (number * pitch + y, z)
+        for number in range(count, -2, -1)
+        for y, z in ((ridge, -depth), (0.0, -base))
     ]
-    saw = np.array([*teeth, ((count + 1) * pitch, -base)])
-    surfaces: list[Polygon] = list(
-        extruded(saw, ends=ends, material="film", name="prism")
-    )
-    flat = np.array([((count + 1) * pitch, 0.0), (-pitch, 0.0)])
-    surfaces += extruded(flat, ends=ends, material="film", name="sheet")
+    saw = np.array([(high, -base), *teeth])
+    surfaces: list[Polygon] = [
+        *extruded(saw, ends=ends, material="film", name="prism"),
+        *extruded(
+            np.array([(low, 0.0), (high, 0.0)]),
+            ends=ends,
+            material="film",
+            name="sheet",
+        ),
+    ]
     film = Dielectric("film", np.full(3, transmissivity), index)
     corners = np.array([[0, 0, -depth], [across, across, 0]])
     return System(

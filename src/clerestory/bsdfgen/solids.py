@@ -37,7 +37,7 @@ def open_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
                 f" ({int(lone.sum())} edges without a second face); closed surfaces"
                 " with their fronts outwards expected"
             )
-        elif _volume(corner, faces) < 0 and not area.periodic:
+        elif _volume(corner, faces) < 0:
             yield (f"{name} is inside out; faces whose fronts point outwards expected")
 
 
@@ -81,5 +81,7 @@ def _in_sides(
 def _volume(
     corner: Float[np.ndarray, "corner 3"], faces: Int[np.ndarray, "face 3"]
 ) -> float:
+    # By Gauss' theorem on (0, 0, z): upright sides, open or not, do not count
     a, b, c = np.moveaxis(corner[faces] - corner.mean(axis=0), 1, 0)
-    return float(np.einsum("fx,fx->", a, np.cross(b, c)) / 6)
+    upwards = np.cross(b - a, c - a)[:, 2] / 2
+    return float(upwards @ (a + b + c)[:, 2] / 3)
