@@ -21,7 +21,6 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 
 # More than this is no table of a luminaire or sky
-_MOST_VALUES = 50_000_000
 _MOST_AXES = 5
 
 
@@ -88,10 +87,7 @@ def read_data_array(path: str | Path) -> DataArray:
     count = reader.whole("number of axes", 1, _MOST_AXES)
     axes = [_axis(reader) for _ in range(count)]
     shape = tuple(len(a) for a in axes)
-    size = math.prod(shape)
-    if size > _MOST_VALUES:
-        raise InputError(f"{size} values; {_MOST_VALUES} at most expected", file=path)
-    values = reader.take(size, "values").reshape(shape)
+    values = reader.take(math.prod(shape), "values").reshape(shape)
     try:
         return DataArray(tuple(axes), values)
     except InputError as error:
@@ -125,7 +121,9 @@ class _Reader:
 
 def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
     begin, end = reader.take(2, "limits of an axis")
-    count = reader.whole("number of positions on an axis", 2, _MOST_VALUES)
+    # Each position has a value further on
+    most = max(len(reader.numbers), 2)
+    count = reader.whole("number of positions on an axis", 2, most)
     if begin == end:
         return reader.take(count, "positions of an axis")
     return np.linspace(begin, end, count)

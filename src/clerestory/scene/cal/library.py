@@ -95,7 +95,7 @@ def _numbered(number: int) -> Native:
             raise InputError(
                 f"real argument {number} is asked for; {len(env.arguments)} given"
             )
-        return np.full(env.value("S").shape, env.arguments[number - 1])
+        return np.full(env.value("S").shape, float(env.arguments[number - 1]))
 
     return Native(compute, uses=("S",))
 

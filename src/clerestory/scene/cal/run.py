@@ -29,7 +29,7 @@ from clerestory.scene.cal.syntax import (
 _DEEPEST = 100
 
 # Nodes evaluated in one run, whatever the number of rays
-_MOST_STEPS = 200_000
+MOST_STEPS = 50_000
 
 # Functions that evaluate only the arguments they need
 SPECIAL = ("if", "select")
@@ -86,9 +86,9 @@ class Run:
         self.depth, self.steps = self.depth + 1, self.steps + 1
         if self.depth > _DEEPEST:
             raise _too_deep()
-        if self.steps > _MOST_STEPS:
+        if self.steps > MOST_STEPS:
             raise InputError(
-                f"the function takes more than {_MOST_STEPS} steps; does it end?"
+                f"the function takes more than {MOST_STEPS} steps; does it end?"
             )
         value = self._value(node, rows, frame)
         self.depth -= 1

@@ -121,7 +121,7 @@ def parse_expression(text: str, *, file: str | None = None, line: int = 1) -> No
     Power(base=Negative(value=Name(name='x')), exponent=Number(value=2.0))
     """
     cursor = _Cursor(_without_comments(text, file), file, line=line)
-    node = _sum(cursor)
+    node = _expression(cursor)
     if cursor.kind != "end":
         raise cursor.error(f'"{cursor.text}" follows a complete expression')
     return node
@@ -194,7 +194,7 @@ def _definition(cursor: _Cursor) -> Definition:
         found = f'"{cursor.text}"' if cursor.text else "the end"
         raise cursor.error(f'{found} stands where "=" or ":" is expected')
     cursor.advance()
-    return Definition(name, parameters, _sum(cursor), line)
+    return Definition(name, parameters, _expression(cursor), line)
 
 
 def _parameters(cursor: _Cursor) -> tuple[str, ...]:
@@ -215,6 +215,13 @@ def _parameters(cursor: _Cursor) -> tuple[str, ...]:
 def plain_name(name: str) -> str:
     """Return a name without the marks that make it local or global."""
     return name.strip("`") or "`"
+
+
+def _expression(cursor: _Cursor) -> Node:
+    try:
+        return _sum(cursor)
+    except RecursionError:
+        raise cursor.error("brackets are nested too deep") from None
 
 
 def _sum(cursor: _Cursor) -> Node:
@@ -279,7 +286,7 @@ def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:
     # What stands in brackets
     cursor.depth += 1
     if cursor.depth > _DEEPEST:
-        raise cursor.error(f"brackets are nested more than {_DEEPEST} deep")
+        raise cursor.error(f"brackets are nested too deep, more than {_DEEPEST}")
     cursor.expect("(")
     nodes = [_sum(cursor)]
     while cursor.text == "," and not one:
