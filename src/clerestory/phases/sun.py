@@ -71,19 +71,7 @@ def sun_coefficients(
     InputError : no such window, no transmission, or numbers out of range
     DeviceError : no usable device
     """
-    names = [each.name for each in windows]
-    if window not in names:
-        raise InputError(f"no window {window!r}; one of {', '.join(names)} expected")
-    if not bsdf.has("transmission_front"):
-        raise InputError(
-            "the BSDF transmits nothing visible; a transmission expected",
-            file=bsdf.source,
-        )
-    if not 1 <= samples <= 1 << 20:
-        raise InputError(f"samples = {samples}; a whole number from 1 to 2^20 expected")
-    if suns.ndim != 2 or suns.shape[1:] != (3,):
-        raise InputError(f"suns of shape {suns.shape}; (suns, 3) expected")
-    number = names.index(window)
+    number = check_window(windows, window, bsdf, suns, samples)
     behind = suns @ windows[number].frame.normal < 0
     engine = devices.load(device, "direct_sun")
     estimate = engine.trace_sun(
@@ -100,8 +88,36 @@ def sun_coefficients(
     )
     rows = sensor_axis(len(sensors.position), sensors.names)
     shape = (len(estimate.values), rows.size, len(suns))
-    values, components = np.zeros(shape), None
+    values = np.zeros(shape)
     values[..., behind] = estimate.values
     components = np.zeros((len(estimate.components), *shape), np.float32)
     components[..., behind] = estimate.components
     return TransferMatrix(values, rows, sun_axis(len(suns)), components)
+
+
+def check_window(
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    suns: Float[np.ndarray, "sun 3"],
+    samples: int,
+) -> int:
+    """Return the number of a window, once all that sunlight asks for is right.
+
+    Raises
+    ------
+    InputError : no such window, no transmission, or numbers out of range
+    """
+    names = [each.name for each in windows]
+    if window not in names:
+        raise InputError(f"no window {window!r}; one of {', '.join(names)} expected")
+    if not bsdf.has("transmission_front"):
+        raise InputError(
+            "the BSDF transmits nothing visible; a transmission expected",
+            file=bsdf.source,
+        )
+    if not 1 <= samples <= 1 << 20:
+        raise InputError(f"samples = {samples}; a whole number from 1 to 2^20 expected")
+    if suns.ndim != 2 or suns.shape[1:] != (3,):
+        raise InputError(f"suns of shape {suns.shape}; (suns, 3) expected")
+    return names.index(window)

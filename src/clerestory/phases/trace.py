@@ -108,7 +108,7 @@ def view_matrices(
         part = slice(first, first + columns.size)
         found[window.name] = _matrix(estimate, rows, columns, part)
         first += columns.size
-    _warn_if_short(estimate, "view matrix", relative_error)
+    warn_if_short(estimate, "view matrix", relative_error)
     return found
 
 
@@ -142,7 +142,7 @@ def daylight_matrix(
     engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
     sky = reinhart(subdivision)
     estimate = engine.trace_daylight(scene, window, sky, effort)
-    _warn_if_short(estimate, f"daylight matrix of {window.name!r}", relative_error)
+    warn_if_short(estimate, f"daylight matrix of {window.name!r}", relative_error)
     rows = window_axis("exterior", window.partition, window.name)
     return _matrix(estimate, rows, sky_axis(sky), slice(None))
 
@@ -198,7 +198,7 @@ def daylight_coefficients(
     engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
     sky = reinhart(subdivision)
     estimate = engine.trace_coefficients(scene, sky, sensors, effort)
-    _warn_if_short(estimate, "daylight coefficients", relative_error)
+    warn_if_short(estimate, "daylight coefficients", relative_error)
     return _matrix(estimate, rows, sky_axis(sky), slice(None))
 
 
@@ -210,7 +210,33 @@ def _engine(
     device: Device,
     progress: Progress | None,
 ) -> tuple[Any, Any]:
-    # Check the effort before the device is started, then start it
+    effort = matrix_effort(
+        samples=samples,
+        relative_error=relative_error,
+        bounces=bounces,
+        seed=seed,
+        device=device,
+        progress=progress,
+    )
+    return devices.load(device), effort
+
+
+def matrix_effort(
+    *,
+    samples: int | None,
+    relative_error: float | None,
+    bounces: int | None,
+    seed: int,
+    device: Device,
+    progress: Progress | None,
+    **more: Any,
+) -> Any:
+    """Check how long to trace, before the device is started, and then start it.
+
+    Raises
+    ------
+    InputError : samples and relative_error both given, or a number out of range
+    """
     if samples is not None and relative_error is not None:
         raise InputError("both samples and relative_error given; one of them expected")
     if samples is not None and not 1 <= samples <= 1 << 26:
@@ -223,15 +249,14 @@ def _engine(
         raise InputError(f"bounces = {bounces}; 0 or more expected")
     if not 0 <= seed < 1 << 32:
         raise InputError(f"seed = {seed}; a whole number from 0 to 2^32 - 1 expected")
-    engine = devices.load(device)
-    effort = engine.Effort(
+    return devices.load(device).Effort(
         samples=samples,
         relative_error=relative_error,
         bounces=bounces,
         seed=seed,
         progress=progress,
+        **more,
     )
-    return engine, effort
 
 
 def _check_names(windows: Sequence[Window]) -> None:
@@ -261,7 +286,8 @@ def _matrix(estimate: Any, rows: Axis, columns: Axis, part: slice) -> TransferMa
     return TransferMatrix(values, rows, columns, components)
 
 
-def _warn_if_short(estimate: Any, what: str, relative_error: float | None) -> None:
+def warn_if_short(estimate: Any, what: str, relative_error: float | None) -> None:
+    """Warn when a trace ended before it reached the error aimed at."""
     if not estimate.reached:
         warnings.warn(
             f"{what}: the relative error {relative_error} was not reached"
