@@ -107,7 +107,7 @@ def _levels(tree: ScatteringTree) -> list[_Level]:
 
 
 def _threshold(levels: list[_Level], tree: ScatteringTree, percent: float) -> float:
-    if tree.depth == 0 or percent == 0:
+    if len(levels) < 2 or percent == 0:
         return 0.0
     blocks = levels[-2]
     measure = blocks.measure()[blocks.code < 0]

@@ -143,10 +143,13 @@ def _quads(
     values: Float32[np.ndarray, "row column 3"],
 ) -> UInt8[np.ndarray, "row column 4"]:
     values = np.clip(values, 0, np.float32(255 / 256 * 2.0**127))
-    largest = values.max(axis=-1)
-    _, exponent = np.frexp(largest)
+    largest = np.maximum(np.maximum(values[..., 0], values[..., 1]), values[..., 2])
+    _, exponent = np.frexp(np.maximum(largest, np.float32(_BLACK)))
+    # A power of two, so that the product is exact
+    unit = np.ldexp(np.float32(1), 8 - exponent)
     quads = np.empty((*largest.shape, 4), dtype=np.uint8)
-    quads[..., :3] = np.ldexp(values, (8 - exponent)[..., None])
+    for i in range(3):
+        quads[..., i] = values[..., i] * unit
     quads[..., 3] = exponent + _EXCESS
     quads[largest <= _BLACK] = 0
     return quads

@@ -183,6 +183,11 @@ def test_percentages_out_of_range_are_refused(percent):
         reduce_tree(random_tree(1), percent)
 
 
+def test_a_tree_of_one_value_stays():
+    tree = ScatteringTree(np.zeros(1, dtype=np.int32), 4, 4)
+    assert reduce_tree(tree, 95).cells_after == 1
+
+
 def test_no_data_are_lost_without_a_warning(path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
