@@ -30,7 +30,7 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 _FORMAT = "Clerestory transfer matrix 1"
 
 # Line end, name and hexadecimal digits of the sum at the end of a file.
-_SEAL_LENGTH = 1 + len("sha256 ") + 64
+SEAL_LENGTH = 1 + len("sha256 ") + 64
 
 # Times are kept as whole nanoseconds since 1970, as NumPy does.
 _TIME = "datetime64[ns]"
@@ -71,7 +71,7 @@ def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
         _write_axis(file, "column", matrix.columns)
     with replace_file(path) as stream:
         stream.write(buffer.getvalue())
-        stream.write(_seal(buffer.getbuffer()))
+        stream.write(seal(buffer.getbuffer()))
 
 
 def read_netcdf(path: str | Path) -> TransferMatrix:
@@ -82,7 +82,7 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
     InputError : not such a file, or damaged
     """
     data = read_bytes(path)
-    if data[-_SEAL_LENGTH:] != _seal(memoryview(data)[:-_SEAL_LENGTH]):
+    if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
         raise InputError(
             "damaged, or not written by this package; a whole matrix file expected",
             file=path,
@@ -109,7 +109,8 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
         ) from error
 
 
-def _seal(data: memoryview) -> bytes:
+def seal(data: memoryview) -> bytes:
+    """Return what stands behind the data of a file: the sum that tells damage."""
     return b"\nsha256 " + hashlib.sha256(data).hexdigest().encode()
 
 

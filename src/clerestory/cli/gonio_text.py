@@ -1,0 +1,93 @@
+"""Lines that `clerestory gonio` prints."""
+
+from collections.abc import Iterator, Sequence
+
+from clerestory.gonio.coverage import Coverage
+from clerestory.gonio.fitted import Fitted
+from clerestory.gonio.measurement import Measurement
+from clerestory.gonio.validation import CrossValidation
+
+_TABLE = "{:>7}{:>7}{:>8}{:>7}{:>8}{:>9}{:>7}{:>8}"
+_ERRORS = "{:>7}{:>7}{:>9}{:>9}{:>10}{:>8}{:>8}{:>11}{:>9}"
+
+
+def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[str]:
+    """Yield what a measurement holds and covers."""
+    title = measurement.function.replace("_", " ")
+    yield f"{measurement.name or 'sample'}: {measurement.channel} {title}"
+    yield f"  {len(coverage.scans)} incident directions, symmetry " + (
+        coverage.claimed or coverage.implied or "not clear"
+    )
+    for symmetry, share in coverage.asymmetry.items():
+        yield f"  {share:.1%} of the light differs between images if {symmetry}"
+    for note in measurement.notes:
+        yield f"  note: {note}"
+    yield _TABLE.format(
+        "θ [°]", "φ [°]", "points", "to θ", "gaps", "negative", "noise", "flux"
+    )
+    for scan in coverage.scans:
+        yield _TABLE.format(
+            f"{scan.theta_deg:.1f}",
+            f"{scan.phi_deg:.1f}",
+            scan.points,
+            f"{scan.reach_deg:.0f}",
+            f"{scan.gap:.1%}",
+            f"{scan.negative:.1%}",
+            f"{scan.noise:.0%}",
+            f"{scan.flux:.4f}",
+        )
+    for doubt in coverage.doubts():
+        yield f"  doubt: {doubt}"
+
+
+def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
+    """Yield what a file of fits holds."""
+    for fit in fits:
+        network = fit.interpolant.network
+        count = [len(lobes) for lobes in network.lobes]
+        title = f"{fit.channel} {fit.function.replace('_', ' ')}"
+        yield (
+            f"{fit.name or 'sample'}: {title}, {fit.interpolant.symmetry},"
+            f" {len(count)} directions of {min(count)} to {max(count)} lobes,"
+            f" {len(network.plans)} transport plans,"
+            f" smoothing {fit.options.smoothing:g}"
+        )
+
+
+def validation_lines(validation: CrossValidation) -> Iterator[str]:
+    """Yield the errors of every scan, and their medians."""
+    yield f"smoothing {validation.smoothing:g}: each scan as the others predict it"
+    yield _ERRORS.format(
+        "θ [°]",
+        "φ [°]",
+        "flux",
+        "error",
+        "peak [°]",
+        "EMD [°]",
+        "place",
+        "elsewhere",
+        "own fit",
+    )
+    for scan in validation.scans:
+        yield _ERRORS.format(
+            f"{scan.theta_deg:.1f}",
+            f"{scan.phi_deg:.1f}",
+            f"{scan.measured:.4f}",
+            f"{scan.flux_error:+.4f}",
+            f"{scan.peak_deg:.1f}",
+            f"{scan.earth_mover_deg:.2f}",
+            "inside" if scan.inside else "beyond",
+            f"{scan.misplaced:.1%}",
+            f"{scan.fitted:.1%}",
+        )
+    for inside, words in ((True, "among the others"), (False, "beyond the others")):
+        count = sum(scan.inside == inside for scan in validation.scans)
+        if count:
+            flux, peak, mover, place = (
+                validation.median(name, inside=inside)
+                for name in ("flux_error", "peak_deg", "earth_mover_deg", "misplaced")
+            )
+            yield (
+                f"median of {count} {words}: flux {flux:.4f}, peak {peak:.1f}°,"
+                f" earth mover's distance {mover:.2f}°, elsewhere {place:.1%}"
+            )

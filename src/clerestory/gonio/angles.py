@@ -1,0 +1,44 @@
+"""Directions from the angles of goniophotometers."""
+
+import numpy as np
+from jaxtyping import Float
+
+
+def from_degrees(
+    theta_deg: float | Float[np.ndarray, "*batch"],
+    phi_deg: float | Float[np.ndarray, "*batch"],
+) -> Float[np.ndarray, "*batch 3"]:
+    """Unit vectors at an angle to the normal and an azimuth [°].
+
+    The azimuth counts from the right towards up. A negative angle to the normal lies
+    on the other side of it; beyond 90° the vector points to the other side of the
+    layer.
+
+    >>> from_degrees(90.0, 90.0).round(6).tolist()  # up
+    [0.0, 1.0, 0.0]
+    """
+    theta, phi = np.radians(theta_deg), np.radians(phi_deg)
+    flat = np.sin(theta)
+    return np.stack(
+        [flat * np.cos(phi), flat * np.sin(phi), np.cos(theta) + 0 * flat], axis=-1
+    )
+
+
+def upright(direction: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
+    """Directions mirrored to the side where z is not negative."""
+    return np.concatenate([direction[..., :2], np.abs(direction[..., 2:])], axis=-1)
+
+
+def angle_between(
+    one: Float[np.ndarray, "*batch 3"], other: Float[np.ndarray, "*batch 3"]
+) -> Float[np.ndarray, "*batch"]:
+    """Angle between unit vectors [rad], exact also where it is small."""
+    chord = np.linalg.norm(one - other, axis=-1)
+    return np.asarray(2 * np.arcsin(np.minimum(chord / 2, 1)))
+
+
+def straight_on(
+    incident: Float[np.ndarray, "*batch 3"],
+) -> Float[np.ndarray, "*batch 3"]:
+    """Where light goes straight on, or where a mirror sends it: both have this x, y."""
+    return np.asarray(incident * [-1.0, -1.0, 1.0])

@@ -1,0 +1,209 @@
+"""What a measurement covers: angles, gaps, doubtful values, symmetry, flux by scan."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import cKDTree
+
+from clerestory.errors import InputError
+from clerestory.gonio.angles import angle_between
+from clerestory.gonio.fit import condense, total_flux
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.measurement import SAME_DIRECTION, Measurement, Scan
+from clerestory.gonio.raster import Raster
+from clerestory.gonio.symmetry import (
+    SYMMETRIES,
+    Symmetry,
+    deduce_symmetry,
+    images,
+)
+
+# Directions farther than this from any point are a gap, unless the scan is coarser.
+_GAP_DEG = 6.0
+_GAP_PER_SPACING = 3.0
+
+# Points within this of the plane of incidence lie in it [°].
+_IN_PLANE_DEG = 2.0
+
+# Grid of directions on which gaps are counted.
+_HALVINGS = 5
+
+# Mirror images whose light differs by less than this share are taken as alike.
+_ALIKE = 0.1
+
+
+@dataclass(frozen=True)
+class ScanReport:
+    """What one scan covers.
+
+    Attributes
+    ----------
+    theta_deg, phi_deg : incident direction [°]
+    points : measured directions
+    reach_deg : largest angle to the normal [°]
+    gap : share of the projected hemisphere that is far from any point
+    gap_deg : angle from the direction most remote from any point to the nearest [°]
+    negative : share of values below zero
+    noise : difference of neighbouring values, relative to them
+    in_plane : whether only the plane of incidence was measured
+    flux : share of the light that is scattered in all
+    peak : largest BSDF [1/sr]
+    """
+
+    theta_deg: float
+    phi_deg: float
+    points: int
+    reach_deg: float
+    gap: float
+    gap_deg: float
+    negative: float
+    noise: float
+    in_plane: bool
+    flux: float
+    peak: float
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """What a measurement covers.
+
+    Attributes
+    ----------
+    scans : one report a scan, in their order
+    implied : symmetry that the incident directions imply; None if they imply none
+    claimed : symmetry of the file, if it names one
+    asymmetry : share of the light by which scans differ from their images, for each
+        symmetry that pairs or planes of incident directions allow to see
+    """
+
+    scans: tuple[ScanReport, ...]
+    implied: Symmetry | None
+    claimed: Symmetry | None
+    asymmetry: dict[Symmetry, float]
+
+    def doubts(self) -> tuple[str, ...]:
+        """Return what may make results wrong, a line each."""
+        lines: list[str] = []
+        for report in self.scans:
+            place = f"(θ {report.theta_deg:.1f}°, φ {report.phi_deg:.1f}°)"
+            if report.in_plane:
+                lines.append(f"{place}: only the plane of incidence is measured")
+            elif report.gap > 0.02:
+                lines.append(
+                    f"{place}: {report.gap:.0%} of the hemisphere has no data,"
+                    f" up to {report.gap_deg:.0f}° from the next point"
+                )
+            if report.negative > 0.01:
+                lines.append(f"{place}: {report.negative:.0%} of values are negative")
+            if report.flux > 1:
+                lines.append(f"{place}: {report.flux:.3f} of the light is scattered")
+        symmetry = self.claimed or self.implied
+        found = None if symmetry is None else self.asymmetry.get(symmetry)
+        if symmetry == "isotropic" and self.asymmetry:
+            found = max(self.asymmetry.values())
+        if found is not None and found > _ALIKE:
+            lines.append(
+                f"{symmetry} by its incident directions, but {found:.0%} of the light"
+                " differs between images"
+            )
+        if len(self.scans) < 2:
+            lines.append("one incident direction; two or more are needed for a fit")
+        return tuple(lines)
+
+
+def survey(measurement: Measurement) -> Coverage:
+    """Return what a measurement covers."""
+    try:
+        implied: Symmetry | None = deduce_symmetry(measurement.incidents)
+    except InputError:
+        implied = None
+    reports = tuple(_report(scan) for scan in measurement.scans)
+    return Coverage(reports, implied, measurement.claimed, _asymmetry(measurement))
+
+
+def _report(scan: Scan) -> ScanReport:
+    tree = cKDTree(scan.leaving)
+    spacing = 1.0 if len(scan.values) < 2 else _spacing(tree, scan)
+    limit = max(np.radians(_GAP_DEG), _GAP_PER_SPACING * spacing)
+    grid = Raster.of(_HALVINGS).directions[-1]
+    distance = 2 * np.arcsin(np.minimum(tree.query(grid)[0] / 2, 1))
+    weight = grid[:, 2] / grid[:, 2].sum()
+    theta = np.degrees(np.arccos(np.clip(scan.leaving[:, 2], 0, 1)))
+    return ScanReport(
+        scan.theta_deg,
+        scan.phi_deg,
+        len(scan.values),
+        float(theta.max()),
+        float(weight[distance > limit].sum()),
+        float(np.degrees(distance.max())),
+        float(np.mean(scan.values < 0)),
+        _noise(tree, scan),
+        _in_plane(scan),
+        total_flux(scan),
+        float(scan.values.max()),
+    )
+
+
+def _spacing(tree: cKDTree, scan: Scan) -> float:
+    # Root of the solid angle per point, where points lie as usual
+    distance, _ = tree.query(scan.leaving, k=[5])
+    return float(np.median(distance)) / 2
+
+
+def _noise(tree: cKDTree, scan: Scan) -> float:
+    # Against the mean of the two nearest, so that a slope cancels in part, where most
+    # of the light is; 1.4826 medians are a standard deviation
+    bright = scan.values >= np.abs(scan.values).mean()
+    if not np.any(bright):
+        return 0.0
+    _, near = tree.query(scan.leaving[bright], k=3)
+    middle = scan.values[near[:, 1:]].mean(axis=1)
+    change = np.abs(scan.values[bright] / np.where(middle > 0, middle, np.inf) - 1)
+    return float(1.4826 * np.median(change) / np.sqrt(1.5))
+
+
+def _in_plane(scan: Scan) -> bool:
+    flat = scan.incident[:2]
+    if np.hypot(*flat) < np.sin(np.radians(_IN_PLANE_DEG)):
+        flat = scan.leaving[np.argmin(scan.leaving[:, 2]), :2]
+    across = np.array([-flat[1], flat[0]]) / np.hypot(*flat)
+    away = np.abs(scan.leaving[:, :2] @ across)
+    return bool(away.max() < np.sin(np.radians(_IN_PLANE_DEG)))
+
+
+def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
+    # Compare each scan with the images of the scans whose images have its direction
+    found: dict[Symmetry, float] = {}
+    incidents = measurement.incidents
+    lights = [_light(scan) for scan in measurement.scans]
+    for symmetry in SYMMETRIES:
+        differences = []
+        for factor in images(symmetry)[1:]:
+            for scan, light in zip(measurement.scans, lights, strict=True):
+                image = angle_between(incidents, scan.incident * factor)
+                if image.min() <= SAME_DIRECTION:
+                    partner = lights[int(image.argmin())]
+                    differences.append(_difference(light, partner, factor))
+        if differences:
+            found[symmetry] = float(np.mean(differences))
+    return found
+
+
+def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
+    # Light on a coarse grid of the square, on which images are flips
+    points = condense(scan)
+    flux = np.maximum(points.value * points.weight, 0)
+    spread = np.full(len(flux), np.sqrt(2 * np.pi) / (1 << _HALVINGS))
+    cells = Raster.of(_HALVINGS).cells(Lobes(points.direction, spread, flux))
+    return cells.reshape(1 << _HALVINGS, -1)
+
+
+def _difference(
+    one: Float[np.ndarray, "row column"],
+    other: Float[np.ndarray, "row column"],
+    factor: Float[np.ndarray, "3"],
+) -> float:
+    axes = [axis for axis in (0, 1) if factor[axis] < 0]
+    change = np.abs(one - np.flip(other, tuple(axes))).sum() / 2
+    return float(change / max(float((one + other).sum()) / 2, 1e-300))

@@ -1,0 +1,1 @@
+"""Readers of goniophotometer files, one format a file."""

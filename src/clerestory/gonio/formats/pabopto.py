@@ -1,0 +1,189 @@
+"""Files of pab-opto's goniophotometer pgII, as its program Mountain writes them.
+
+Lines that start with # hold the header, all others θ, φ and a value, or three for
+CIE X, Y and Z. One file is one incident direction. θ is measured from the normal of
+the sample, from 0 to 180°; φ counts anticlockwise seen from that side. "upphi" says
+which φ is up. The values are BSDF, or DSF: BSDF times the cosine of θ.
+
+The normal of the sample faces the room, or the sky if it is said so: then the sample
+is turned about its up axis, which keeps up where it is.
+
+Reference: manual page of Radiance's pabopto2bsdf, version 6.0a.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.scattering import Function
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.gonio.angles import from_degrees, upright
+from clerestory.gonio.formats.numbers import check_angles, number, table
+from clerestory.gonio.measurement import Measurement, Scan
+
+Facing = Literal["room", "sky"]
+
+_CHANNELS = {"cie-y": ("visible",), "cie-xyz": ("cie-x", "visible", "cie-z")}
+_NAME = re.compile(r'sample_name\s*:?\s*"([^"]*)"')
+
+# Directions this near to the plane of the layer belong to either side [°].
+_GRAZING_DEG = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class _File:
+    theta: float
+    phi: float
+    function: Function
+    name: str
+    leaving: Float[np.ndarray, "points 3"]
+    values: dict[str, Float[np.ndarray, " points"]]
+    path: Path
+
+
+@dataclass
+class _Header:
+    # What the lines with # say; None where they say nothing
+    theta: float | None = None
+    phi: float | None = None
+    up: float = 0.0
+    kind: str | None = None
+    colour: str = "cie-y"
+    name: str = ""
+
+
+def read_pabopto(
+    paths: Sequence[Path], *, facing: Facing = "room"
+) -> tuple[Measurement, ...]:
+    """Return the measurements in files of one sample: one per function and channel.
+
+    Parameters
+    ----------
+    facing : where the normal of the sample looks
+
+    Raises
+    ------
+    InputError : a file is not of this format, or lacks its incident direction
+    """
+    groups: dict[tuple[Function, str], list[Scan]] = {}
+    name = ""
+    for path in paths:
+        file = _read(path, facing)
+        name = file.name or name
+        incident = upright(from_degrees(file.theta, file.phi))
+        for channel, values in file.values.items():
+            scan = Scan(incident, upright(file.leaving), values, str(path))
+            groups.setdefault((file.function, channel), []).append(scan)
+    return tuple(
+        Measurement(tuple(scans), function, channel, name)
+        for (function, channel), scans in groups.items()
+    )
+
+
+def _read(path: Path, facing: Facing) -> _File:
+    lines = list(enumerate(read_text(path).splitlines(), 1))
+    header = _header(lines, path)
+    if header.theta is None or header.phi is None:
+        raise InputError(
+            "no incident direction; #intheta and #inphi, or #incident_angle, expected",
+            file=path,
+        )
+    if header.kind is None:
+        raise InputError(
+            'no format; a line "#format: theta phi BSDF" or DSF expected', file=path
+        )
+    channels = _CHANNELS[header.colour]
+    what = f"θ, φ [°] and {len(channels)} values"
+    data = table(lines, columns=2 + len(channels), what=what, file=path)
+    theta, phi = data[:, 0], data[:, 1]
+    check_angles(np.array([header.theta]), most=180, file=path, what="incident θ")
+    check_angles(theta, most=180, file=path)
+    theta_in, phi_in = _turn(header.theta, header.phi, header.up, facing)
+    theta_out, phi_out = _turn(theta, phi, header.up, facing)
+    leaving = from_degrees(theta_out, phi_out)
+    function = _function(float(theta_in), leaving, path)
+    shade = np.maximum(np.abs(leaving[:, 2]), 1e-6) if header.kind == "dsf" else 1.0
+    values = {c: data[:, 2 + k] / shade for k, c in enumerate(channels)}
+    return _File(
+        float(theta_in), float(phi_in), function, header.name, leaving, values, path
+    )
+
+
+def _header(lines: list[tuple[int, str]], path: Path) -> _Header:
+    header = _Header()
+    for place, line in lines:
+        text = line.strip()
+        if not text.startswith("#"):
+            continue
+        words = text[1:].replace(":", " ").split()
+        key = words[0].lower() if words else ""
+        if key == "incident_angle" and len(words) >= 3:
+            header.theta, header.phi = (_angle(w, path, place) for w in words[1:3])
+        elif key in ("intheta", "inphi", "upphi") and len(words) >= 2:
+            angle = _angle(words[1], path, place)
+            setattr(header, {"intheta": "theta", "inphi": "phi"}.get(key, "up"), angle)
+        elif key == "format" and [w.lower() for w in words[1:3]] == ["theta", "phi"]:
+            header.kind = _kind(words[-1], path, place)
+        elif key == "colorimetry" and len(words) >= 2:
+            header.colour = words[1].lower()
+            if header.colour not in _CHANNELS:
+                raise InputError(
+                    f"colorimetry {words[1]!r}; CIE-Y or CIE-XYZ expected",
+                    file=path,
+                    line=place,
+                )
+        elif key == "sample_name" and (found := _NAME.search(text)):
+            header.name = found[1]
+    return header
+
+
+def _angle(word: str, path: Path, line: int) -> float:
+    return number(word, what="an angle [°]", file=path, line=line)
+
+
+def _kind(word: str, path: Path, line: int) -> str:
+    kind = word.lower()
+    if kind == "dsf":
+        return "dsf"
+    if kind in ("bsdf", "brdf", "btdf"):
+        return "bsdf"
+    raise InputError(
+        f"format {word!r}; DSF, BSDF, BRDF or BTDF expected", file=path, line=line
+    )
+
+
+def _turn(
+    theta: float | Float[np.ndarray, "*points"],
+    phi: float | Float[np.ndarray, "*points"],
+    up: float,
+    facing: Facing,
+) -> tuple[Float[np.ndarray, "*points"], Float[np.ndarray, "*points"]]:
+    # From the sample's angles to ours: up at φ = 90°, the normal into the room
+    theta, phi = np.asarray(theta, dtype=float), np.asarray(phi, dtype=float)
+    if facing == "sky":
+        return 180 - theta, 90 - (phi - up)
+    return theta, 90 + (phi - up)
+
+
+def _function(
+    theta_in: float, leaving: Float[np.ndarray, "points 3"], path: Path
+) -> Function:
+    side = "back" if theta_in < 90 else "front"
+    grazing = np.sin(np.radians(_GRAZING_DEG))
+    above, below = np.any(leaving[:, 2] > grazing), np.any(leaving[:, 2] < -grazing)
+    if above and below:
+        raise InputError(
+            "scattered directions lie on both sides of the sample; one side a file"
+            " expected: are the columns of θ and φ swapped?",
+            file=path,
+        )
+    same = bool(above) == (side == "back")
+    if side == "back":
+        return "reflection_back" if same else "transmission_back"
+    return "reflection_front" if same else "transmission_front"

@@ -1,0 +1,151 @@
+"""Raw tables of the J&C RT-300S scatterometer, a workbook of Excel 97.
+
+Each column is one reading: rows name the azimuth A of the detector's plane, the angle
+of incidence I, the angle R of the detector and the reading RT, a share relative to a
+white standard. BRDF = RT / (π cos R). The mirror's direction is R = I at A = −90°, so
+that φ = 90° + A counts from it; the source stands opposite.
+
+The reading of an empty instrument has to be subtracted; without such a file readings
+below zero stay as they are. Near A = ±90° and R = −I the detector shadows the source:
+those readings are left out.
+
+References: M. Duque, thesis on the RT-300S, equation 4.6, and the processing of
+ua-loft/bsdf-tools, process_rt300s.m.
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xlrd
+from jaxtyping import Bool, Float
+
+from clerestory.bsdf.scattering import Function
+from clerestory.errors import InputError
+from clerestory.files import read_bytes
+from clerestory.gonio.angles import from_degrees
+from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.symmetry import Symmetry
+
+_ROWS = ("azimuth", "incidence", "receive", "rt")
+_ROTATION = re.compile(r"stageRotation(-?\d+)", re.IGNORECASE)
+
+# Shadow of the detector about the source [°]: ±30 in azimuth, ±10 in its own angle.
+_SHADOW_AZIMUTH, _SHADOW_ANGLE = 30.0, 10.0
+
+# A detector this near to the plane of the sample sees nothing [°].
+_GRAZING = 89.0
+
+
+def read_rt300s(
+    paths: Sequence[Path],
+    *,
+    blank: Path | None = None,
+    function: Function = "reflection_front",
+) -> tuple[Measurement, ...]:
+    """Return the measurement in workbooks of one sample.
+
+    A name such as stageRotation30 says how far the sample was turned.
+
+    Parameters
+    ----------
+    blank : workbook of readings without a sample
+
+    Raises
+    ------
+    InputError : not such a workbook, or the blank was read at other angles
+    """
+    empty = None if blank is None else _readings(blank)
+    scans = tuple(scan for path in paths for scan in _scans(path, empty))
+    notes = () if blank else ("no blank reading was subtracted",)
+    turned = any(_ROTATION.search(path.name) for path in paths)
+    claimed: Symmetry | None = None if turned else "isotropic"
+    return (
+        Measurement(scans, function, name=paths[0].stem, claimed=claimed, notes=notes),
+    )
+
+
+def _readings(path: Path) -> Float[np.ndarray, "4 readings"]:
+    content = read_bytes(path)
+    try:
+        book = xlrd.open_workbook(file_contents=content, logfile=_Silent())
+        columns = [_sheet(sheet) for sheet in book.sheets() if sheet.ncols > 1]
+    except InputError as error:
+        raise InputError(error.message, file=path) from error
+    except Exception as error:  # xlrd reports damage by many kinds of exception
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"not a workbook of Excel 97 ({reason[:80]}); one expected", file=path
+        ) from error
+    if not columns:
+        raise InputError("an empty workbook; readings expected", file=path)
+    data = np.concatenate(columns, axis=1)
+    if not np.all(np.isfinite(data)):
+        raise InputError("a reading is not a number; all numbers expected", file=path)
+    return data
+
+
+class _Silent:
+    # Where xlrd writes its remarks
+    def write(self, _text: str) -> None:
+        pass
+
+
+def _sheet(sheet: xlrd.sheet.Sheet) -> Float[np.ndarray, "4 readings"]:
+    name = {
+        str(sheet.cell_value(row, 0)).strip().lower(): row
+        for row in reversed(range(sheet.nrows))
+    }
+    missing = [row for row in _ROWS if row not in name]
+    if missing:
+        raise InputError(
+            f"sheet {sheet.name!r} has no row {missing[0]!r}; rows of azimuth,"
+            " incidence, receive and RT expected"
+        )
+    rows = [sheet.row_values(name[row])[1:] for row in _ROWS]
+    return np.array([[_float(cell) for cell in row] for row in rows])
+
+
+def _float(cell: object) -> float:
+    return float(cell) if isinstance(cell, (int, float)) else np.nan
+
+
+def _scans(path: Path, empty: Float[np.ndarray, "4 readings"] | None) -> list[Scan]:
+    data = _readings(path)
+    if empty is not None:
+        if empty.shape != data.shape or not np.allclose(empty[:3], data[:3]):
+            raise InputError(
+                "the blank was read at other angles; the same angles expected",
+                file=path,
+            )
+        data = np.concatenate([data[:3], data[3:] - empty[3:]])
+    found = _ROTATION.search(path.name)
+    turn = float(found[1]) if found else 0.0
+    scans = []
+    for incidence in np.unique(data[1]):
+        if not 0 <= incidence < 90:
+            raise InputError(
+                f"incidence of {incidence:g}°; 0 to below 90° expected", file=path
+            )
+        azimuth, _, receive, reading = data[:, data[1] == incidence]
+        seen = ~_shadowed(azimuth, float(incidence), receive)
+        seen &= np.abs(receive) < _GRAZING
+        azimuth, receive, reading = azimuth[seen], receive[seen], reading[seen]
+        if not len(reading):
+            continue
+        brdf = reading / (np.pi * np.cos(np.radians(receive)))
+        leaving = from_degrees(receive, 90 + azimuth - turn)
+        source = from_degrees(float(incidence), 180 - turn)
+        scans.append(Scan(source, leaving, brdf, str(path)))
+    return scans
+
+
+def _shadowed(
+    azimuth: Float[np.ndarray, " readings"],
+    incidence: float,
+    receive: Float[np.ndarray, " readings"],
+) -> Bool[np.ndarray, " readings"]:
+    near_plane = np.abs(azimuth) >= 90 - _SHADOW_AZIMUTH
+    towards = -np.sign(azimuth) * receive
+    return np.asarray(near_plane & (np.abs(towards + incidence) <= _SHADOW_ANGLE))

@@ -1,0 +1,196 @@
+"""Tabular BSDF of Radiant and Zemax: rotations × incidences × azimuths × radii.
+
+Scattered directions are given about where a mirror sends light: the radius is the angle
+to it, azimuth 0 points to the normal, and azimuths count anticlockwise. A sample
+rotation turns the incident direction the other way. Directions below the layer have no
+values but fill the table with zeros; they are left out, and so are zeros beyond the
+last value of a row, which stand for "not measured".
+
+"PlaneSymmetrical" files hold half the azimuths and are completed by their mirror image.
+One rotation means an isotropic sample.
+
+References: R. Rykowski, "BSDF Data Interchange File Format Specification", Radiant
+Zemax 2008; the frame as derived in ua-loft/bsdf-tools, fred_frame_to_zemax.m.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.scattering import Function
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.gonio.angles import angle_between, from_degrees, straight_on
+from clerestory.gonio.formats.numbers import check_angles, table
+from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.symmetry import Symmetry
+
+_AXES = ("SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial")
+_SYMMETRIES = ("planesymmetrical", "asymmetrical", "asymmetrical4d")
+
+# More values than any instrument writes, so that a wrong count cannot fill the memory.
+_MOST_VALUES = 50_000_000
+
+# Angles this near to each other are one direction given twice [rad].
+_SAME = 1e-6
+
+_Line = tuple[int, str]
+
+
+@dataclass(frozen=True, eq=False)
+class _Table:
+    kind: str
+    symmetry: str
+    axes: tuple[Float[np.ndarray, " axis"], ...]
+    values: Float[np.ndarray, "rotation incidence azimuth radius"]
+
+
+def read_zemax(
+    paths: Sequence[Path], *, side: str = "front"
+) -> tuple[Measurement, ...]:
+    """Return the measurement of one file; the Y of tristimulus files.
+
+    Parameters
+    ----------
+    side : of the layer that light meets, "front" or "back"
+
+    Raises
+    ------
+    InputError : the file is not of this format, or more than one is given
+    """
+    if len(paths) != 1:
+        raise InputError(f"{len(paths)} tabular files; one a measurement expected")
+    (path,) = paths
+    found = _read(path)
+    scans: list[Scan] = []
+    for rotation, block in zip(found.axes[0], found.values, strict=True):
+        if len(found.axes[0]) > 1 and rotation >= 360:
+            continue
+        for incidence, values in zip(found.axes[1], block, strict=True):
+            scan = _scan(float(rotation), float(incidence), values, found, path)
+            scans.append(scan)
+    kind = "transmission" if found.kind == "btdf" else "reflection"
+    function: Function = f"{kind}_{side}"  # type: ignore[assignment]
+    claimed: Symmetry | None = "isotropic" if len(found.axes[0]) == 1 else None
+    return (Measurement(tuple(scans), function, name=path.stem, claimed=claimed),)
+
+
+def _read(path: Path) -> _Table:
+    lines = [
+        (k, text.strip())
+        for k, text in enumerate(read_text(path).splitlines(), 1)
+        if text.strip() and not text.lstrip().startswith("#")
+    ]
+    head = {words[0]: (k, words) for k, words in _heads(lines)}
+    kind = _choice(head, "ScatterType", ("brdf", "btdf"), path)
+    symmetry = _choice(head, "Symmetry", _SYMMETRIES, path)
+    axes = tuple(_axis(lines, head, name, path) for name in _AXES)
+    check_angles(axes[1], most=90, file=path, what="angle of incidence")
+    start = _begin(lines, path)
+    shape = tuple(len(axis) for axis in axes)
+    if np.prod(shape, dtype=float) > _MOST_VALUES:
+        raise InputError(
+            f"{' × '.join(map(str, shape))} values; a table of measurements expected",
+            file=path,
+        )
+    rows = [
+        line
+        for line in lines[start:]
+        if not line[1].upper().startswith(("TIS", "DATAEND"))
+    ]
+    wanted = shape[0] * shape[1] * shape[2]
+    if len(rows) < wanted:
+        raise InputError(
+            f"{len(rows)} rows of values; {wanted} expected: rotations × incidences ×"
+            " azimuths",
+            file=path,
+        )
+    data = table(rows[:wanted], columns=shape[3], what="BSDF values [1/sr]", file=path)
+    return _Table(kind, symmetry, axes, data.reshape(shape))
+
+
+def _heads(lines: list[_Line]) -> list[tuple[int, list[str]]]:
+    return [(k, text.split()) for k, text in lines if text[:1].isalpha()]
+
+
+def _choice(
+    head: dict[str, tuple[int, list[str]]], key: str, known: tuple[str, ...], path: Path
+) -> str:
+    place, words = head.get(key, (None, [key]))
+    value = words[1].lower() if len(words) > 1 else ""
+    if value not in known:
+        raise InputError(
+            f"{key} of {value or 'nothing'}; {', '.join(known)} expected",
+            file=path,
+            line=place,
+        )
+    return value
+
+
+def _axis(
+    lines: list[_Line], head: dict[str, tuple[int, list[str]]], key: str, path: Path
+) -> Float[np.ndarray, " axis"]:
+    if key not in head:
+        raise InputError(f"no {key}; a count and a line of angles expected", file=path)
+    place, words = head[key]
+    following = next(((k, text) for k, text in lines if k > place), (place, ""))
+    count = len(following[1].split())
+    angles = table([following], columns=count or 1, what=f"angles of {key}", file=path)
+    if len(words) > 1 and words[1] != str(count):
+        raise InputError(
+            f"{count} angles of {key}; {words[1]} expected",
+            file=path,
+            line=following[0],
+        )
+    return np.asarray(angles[0])
+
+
+def _begin(lines: list[_Line], path: Path) -> int:
+    marks = [
+        k for k, (_, text) in enumerate(lines) if text.upper().startswith("DATABEGIN")
+    ]
+    if not marks:
+        raise InputError("no DataBegin; a table of BSDF values expected", file=path)
+    # Tristimulus files hold X, Y and Z one after the other
+    return marks[1 if len(marks) == 3 else 0] + 1
+
+
+def _scan(
+    rotation: float,
+    incidence: float,
+    values: Float[np.ndarray, "azimuth radius"],
+    found: _Table,
+    path: Path,
+) -> Scan:
+    azimuth, radius = np.radians(found.axes[2]), np.radians(found.axes[3])
+    source = from_degrees(incidence, 180.0 - rotation)
+    centre = straight_on(source)
+    ahead = np.array([0.0, 0, 1]) - centre[2] * centre
+    if np.linalg.norm(ahead) < _SAME:
+        ahead = np.array(
+            [-np.cos(np.radians(rotation)), np.sin(np.radians(rotation)), 0]
+        )
+    ahead = ahead / np.linalg.norm(ahead)
+    across = np.cross(centre, ahead)
+    a, r = np.meshgrid(azimuth, radius, indexing="ij")
+    leaving = (
+        np.cos(r)[..., None] * centre
+        + (np.sin(r) * np.cos(a))[..., None] * ahead
+        + (np.sin(r) * np.sin(a))[..., None] * across
+    )
+    measured = np.flip(np.cumsum(np.flip(values != 0, 1), 1), 1) > 0
+    keep = measured & (leaving[..., 2] > 1e-3)
+    # The middle is the same direction in every row
+    keep[1:, :] &= angle_between(leaving[1:], leaving[:1]) > _SAME
+    points, bsdf = leaving[keep], values[keep]
+    if found.symmetry == "planesymmetrical":
+        side = np.cross(centre, [0, 0, 1.0]) if incidence > 0 else across
+        side = side / np.linalg.norm(side)
+        image = points - 2 * (points @ side)[:, None] * side
+        new = angle_between(points, image) > _SAME
+        points = np.concatenate([points, image[new]])
+        bsdf = np.concatenate([bsdf, bsdf[new]])
+    return Scan(source, points, bsdf, str(path))

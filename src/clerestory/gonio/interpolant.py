@@ -1,0 +1,278 @@
+"""The interpolant: a scattering function between the directions that were measured.
+
+It is a `ScatteringFunction` like matrices and trees, so it can be evaluated, sampled,
+averaged over patches and stand in a `Bsdf`. Its resolution has no cells: it is that of
+the lobes.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.bsdf.overlap import patches_in_cells
+from clerestory.bsdf.reversed import ReversedFunction
+from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.gonio.angles import straight_on, upright
+from clerestory.gonio.displacement import (
+    Particles,
+    displace,
+    edge_particles,
+    triangle_particles,
+)
+from clerestory.gonio.flux import FluxSurface, flux_surface
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.mesh import Place, locate
+from clerestory.gonio.nodes import Network, about_normal, turned
+from clerestory.gonio.raster import Raster
+from clerestory.gonio.symmetry import Symmetry, fold
+from clerestory.hemisphere.partition import RingPartition
+
+# Halvings of the grid on which light is gathered for patches; Klems' smallest patch
+# has forty of its cells.
+_GATHER = 6
+
+# Incident directions over which a patch is averaged: rings by azimuths.
+_PATCH_RINGS, _PATCH_AZIMUTHS = 2, 4
+
+# Halvings that stand for the resolution of an interpolant in its reverse.
+_HALVINGS = 6
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Interpolant(ScatteringFunction):
+    """One scattering function of a measured layer.
+
+    Attributes
+    ----------
+    network : lobes at the measured directions, and plans between them
+    symmetry : of the layer
+    follow : share of the turn of the incident light that lobes follow where nothing
+        was measured, beyond the outermost directions; 1 for a clear pane, 0 for a
+        diffuser
+
+    Examples
+    --------
+    >>> from clerestory.gonio.nodes import connect
+    >>> def spot(y):
+    ...     centre = np.array([[0, -np.sin(y), np.cos(y)]])
+    ...     return Lobes(centre, np.ones(1) / 9, np.ones(1))
+    >>> sources = np.array([[0, np.sin(y), np.cos(y)] for y in (0.0, 0.4)])
+    >>> network = connect(sources, [spot(0.0), spot(0.4)], "isotropic")
+    >>> pane = Interpolant(network, "isotropic")
+    >>> source = np.array([0, np.sin(0.3), -np.cos(0.3)])
+    >>> float(np.arcsin(pane.lobes(source).centre[0, 1]).round(3))
+    -0.3
+    """
+
+    network: Network
+    symmetry: Symmetry
+    follow: float = field(init=False)
+    _particles: dict[tuple[bool, int], Particles] = field(init=False, repr=False)
+    _flux: FluxSurface = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        mesh = self.network.mesh
+        object.__setattr__(self, "_particles", {})
+        object.__setattr__(self, "follow", _followed(self.network))
+        totals = np.array([lobes.total for lobes in self.network.lobes])
+        object.__setattr__(self, "_flux", flux_surface(mesh, totals))
+
+    def __reduce__(self) -> tuple[type, tuple[Network, Symmetry]]:
+        return Interpolant, (self.network, self.symmetry)
+
+    def lobes(self, incident: Float[np.ndarray, "3"]) -> Lobes:
+        """Lobes of the light from one direction."""
+        return next(self.lobes_of(incident[None]))
+
+    def lobes_of(self, incident: Float[np.ndarray, "directions 3"]) -> Iterator[Lobes]:
+        """Yield the lobes of the light from each direction."""
+        source = upright(np.asarray(incident, dtype=float))
+        source = source / np.linalg.norm(source, axis=1, keepdims=True)
+        if self.symmetry == "isotropic":
+            azimuth = np.arctan2(source[:, 1], source[:, 0])
+            height = np.hypot(source[:, 0], source[:, 1])
+            folded = np.stack([height, 0 * height, source[:, 2]], axis=-1)
+            matrices = np.array([about_normal(a) for a in azimuth])
+        else:
+            folded, factor = fold(source, self.symmetry, self.network.quadrant)
+            matrices = factor[:, None, :] * np.eye(3)
+        place = locate(self.network.mesh, folded)
+        total = self._flux.at(folded)
+        for k, matrix in enumerate(matrices):
+            lobes = turned(self._at(place, k, folded[k]), matrix)
+            yield _scaled(lobes, total[k], self._corners(place, k))
+
+    def evaluate(
+        self,
+        incident: Float[np.ndarray, "*pair 3"],
+        leaving: Float[np.ndarray, "*pair 3"],
+    ) -> Float[np.ndarray, "*pair"]:
+        """BSDF [1/sr] for pairs of directions."""
+        incident, leaving = np.broadcast_arrays(incident, leaving)
+        shape = incident.shape[:-1]
+        source, exits = incident.reshape(-1, 3), upright(leaving.reshape(-1, 3))
+        value = np.empty(len(source))
+        for group, lobes in self._grouped(source):
+            value[group] = lobes.evaluate(exits[group])
+        return value.reshape(shape)
+
+    def hemispherical(
+        self, incident: Float[np.ndarray, "*batch 3"]
+    ) -> Float[np.ndarray, "*batch"]:
+        """Share of the light from each direction that is scattered in all."""
+        source = np.reshape(incident, (-1, 3))
+        share = np.empty(len(source))
+        for group, lobes in self._grouped(source):
+            share[group] = lobes.total
+        return share.reshape(np.shape(incident)[:-1])
+
+    def sample(
+        self,
+        incident: Float[np.ndarray, "*batch 3"],
+        u: Float[np.ndarray, "*batch 2"],
+    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+        """Directions into which light leaves, and their probability density [1/sr].
+
+        See `ScatteringFunction.sample`.
+        """
+        source, u = np.reshape(incident, (-1, 3)), np.reshape(u, (-1, 2))
+        leaving, density = np.empty((len(source), 3)), np.empty(len(source))
+        raster = Raster.of(_GATHER)
+        for group, lobes in self._grouped(source):
+            grid = raster.cells(lobes)
+            leaving[group], density[group] = raster.sample(grid, u[group])
+        shape = np.shape(incident)[:-1]
+        return leaving.reshape(*shape, 3), density.reshape(shape)
+
+    def resolution(
+        self,
+        incident: Float[np.ndarray, "*pair 3"],
+        leaving: Float[np.ndarray, "*pair 3"],
+    ) -> Float[np.ndarray, "*pair"]:
+        """Projected solid angle of the cell in which samples are alike [sr]."""
+        shape = np.broadcast_shapes(np.shape(incident), np.shape(leaving))[:-1]
+        return np.full(shape, np.pi * 0.25**_GATHER)
+
+    def average(
+        self, exits: RingPartition, incidents: RingPartition
+    ) -> Float[np.ndarray, "exit incident"]:
+        """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
+        into = patches_in_cells(exits, _GATHER)
+        raster = Raster.of(_GATHER)
+        u = _stratified()
+        patch = np.repeat(np.arange(len(incidents)), len(u))
+        source = incidents.sample(patch, np.tile(u, (len(incidents), 1)))
+        table = np.zeros((len(exits), len(incidents)))
+        for k, lobes in enumerate(self.lobes_of(straight_on(source))):
+            table[:, patch[k]] += into @ raster.cells(lobes)
+        measure = exits.projected_solid_angles()[:, None] * len(u)
+        return np.asarray(table / measure)
+
+    def extrema(self) -> tuple[float, float]:
+        """Smallest value, and the largest at a measured direction [1/sr]."""
+        peaks = [
+            lobes.evaluate(lobes.strongest()[None]).max()
+            for lobes in self.network.lobes
+        ]
+        return 0.0, float(max(peaks))
+
+    def reciprocal(self) -> ScatteringFunction:
+        """Return the function with incident and leaving directions exchanged."""
+        return ReversedFunction(self, halvings=_HALVINGS)
+
+    def own_partitions(self) -> None:
+        """None: an interpolant is not made of patches."""
+
+    def _at(self, place: Place, k: int, wanted: Float[np.ndarray, "3"]) -> Lobes:
+        mesh, lobes = self.network.mesh, self.network.lobes
+        number, s, t = int(place.simplex[k]), float(place.s[k]), float(place.t[k])
+        if not place.on_edge[k]:
+            a, b, c = (lobes[v] for v in mesh.triangles[number])
+            return displace(self._travelling(False, number), (a, b, c), s=s, t=t)
+        a, b = (lobes[v] for v in mesh.edges[number])
+        found = displace(self._travelling(True, number), (a, b, b), s=s, t=t)
+        return _shifted(found, place.found[k], wanted, self.follow)
+
+    def _travelling(self, on_edge: bool, number: int) -> Particles:
+        # Particles of a triangle or an edge, made when they are first needed
+        key = on_edge, number
+        if key not in self._particles:
+            self._particles[key] = (
+                edge_particles(self.network.plans[number])
+                if on_edge
+                else triangle_particles(*self.network.plans_of(number))
+            )
+        return self._particles[key]
+
+    def _corners(self, place: Place, k: int) -> Float[np.ndarray, " corners"]:
+        # Flux at the corners about a place
+        mesh, number = self.network.mesh, int(place.simplex[k])
+        corners = (mesh.edges if place.on_edge[k] else mesh.triangles)[number]
+        return np.array([self.network.lobes[v].total for v in corners])
+
+    def _grouped(
+        self, source: Float[np.ndarray, "directions 3"]
+    ) -> Iterator[tuple[Int[np.ndarray, " group"], Lobes]]:
+        # Directions that occur again share their lobes
+        unique, which = np.unique(source, axis=0, return_inverse=True)
+        order = np.argsort(which.ravel(), kind="stable")
+        limits = np.searchsorted(which.ravel()[order], np.arange(len(unique) + 1))
+        for k, lobes in enumerate(self.lobes_of(unique)):
+            yield order[limits[k] : limits[k + 1]], lobes
+
+
+def _stratified() -> Float[np.ndarray, "samples 2"]:
+    # Rings of equal flux, azimuths staggered from one to the next
+    ring, turn = np.meshgrid(
+        np.arange(_PATCH_RINGS), np.arange(_PATCH_AZIMUTHS), indexing="ij"
+    )
+    first = (ring + 0.5) / _PATCH_RINGS
+    second = (turn + (ring + 0.5) / _PATCH_RINGS) / _PATCH_AZIMUTHS
+    return np.stack([first.ravel(), second.ravel()], axis=-1)
+
+
+def _followed(network: Network) -> float:
+    """How far lobes follow where light goes straight on, over all plans; -1…1."""
+    along, squared = 0.0, 0.0
+    for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
+        ends = straight_on(network.mesh.vertices[[a, b]])
+        turn = (ends[1] - ends[0])[:2]
+        start, end = network.lobes[a], network.lobes[b]
+        move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
+        # Sharp lobes show where light goes, wide ones are noise of the grid
+        weight = plan.sent / (start.radius[plan.source] * end.radius[plan.target])
+        along += float(weight @ (move @ turn))
+        squared += float(weight.sum() * (turn @ turn))
+    return float(np.clip(along / squared, -1, 1)) if squared > 0 else 0.0
+
+
+def _scaled(
+    lobes: Lobes, total: float, corners: Float[np.ndarray, " corners"]
+) -> Lobes:
+    # To the flux of the smooth surface, within that of the corners
+    if not np.isfinite(total) or lobes.total <= 0:
+        return lobes
+    wanted = np.clip(total, corners.min(), corners.max())
+    return Lobes(lobes.centre, lobes.radius, lobes.flux * (wanted / lobes.total))
+
+
+def _shifted(
+    lobes: Lobes,
+    found: Float[np.ndarray, "3"],
+    wanted: Float[np.ndarray, "3"],
+    follow: float,
+) -> Lobes:
+    # Move the centres with the incident direction, in the disc, up to its rim
+    turn = straight_on(wanted - found)[:2] * follow
+    if np.hypot(*turn) < 1e-9:
+        return lobes
+    disc = lobes.centre[:, :2] + turn
+    length = np.hypot(*disc.T)
+    disc = disc * np.minimum(1, 0.9999 / np.maximum(length, 1e-12))[:, None]
+    height = np.sqrt(np.maximum(1 - np.sum(disc**2, axis=1), 0))
+    centre = np.concatenate([disc, height[:, None]], axis=1)
+    return Lobes(centre, lobes.radius, lobes.flux)

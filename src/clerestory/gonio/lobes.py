@@ -1,0 +1,195 @@
+"""Gaussian lobes: a scattered distribution as a sum of round bumps on the hemisphere.
+
+A lobe has a centre, a radius and a flux. Its BSDF falls from the centre as
+exp((cos α − 1) / r²), the radial basis function of Ward, Kurt and Bonneel, and is
+scaled so that it carries its flux through the hemisphere, the part below the horizon
+cut off. So a sum of lobes scatters exactly the sum of their fluxes, wherever they are
+moved.
+
+Reference: G. Ward, M. Kurt, N. Bonneel, "Reducing anisotropic BSDF measurement to
+common practice", Workshop on Material Appearance Modeling, 2014.
+"""
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy import special
+from scipy.interpolate import RectBivariateSpline
+
+from clerestory.errors import InputError
+
+# Pairs of a direction and a lobe that are evaluated together.
+_TOGETHER = 1 << 20
+
+# Radii outside these are not told apart [rad]: 0.02° and 115°.
+LEAST_RADIUS, MOST_RADIUS = 3e-4, 2.0
+
+# Lobes among which the highest point is sought, and the steps uphill from there.
+_CANDIDATES, _MOST_STEPS, _STEP_ENDS = 64, 200, 1e-5
+
+# Table of what curvature does to the flux of a lobe: nodes in elevation and radius.
+_ELEVATIONS, _RADII, _QUADRATURE = 65, 33, 200
+_FLAT_RADIUS = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Lobes:
+    """A scattered distribution as a sum of Gaussian lobes.
+
+    Attributes
+    ----------
+    centre : unit vectors, z ≥ 0
+    radius : of each lobe [rad]
+    flux : share of the incident light that each lobe carries
+
+    Raises
+    ------
+    InputError : shapes disagree or a number makes no lobe
+
+    Examples
+    --------
+    >>> spot = Lobes(np.array([[0, 0, 1.0]]), np.array([0.1]), np.array([0.5]))
+    >>> round(float(spot.evaluate(np.array([[0, 0, 1.0]]))[0]), 2)  # 0.5 / (2π r²)
+    8.04
+    """
+
+    centre: Float[np.ndarray, "lobes 3"]
+    radius: Float[np.ndarray, " lobes"]
+    flux: Float[np.ndarray, " lobes"]
+
+    def __post_init__(self) -> None:
+        numbers = (self.centre, self.radius, self.flux)
+        if len({len(array) for array in numbers}) != 1:
+            raise InputError(
+                f"{', '.join(str(len(a)) for a in numbers)} centres, radii and fluxes"
+                " of lobes; as many of each expected"
+            )
+        if (
+            not all(np.all(np.isfinite(array)) for array in numbers)
+            or np.any(self.radius <= 0)
+            or np.any(self.flux < 0)
+        ):
+            raise InputError(
+                "a lobe is not finite, has no radius or a negative flux; a centre, a"
+                " radius [rad] and a share of light expected"
+            )
+
+    def __len__(self) -> int:
+        return len(self.flux)
+
+    @property
+    def total(self) -> float:
+        """Share of the incident light that is scattered in all."""
+        return float(self.flux.sum())
+
+    @property
+    def half_maximum(self) -> Float[np.ndarray, " lobes"]:
+        """Angle from the centre at which a lobe has half its peak [rad]."""
+        return np.asarray(np.arccos(np.maximum(1 - self.radius**2 * np.log(2), -1)))
+
+    @property
+    def peak(self) -> Float[np.ndarray, " lobes"]:
+        """BSDF of each lobe at its centre [1/sr]."""
+        return np.asarray(self.flux / norm(self.centre[:, 2], self.radius))
+
+    def evaluate(
+        self, leaving: Float[np.ndarray, "directions 3"]
+    ) -> Float[np.ndarray, " directions"]:
+        """BSDF [1/sr]."""
+        peak, value = self.peak, np.zeros(len(leaving))
+        step = max(1, _TOGETHER // max(len(self), 1))
+        for start in range(0, len(leaving), step):
+            part = slice(start, start + step)
+            value[part] = self._shape(leaving[part]) @ peak
+        return value
+
+    def basis(
+        self, leaving: Float[np.ndarray, "directions 3"]
+    ) -> Float[np.ndarray, "directions lobes"]:
+        """BSDF of each lobe per unit of its flux [1/sr]."""
+        return np.asarray(self._shape(leaving) / norm(self.centre[:, 2], self.radius))
+
+    def strongest(self) -> Float[np.ndarray, "3"]:
+        """Direction in which the BSDF is largest."""
+        best = np.argsort(self.peak)[-_CANDIDATES:]
+        return self.climb(
+            self.centre[best[np.argmax(self.evaluate(self.centre[best]))]]
+        )
+
+    def climb(self, direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+        """Direction of the local maximum uphill of a direction.
+
+        Reference: D. Comaniciu, P. Meer, "Mean shift", IEEE Transactions on Pattern
+        Analysis and Machine Intelligence 24 (5), 2002.
+        """
+        pull = (self.peak / self.radius**2)[:, None] * self.centre
+        for _ in range(_MOST_STEPS):
+            ahead = self._shape(direction[None])[0] @ pull
+            ahead /= max(float(np.linalg.norm(ahead)), 1e-300)
+            step = float(np.linalg.norm(ahead - direction))
+            direction = ahead
+            if step < _STEP_ENDS:
+                break
+        return direction
+
+    def _shape(
+        self, leaving: Float[np.ndarray, "directions 3"]
+    ) -> Float[np.ndarray, "directions lobes"]:
+        return np.asarray(np.exp((leaving @ self.centre.T - 1) / self.radius**2))
+
+
+def norm(
+    height: Float[np.ndarray, " lobes"], radius: Float[np.ndarray, " lobes"]
+) -> Float[np.ndarray, " lobes"]:
+    """Integral of exp((cos α − 1)/r²) times the cosine over the hemisphere [sr].
+
+    Parameters
+    ----------
+    height : z of the centre of the lobe
+
+    >>> small = norm(np.array([1.0]), np.array([0.01]))  # nearly 2π r²
+    >>> round(float(small[0] / (2 * np.pi * 0.01**2)), 3)
+    1.0
+    """
+    elevation = np.arcsin(np.clip(height, 0, 1))
+    radius = np.clip(radius, LEAST_RADIUS, MOST_RADIUS)
+    log_radius = np.log(np.maximum(radius, _FLAT_RADIUS))
+    return np.asarray(_flat(elevation, radius) * _curvature().ev(elevation, log_radius))
+
+
+def _flat(
+    elevation: Float[np.ndarray, "*batch"], radius: Float[np.ndarray, "*batch"]
+) -> Float[np.ndarray, "*batch"]:
+    # A plane Gaussian over the horizon: E[max(sin(e + r·x), 0)] to first order in r
+    reach = elevation / radius
+    above = special.ndtr(reach)
+    edge = np.exp(-(reach**2) / 2) / np.sqrt(2 * np.pi)
+    mean = np.sin(elevation) * above + radius * np.cos(elevation) * edge
+    return np.asarray(2 * np.pi * radius**2 * mean)
+
+
+def _integral(
+    elevation: Float[np.ndarray, "*batch"], radius: Float[np.ndarray, "*batch"]
+) -> Float[np.ndarray, "*batch"]:
+    # Over rings of equal θ the integral in azimuth is a Bessel function
+    centre = np.pi / 2 - elevation[..., None]
+    wide = 8 * radius[..., None]
+    low, high = np.maximum(centre - wide, 0), np.minimum(centre + wide, np.pi / 2)
+    node, weight = np.polynomial.legendre.leggauss(_QUADRATURE)
+    theta = (low + high) / 2 + (high - low) / 2 * node
+    sharp = 1 / radius[..., None] ** 2
+    ring = np.exp(sharp * (np.cos(theta - centre) - 1)) * special.i0e(
+        sharp * np.sin(theta) * np.sin(centre)
+    )
+    inner = ring * np.cos(theta) * np.sin(theta) * (high - low) / 2
+    return np.asarray(2 * np.pi * (inner @ weight))
+
+
+@functools.cache
+def _curvature() -> RectBivariateSpline:
+    elevation = np.linspace(0, np.pi / 2, _ELEVATIONS)
+    log_radius = np.linspace(np.log(_FLAT_RADIUS), np.log(MOST_RADIUS), _RADII)
+    e, r = np.meshgrid(elevation, np.exp(log_radius), indexing="ij")
+    return RectBivariateSpline(elevation, log_radius, _integral(e, r) / _flat(e, r))

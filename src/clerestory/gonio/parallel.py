@@ -1,0 +1,53 @@
+"""The same work on many values, in one process or in several."""
+
+import multiprocessing
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from typing import TypeVar
+
+Report = Callable[[float, str], None]
+
+# Work of fewer values is done sooner than processes start.
+_WORTH_IT = 16
+
+_Value = TypeVar("_Value")
+_Result = TypeVar("_Result")
+
+
+def silent(_share: float, _note: str) -> None:
+    """Report nothing."""
+
+
+def map_in_order(
+    function: Callable[[_Value], _Result],
+    values: Sequence[_Value],
+    *,
+    processes: int = 1,
+    report: Report = silent,
+) -> list[_Result]:
+    """Return the function of each value; the result does not depend on `processes`.
+
+    Parameters
+    ----------
+    function : one that a module defines, so that other processes find it
+    report : called with the share done and a note
+
+    >>> map_in_order(abs, [-1, 2])
+    [1, 2]
+    """
+    results: list[_Result] = []
+
+    def add(result: _Result) -> None:
+        results.append(result)
+        done = len(results)
+        report(done / len(values), f"{done} of {len(values)}")
+
+    if processes <= 1 or len(values) < _WORTH_IT:
+        for value in values:
+            add(function(value))
+        return results
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(processes, mp_context=context) as pool:
+        for result in pool.map(function, values, chunksize=4):
+            add(result)
+    return results

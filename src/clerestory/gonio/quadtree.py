@@ -1,0 +1,222 @@
+"""Adaptive grid of the hemisphere: cells that are small where values change.
+
+The hemisphere is a disc by Lambert's map, which keeps areas, and the disc a square by
+Shirley and Chiu's. Cells are halved in both coordinates, as long as all quarters hold
+points, where a plane fits the values worst. So the grid is nowhere finer than the
+measurement.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.hemisphere.square import square_from_disc
+
+# Halvings down to the smallest cell, 0.3° wide.
+FINEST = 9
+
+# Share of the mean value below which differences count less.
+_FLOOR = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Cells that cut the points of a hemisphere into groups.
+
+    Attributes
+    ----------
+    level : halvings of the square down to each cell
+    first : place in `order` of the first point of each cell; one more at the end
+    order : numbers of the points, cell by cell
+    """
+
+    level: Int[np.ndarray, " cells"]
+    first: Int[np.ndarray, " limits"]
+    order: Int[np.ndarray, " points"]
+
+    @property
+    def solid_angle(self) -> Float[np.ndarray, " cells"]:
+        """Solid angle of each cell [sr]."""
+        return 2 * np.pi * 0.25**self.level
+
+    def sum(self, values: Float[np.ndarray, " points"]) -> Float[np.ndarray, " cells"]:
+        """Sum over the points of each cell."""
+        return np.asarray(np.add.reduceat(values[self.order], self.first[:-1]))
+
+    def mean_direction(
+        self,
+        direction: Float[np.ndarray, "points 3"],
+        weight: Float[np.ndarray, " points"],
+    ) -> Float[np.ndarray, "cells 3"]:
+        """Unit vector to the middle of the weights in each cell."""
+        weighted = (direction * weight[:, None])[self.order]
+        total = np.add.reduceat(weighted, self.first[:-1], axis=0)
+        middle: Float[np.ndarray, "cells 3"] = total / np.linalg.norm(
+            total, axis=1, keepdims=True
+        )
+        return middle
+
+    def count(self) -> Int[np.ndarray, " cells"]:
+        """Points in each cell."""
+        return np.diff(self.first)
+
+
+@dataclass(frozen=True, eq=False)
+class _Level:
+    # Occupied cells of one level, in the order of their codes
+    code: Int[np.ndarray, " cells"]
+    first: Int[np.ndarray, " cells"]
+    parent: Int[np.ndarray, " cells"]
+    loss: Float[np.ndarray, " cells"]
+    quarters: Int[np.ndarray, " cells"]
+
+
+class Quadtree:
+    """All cells that points fill, and how badly a plane fits the values in each.
+
+    Parameters
+    ----------
+    direction : unit vectors of the points
+    values : at the points
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> z = rng.random(5000)
+    >>> flat, phi = np.sqrt(1 - z**2), 2 * np.pi * rng.random(5000)
+    >>> points = np.stack([flat * np.cos(phi), flat * np.sin(phi), z], axis=-1)
+    >>> tree = Quadtree(points, np.exp(40 * (z - 1)))
+    >>> len(tree.cut(100, coarsest=2).level) <= 100
+    True
+    """
+
+    def __init__(
+        self,
+        direction: Float[np.ndarray, "points 3"],
+        values: Float[np.ndarray, " points"],
+    ) -> None:
+        scale = 1 / np.sqrt(1 + direction[:, 2])
+        a, b = square_from_disc(direction[:, 0] * scale, direction[:, 1] * scale)
+        code = _interleave(_whole(a), _whole(b))
+        self._order = np.argsort(code, kind="stable")
+        self._levels = _levels(code[self._order], a, b, values, self._order)
+
+    def cut(self, most: int, *, coarsest: int = 0) -> Cells:
+        """Return at most `most` cells, small where a plane fits worst.
+
+        Parameters
+        ----------
+        coarsest : halvings of the largest cells, where points allow them
+        """
+        levels = self._levels
+        # A cell is halved if anything below it is worth it and its quarters are full
+        worth = [level.loss.copy() for level in levels]
+        for k in range(len(levels) - 2, -1, -1):
+            below = np.where(levels[k + 1].quarters == 4, worth[k + 1], 0)
+            np.maximum.at(worth[k], levels[k + 1].parent, below)
+        for k, level in enumerate(levels):
+            worth[k] = np.where(level.quarters == 4, worth[k], -1)
+            if k < coarsest:
+                worth[k] = np.where(level.quarters == 4, np.inf, -1)
+
+        # Find the threshold by bisection on the rank of the candidates
+        every = np.unique(np.concatenate([w[(w > 0) & np.isfinite(w)] for w in worth]))
+        low, high = 0, len(every)
+        while low < high:
+            middle = (low + high) // 2
+            if self._size(worth, every[middle]) > most:
+                low = middle + 1
+            else:
+                high = middle
+        return self._leaves(worth, every[low] if low < len(every) else np.inf)
+
+    def _alive(
+        self, worth: list[Float[np.ndarray, " cells"]], threshold: float
+    ) -> list[Bool[np.ndarray, " cells"]]:
+        # Cells all of whose ancestors are halved
+        alive = [np.ones(len(self._levels[0].code), dtype=bool)]
+        for k, level in enumerate(self._levels[1:]):
+            alive.append((alive[k] & (worth[k] >= threshold))[level.parent])
+        return alive
+
+    def _size(self, worth: list[Float[np.ndarray, " cells"]], threshold: float) -> int:
+        alive = self._alive(worth, threshold)
+        halved = [a & (w >= threshold) for a, w in zip(alive, worth, strict=True)]
+        return sum(int(a.sum() - h.sum()) for a, h in zip(alive, halved, strict=True))
+
+    def _leaves(
+        self, worth: list[Float[np.ndarray, " cells"]], threshold: float
+    ) -> Cells:
+        level, first = [], []
+        for k, alive in enumerate(self._alive(worth, threshold)):
+            leaf = alive & ~(worth[k] >= threshold)
+            first.append(self._levels[k].first[leaf])
+            level.append(np.full(int(leaf.sum()), k))
+        start = np.concatenate(first)
+        by_place = np.argsort(start, kind="stable")
+        limits = np.append(start[by_place], len(self._order))
+        return Cells(np.concatenate(level)[by_place], limits, self._order)
+
+
+def _levels(
+    code: Int[np.ndarray, " points"],
+    a: Float[np.ndarray, " points"],
+    b: Float[np.ndarray, " points"],
+    values: Float[np.ndarray, " points"],
+    order: Int[np.ndarray, " points"],
+) -> list[_Level]:
+    # Moments of the points about the middle of the square, in their order
+    x, y, v = a[order] - 0.5, b[order] - 0.5, values[order]
+    one = np.ones_like(v)
+    moments = np.stack([one, x, y, x * x, x * y, y * y, v, v * x, v * y, v * v], -1)
+    floor = _FLOOR * max(float(np.abs(v).mean()), 1e-300)
+    levels: list[_Level] = []
+    starts: list[Int[np.ndarray, " cells"]] = []
+    for k in range(FINEST + 1):
+        here = code >> 2 * (FINEST - k)
+        first = np.flatnonzero(np.diff(here, prepend=-1))
+        parent = (
+            np.searchsorted(starts[-1], first, side="right") - 1
+            if k
+            else np.zeros(1, dtype=int)
+        )
+        starts.append(first)
+        sums = np.add.reduceat(moments, first, axis=0)
+        loss = _loss(sums, floor) * 2 * np.pi * 0.25**k
+        empty = np.zeros(len(first), dtype=int)
+        levels.append(_Level(here[first], first, parent, loss, empty))
+        if k:
+            np.add.at(levels[k - 1].quarters, parent, 1)
+    return levels
+
+
+def _loss(
+    sums: Float[np.ndarray, "cells 10"], floor: float
+) -> Float[np.ndarray, " cells"]:
+    # Root of the mean squared distance from the plane that fits best, over the root
+    # of the mean value: what a count of photons would find hardest to explain
+    n = sums[:, 0]
+    x, y, xx, xy, yy, v, vx, vy, vv = (sums[:, 1:] / n[:, None]).T
+    xx, xy, yy = xx - x * x, xy - x * y, yy - y * y
+    vx, vy, vv = vx - v * x, vy - v * y, np.maximum(vv - v * v, 0)
+    determinant = xx * yy - xy * xy
+    flat = determinant <= 1e-9 * (xx + yy) ** 2
+    safe = np.where(flat, 1, determinant)
+    explained = (yy * vx * vx - 2 * xy * vx * vy + xx * vy * vy) / safe
+    left = np.maximum(vv - np.where(flat, 0, explained), 0)
+    return np.asarray(np.sqrt(left) / np.sqrt(np.maximum(v, 0) + floor))
+
+
+def _whole(coordinate: Float[np.ndarray, " points"]) -> Int[np.ndarray, " points"]:
+    wide = 1 << FINEST
+    return np.clip((coordinate * wide).astype(np.int64), 0, wide - 1)
+
+
+def _interleave(
+    a: Int[np.ndarray, " points"], b: Int[np.ndarray, " points"]
+) -> Int[np.ndarray, " points"]:
+    code = np.zeros_like(a)
+    for bit in range(FINEST):
+        code |= ((a >> bit) & 1) << (2 * bit + 1) | ((b >> bit) & 1) << (2 * bit)
+    return code

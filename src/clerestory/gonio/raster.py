@@ -1,0 +1,209 @@
+"""Lobes on a grid: the BSDF averaged over the cells of the unit square, flux conserved.
+
+Every lobe is drawn on the grid on which it is a cell or two wide, over the cells
+about its centre only, and scaled to its flux there. Each grid is refined to the next
+until the finest; so a lobe costs the same whatever its size. The grids are of
+Lambert's map, on which lobes are round everywhere; at the end the light is gathered in
+the cells of the projected square, those of tensor trees.
+"""
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy import sparse
+
+from clerestory.gonio.lobes import Lobes
+from clerestory.hemisphere.square import disc_from_square, square_from_disc
+
+# The coarsest grid has 2^4 cells along an axis, each 9° wide.
+_COARSEST = 4
+
+# A lobe is drawn where its radius is more cells than this …
+_CELLS_PER_RADIUS = 0.75
+
+# … over so many cells to each side: 3.3 radii of the widest.
+_SIDE = 5
+
+# A lobe narrower than the finest cells is drawn as wide as half of one.
+_NARROWEST = 0.5
+
+# Points along each axis over which a projected cell gathers light.
+_GATHER = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Raster:
+    """Grids on which lobes are drawn, made once for a number of cells.
+
+    Attributes
+    ----------
+    halvings : 2^halvings cells along each axis of the projected square
+    directions : per grid, coarsest first: unit vectors of the cells
+    gather : from the finest grid to the projected square
+
+    Examples
+    --------
+    >>> spot = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.05]), np.array([0.5]))
+    >>> cells = Raster.of(5).cells(spot)
+    >>> round(float(cells.sum()) * np.pi / len(cells), 6)
+    0.5
+    """
+
+    halvings: int
+    directions: tuple[Float[np.ndarray, "cells 3"], ...]
+    gather: sparse.csr_array
+
+    @staticmethod
+    def of(halvings: int) -> "Raster":
+        """Return the grids for 2^halvings cells along each axis."""
+        return _raster(halvings)
+
+    @property
+    def finest(self) -> int:
+        """Halvings of the finest grid on which lobes are drawn."""
+        return _COARSEST + len(self.directions) - 1
+
+    def cells(self, lobes: Lobes) -> Float[np.ndarray, " cells"]:
+        """BSDF of each cell of the projected square [1/sr], the second axis faster."""
+        values = self.gather @ self._drawn(lobes)
+        light = values.sum() * np.pi / len(values)
+        return np.asarray(values * (lobes.total / light if light > 0 else 0.0))
+
+    def sample(
+        self, cells: Float[np.ndarray, " cells"], u: Float[np.ndarray, "samples 2"]
+    ) -> tuple[Float[np.ndarray, "samples 3"], Float[np.ndarray, " samples"]]:
+        """Directions distributed like the light of cells, and their density [1/sr]."""
+        running = np.concatenate([[0.0], np.cumsum(cells)])
+        total = float(running[-1])
+        if total <= 0:
+            return np.tile([0.0, 0.0, 1.0], (len(u), 1)), np.zeros(len(u))
+        target = u[:, 0] * total
+        chosen = np.searchsorted(running, target, side="right") - 1
+        chosen = np.clip(chosen, 0, len(cells) - 1)
+        rest = (target - running[chosen]) / np.maximum(cells[chosen], 1e-300)
+        wide = 1 << self.halvings
+        a = (chosen // wide + np.clip(rest, 0, 1 - 1e-12)) / wide
+        b = (chosen % wide + u[:, 1]) / wide
+        x, y = disc_from_square(a, b)
+        z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+        density = cells[chosen] * len(cells) / (np.pi * total) * z
+        return np.stack([x, y, z], axis=-1), density
+
+    def _drawn(self, lobes: Lobes) -> Float[np.ndarray, " cells"]:
+        # BSDF on the finest grid
+        width = np.sqrt(2 * np.pi) * 0.5 ** np.arange(_COARSEST, self.finest + 1)
+        grid = np.searchsorted(-_CELLS_PER_RADIUS * width, -lobes.radius, side="left")
+        grid = np.minimum(grid, len(width) - 1)
+        values = np.zeros(1)
+        for k, direction in enumerate(self.directions):
+            values = _refined(values) if k else np.zeros(len(direction))
+            of = np.flatnonzero(grid == k)
+            if len(of):
+                # What refinement will widen is drawn narrower
+                left = len(width) - 1 - k
+                change = -0.25 * (1 - 0.25**left) if left else _NARROWEST**2
+                draw = _draw_near if k else _draw_everywhere
+                values += draw(lobes, of, direction, change * width[k] ** 2)
+        return values
+
+
+def _draw_everywhere(
+    lobes: Lobes,
+    of: Int[np.ndarray, " drawn"],
+    direction: Float[np.ndarray, "cells 3"],
+    change: float,
+) -> Float[np.ndarray, " cells"]:
+    square = lobes.radius[of] ** 2 + change
+    shape = np.exp((direction @ lobes.centre[of].T - 1) / square)
+    light = direction[:, 2] @ shape * (2 * np.pi / len(direction))
+    return np.asarray(shape @ (lobes.flux[of] / light))
+
+
+def _draw_near(
+    lobes: Lobes,
+    of: Int[np.ndarray, " drawn"],
+    direction: Float[np.ndarray, "cells 3"],
+    change: float,
+) -> Float[np.ndarray, " cells"]:
+    wide = round(len(direction) ** 0.5)
+    centre = lobes.centre[of]
+    a, b = _square(centre)
+    side = np.arange(-_SIDE, _SIDE + 1)
+    row = (a * wide).astype(int)[:, None] + side
+    column = (b * wide).astype(int)[:, None] + side
+    row_in, column_in = (row >= 0) & (row < wide), (column >= 0) & (column < wide)
+    inside = (row_in[:, :, None] & column_in[:, None, :]).reshape(len(of), -1)
+    cell = np.clip(row, 0, wide - 1)[:, :, None] * wide
+    cell = (cell + np.clip(column, 0, wide - 1)[:, None, :]).reshape(len(of), -1)
+
+    # Fall off with the squared chord; light is what passes the plane of the layer
+    seen = direction[cell]
+    chord = 2 - 2 * np.einsum("lcj,lj->lc", seen, centre)
+    square = lobes.radius[of] ** 2 + change
+    shape = np.exp(chord / (-2 * square[:, None])) * inside
+    light = np.einsum("lc,lc->l", shape, seen[:, :, 2]) * (2 * np.pi / len(direction))
+    peak = np.divide(lobes.flux[of], light, out=np.zeros(len(of)), where=light > 0)
+    return np.bincount(
+        cell.ravel(), (shape * peak[:, None]).ravel(), minlength=len(direction)
+    )
+
+
+def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]:
+    # Halve the cells; each takes three quarters of its own and a quarter of the next
+    wide = round(len(values) ** 0.5)
+    table = values.reshape(wide, wide)
+    for _ in range(2):
+        padded = np.concatenate([table[:1], table, table[-1:]])
+        finer = np.empty((2 * len(table), table.shape[1]))
+        finer[0::2] = 0.75 * table + 0.25 * padded[:-2]
+        finer[1::2] = 0.75 * table + 0.25 * padded[2:]
+        table = finer.T
+    return table.ravel()
+
+
+def _square(
+    direction: Float[np.ndarray, "points 3"],
+) -> tuple[Float[np.ndarray, " points"], Float[np.ndarray, " points"]]:
+    scale = 1 / np.sqrt(1 + direction[:, 2])
+    return square_from_disc(direction[:, 0] * scale, direction[:, 1] * scale)
+
+
+@functools.lru_cache(maxsize=8)
+def _raster(halvings: int) -> Raster:
+    finest = max(halvings, _COARSEST)
+    directions = tuple(_centres(k) for k in range(_COARSEST, finest + 1))
+    return Raster(halvings, directions, _gathering(halvings, finest))
+
+
+def _centres(halvings: int) -> Float[np.ndarray, "cells 3"]:
+    wide = 1 << halvings
+    middle = (np.arange(wide) + 0.5) / wide
+    a, b = np.meshgrid(middle, middle, indexing="ij")
+    x, y = disc_from_square(a.ravel(), b.ravel())
+    squared = x * x + y * y
+    scale = np.sqrt(2 - squared)
+    return np.stack([x * scale, y * scale, 1 - squared], axis=-1)
+
+
+def _gathering(halvings: int, finest: int) -> sparse.csr_array:
+    # The mean over points of each projected cell, straight between Lambert's cells
+    wide, many = 1 << halvings, _GATHER << halvings
+    middle = (np.arange(many) + 0.5) / many
+    a, b = (part.ravel() for part in np.meshgrid(middle, middle, indexing="ij"))
+    x, y = disc_from_square(a, b)
+    z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+    place = np.stack(_square(np.stack([x, y, z], axis=-1))) * (1 << finest) - 0.5
+    low = np.clip(np.floor(place).astype(int), 0, (1 << finest) - 2)
+    share = np.clip(place - low, 0, 1)
+    row = (a * wide).astype(int) * wide + (b * wide).astype(int)
+    shape = wide * wide, 1 << 2 * finest
+    total = sparse.csr_array(shape)
+    for da in (0, 1):
+        for db in (0, 1):
+            weight = np.where(da, share[0], 1 - share[0])
+            weight = weight * np.where(db, share[1], 1 - share[1]) / _GATHER**2
+            column = ((low[0] + da) << finest) + low[1] + db
+            total = total + sparse.csr_array((weight, (row, column)), shape=shape)
+    return total

@@ -1,0 +1,140 @@
+"""Symmetry of a layer, deduced from the incident directions that were measured.
+
+- isotropic: every azimuth is alike; directions in one plane are measured
+- quadrilateral: left and right, up and down are mirror images; a quarter is measured
+- bilateral-x, bilateral-y: mirror images about the plane x = 0 (left and right) or
+  y = 0 (up and down); half the directions are measured
+- rotational: half a turn changes nothing; half the directions are measured
+- none: all directions are measured
+
+Reference: G. Ward, M. Kurt, N. Bonneel, "A practical framework for sharing and
+rendering real-world bidirectional scattering distribution functions", LBNL-5954E,
+2012; "Reducing anisotropic BSDF measurement to common practice", MAM 2014.
+"""
+
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.errors import InputError
+
+Symmetry = Literal[
+    "isotropic", "quadrilateral", "bilateral-x", "bilateral-y", "rotational", "none"
+]
+SYMMETRIES: tuple[Symmetry, ...] = get_args(Symmetry)
+
+# Directions this near to the normal say nothing about azimuth, and azimuths this near
+# to an axis lie on it [°]; both as in Radiance's pabopto2bsdf.
+_NEAR_NORMAL_DEG = 1.0
+_NEAR_AXIS_DEG = 1.0
+
+# Signs of x and y of the images of a direction under each symmetry.
+_IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
+    "isotropic": ((1, 1),),
+    "quadrilateral": ((1, 1), (-1, 1), (1, -1), (-1, -1)),
+    "bilateral-x": ((1, 1), (-1, 1)),
+    "bilateral-y": ((1, 1), (1, -1)),
+    "rotational": ((1, 1), (-1, -1)),
+    "none": ((1, 1),),
+}
+
+
+def images(symmetry: Symmetry) -> Float[np.ndarray, "images 3"]:
+    """Factors of x, y, z for the images of a direction; the first changes nothing."""
+    return np.array([(*signs, 1) for signs in _IMAGES[symmetry]], dtype=float)
+
+
+def deduce_symmetry(incidents: Float[np.ndarray, "directions 3"]) -> Symmetry:
+    """Symmetry that incident directions imply, by the quadrants they cover.
+
+    Half a circle may also be measured of a rotational layer, which then must be told.
+
+    Raises
+    ------
+    InputError : three quadrants, or two that do not touch
+
+    Examples
+    --------
+    >>> deduce_symmetry(np.array([[0, 0, 1.0], [0.5, 0, 0.866], [0.9, 0, 0.436]]))
+    'isotropic'
+    """
+    theta = np.degrees(np.arctan2(np.hypot(*incidents[:, :2].T), incidents[:, 2]))
+    phi = np.degrees(np.arctan2(incidents[:, 1], incidents[:, 0])) % 360
+    phi = phi[theta >= _NEAR_NORMAL_DEG]
+    if len(phi) == 0 or np.all(np.abs((phi - phi[0] + 180) % 360 - 180) < 1.0):
+        return "isotropic"
+    inner = np.abs((phi + 45) % 90 - 45) > _NEAR_AXIS_DEG
+    covered = frozenset((phi[inner] // 90).astype(int).tolist())
+    if not covered:
+        return _on_axes(phi)
+    if len(covered) == 1:
+        return "quadrilateral"
+    if covered in ({0, 1}, {2, 3}):
+        return "bilateral-y"
+    if covered in ({1, 2}, {3, 0}):
+        return "bilateral-x"
+    if len(covered) == 4:
+        return "none"
+    names = ", ".join(f"{90 * k}–{90 * k + 90}°" for k in sorted(covered))
+    raise InputError(
+        f"incident azimuths cover {names}; one plane, one quarter, two quarters that"
+        " touch, or all expected"
+    )
+
+
+def _on_axes(phi: Float[np.ndarray, " directions"]) -> Symmetry:
+    # Azimuths of 0, 90, 180 or 270° only
+    axes = set((np.round(phi / 90) % 4).astype(int).tolist())
+    if {0, 2} <= axes and {1, 3} <= axes:
+        return "none"
+    if {0, 2} <= axes:
+        return "bilateral-y"
+    return "bilateral-x" if {1, 3} <= axes else "quadrilateral"
+
+
+def fold(
+    incident: Float[np.ndarray, "*batch 3"],
+    symmetry: Symmetry,
+    quadrant: Float[np.ndarray, "2"],
+) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch 3"]]:
+    """Directions brought to the measured part, and the factors that bring them back.
+
+    Parameters
+    ----------
+    quadrant : signs of x and y of the measured part
+    """
+    factor = np.ones_like(incident)
+    if symmetry in ("quadrilateral", "bilateral-x"):
+        factor[..., 0] = np.where(incident[..., 0] * quadrant[0] < 0, -1, 1)
+    if symmetry in ("quadrilateral", "bilateral-y"):
+        factor[..., 1] = np.where(incident[..., 1] * quadrant[1] < 0, -1, 1)
+    if symmetry == "rotational":
+        behind = incident[..., 1] * quadrant[1] < 0
+        factor[..., :2] = np.where(behind[..., None], -1, 1)
+    return incident * factor, factor
+
+
+def measured_quadrant(
+    incidents: Float[np.ndarray, "directions 3"],
+) -> Float[np.ndarray, "2"]:
+    """Signs of x and y of the quarter or half in which directions lie."""
+    middle = incidents[:, :2].sum(axis=0)
+    return np.where(middle < -1e-9, -1.0, 1.0)
+
+
+def within(
+    triangles: Float[np.ndarray, "triangles 3 3"],
+    symmetry: Symmetry,
+    quadrant: Float[np.ndarray, "2"],
+) -> Bool[np.ndarray, " triangles"]:
+    """Which triangles reach into the measured part."""
+    reach = np.max(triangles[:, :, :2] * quadrant, axis=1) > 1e-6
+    x, y = reach.T
+    if symmetry == "quadrilateral":
+        return np.asarray(x & y)
+    if symmetry == "bilateral-x":
+        return np.asarray(x)
+    if symmetry in ("bilateral-y", "rotational"):
+        return np.asarray(y)
+    return np.ones(len(triangles), dtype=bool)

@@ -1,0 +1,208 @@
+"""Tensor trees from interpolants: every incident cell drawn, equal cells joined.
+
+Light of each incident cell is drawn on the grid of leaving cells with its flux
+conserved. Blocks of incident cells are worked on together, so that a tree of 2^7
+cells along each of four axes, 268 million values, never stands in memory: in each
+block cells that hardly differ become one at once.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, Int32
+
+from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tree_combine import bits_of
+from clerestory.bsdf.tree_text import branch_order
+from clerestory.errors import InputError
+from clerestory.gonio.interpolant import Interpolant
+from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.raster import Raster
+from clerestory.hemisphere.square import disc_from_square
+
+# Halvings at which trees are cut into blocks, counted from the smallest cells.
+_BLOCK = 3
+
+# Trees of rank 4 and rank 3 with more halvings take hours or more than the memory.
+_DEEPEST: dict[int, int] = {4: 7, 3: 8}
+
+# Values [1/sr] below which differences do not count.
+_FLOOR = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class _Forest:
+    # Subtrees of one incident block: their roots, and the slots below them
+    roots: Int32[np.ndarray, " subtrees"]
+    slots: Int32[np.ndarray, " slots"]
+
+
+def to_tree(
+    interpolant: Interpolant,
+    *,
+    halvings: int,
+    tolerance: float = 0.05,
+    processes: int = 1,
+    report: Report = silent,
+) -> ScatteringTree:
+    """Return the tensor tree of an interpolant: rank 3 if isotropic, else rank 4.
+
+    Parameters
+    ----------
+    halvings : 2^halvings smallest cells lie along each axis
+    tolerance : cells are joined whose values differ by less than this share
+
+    Raises
+    ------
+    InputError : too many halvings
+    """
+    rank: Literal[3, 4] = 3 if interpolant.symmetry == "isotropic" else 4
+    if not 1 <= halvings <= _DEEPEST[rank]:
+        raise InputError(
+            f"a tensor tree of rank {rank} with {halvings} halvings; 1 to"
+            f" {_DEEPEST[rank]} expected"
+        )
+    if rank == 3:
+        return _rank_3(interpolant, halvings, tolerance)
+    within = min(_BLOCK, halvings)
+    wide = 1 << halvings - within
+    blocks = [(p, q) for p in range(wide) for q in range(wide)]
+    chosen = [block for block in blocks if _first_image(interpolant, block, wide)]
+    work = [(interpolant, block, halvings, within, tolerance) for block in chosen]
+    drawn = map_in_order(_drawn_block, work, processes=processes, report=report)
+    forests: dict[tuple[int, int], _Forest] = {}
+    for images in drawn:
+        forests.update(images)
+    return _assembled([forests[block] for block in blocks], halvings, within)
+
+
+def _rank_3(
+    interpolant: Interpolant, halvings: int, tolerance: float
+) -> ScatteringTree:
+    # The first axis is half the distance from the rim; its second half is not used
+    wide, raster = 1 << halvings, Raster.of(halvings)
+    radius = 1 - 2 * (np.arange(wide // 2) + 0.5) / wide
+    height = np.sqrt(1 - radius**2)
+    source = np.stack([-radius, 0 * radius, height], axis=-1)
+    cells = [raster.cells(lobes) for lobes in interpolant.lobes_of(source)]
+    values = np.zeros((wide, wide * wide))
+    values[: len(cells)] = cells
+    leaves = values.ravel()[branch_order(3, halvings)][None]
+    forest = _grown(leaves, 3, halvings, tolerance)
+    slots = np.concatenate([forest.roots, _moved(forest.slots, 1)])
+    if forest.roots[0] < 0:
+        slots[0] = ~1
+    return ScatteringTree(slots, 3, halvings)
+
+
+_Mirror = Callable[[Float[np.ndarray, "a b c d"]], Float[np.ndarray, "a b c d"]]
+
+# Images of a block: which of its two axes run backwards.
+_IMAGES: dict[str, tuple[tuple[bool, bool], ...]] = {
+    "quadrilateral": ((False, False), (True, False), (False, True), (True, True)),
+    "bilateral-x": ((False, False), (True, False)),
+    "bilateral-y": ((False, False), (False, True)),
+    "rotational": ((False, False), (True, True)),
+    "none": ((False, False),),
+}
+
+
+def _images(
+    interpolant: Interpolant, block: tuple[int, int], wide: int
+) -> dict[tuple[int, int], tuple[bool, bool]]:
+    images: dict[tuple[int, int], tuple[bool, bool]] = {}
+    for flip in _IMAGES[interpolant.symmetry]:
+        place = tuple(
+            wide - 1 - n if backwards else n
+            for n, backwards in zip(block, flip, strict=True)
+        )
+        images.setdefault((place[0], place[1]), flip)
+    return images
+
+
+def _first_image(interpolant: Interpolant, block: tuple[int, int], wide: int) -> bool:
+    return block == min(_images(interpolant, block, wide))
+
+
+def _drawn_block(
+    work: tuple[Interpolant, tuple[int, int], int, int, float],
+) -> dict[tuple[int, int], _Forest]:
+    # Values of the incident cells of a block, and the forests of all its images
+    interpolant, block, halvings, within, tolerance = work
+    wide, part = 1 << halvings, 1 << within
+    raster = Raster.of(halvings)
+    a, b = ((block[i] * part + np.arange(part) + 0.5) / wide for i in (0, 1))
+    a, b = np.meshgrid(a, b, indexing="ij")
+    x, y = disc_from_square(a.ravel(), b.ravel())
+    height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+    source = np.stack([-x, -y, height], axis=-1)
+    cells = [raster.cells(lobes) for lobes in interpolant.lobes_of(source)]
+    values = np.array(cells, dtype=np.float32).reshape(part, part, wide, wide)
+    forests: dict[tuple[int, int], _Forest] = {}
+    for place, flip in _images(interpolant, block, wide // part).items():
+        axes = [axis for i, axis in ((0, 0), (1, 1), (0, 2), (1, 3)) if flip[i]]
+        turned = np.flip(values, tuple(axes)) if axes else values
+        split = turned.reshape(part * part, wide // part, part, wide // part, part)
+        leaving = split.transpose(1, 3, 0, 2, 4).reshape((wide // part) ** 2, -1)
+        forests[place] = _grown(
+            leaving[:, branch_order(4, within)], 4, within, tolerance
+        )
+    return forests
+
+
+def _grown(
+    leaves: Float[np.ndarray, "subtrees leaves"],
+    rank: int,
+    halvings: int,
+    tolerance: float,
+) -> _Forest:
+    """Join cells that hardly differ; each row of leaves is a subtree."""
+    width = 1 << rank
+    mean, least, most = [leaves], [leaves], [leaves]
+    for _ in range(halvings):
+        shape = len(leaves), -1, width
+        mean.insert(0, mean[0].reshape(shape).mean(axis=2))
+        least.insert(0, least[0].reshape(shape).min(axis=2))
+        most.insert(0, most[0].reshape(shape).max(axis=2))
+    alive = np.arange(len(leaves))
+    regions: list[Int32[np.ndarray, " slots"]] = []
+    size = 0
+    for level in range(halvings + 1):
+        value = mean[level].ravel()[alive]
+        region = bits_of(value)
+        if level < halvings:
+            spread = most[level].ravel()[alive] - least[level].ravel()[alive]
+            keep = np.flatnonzero(spread > tolerance * (value + _FLOOR))
+            region[keep] = ~(size + (np.arange(len(keep)) << rank)).astype(np.int32)
+            size += len(keep) << rank
+            below = (alive[keep] << rank)[:, None] + np.arange(width)
+            alive = below.ravel()
+        regions.append(region)
+        if level < halvings and not len(alive):
+            break
+    return _Forest(regions[0], np.concatenate([np.zeros(0, np.int32), *regions[1:]]))
+
+
+def _moved(slots: Int32[np.ndarray, " slots"], by: int) -> Int32[np.ndarray, " slots"]:
+    return np.where(slots < 0, slots - by, slots).astype(np.int32)
+
+
+def _assembled(forests: list[_Forest], halvings: int, within: int) -> ScatteringTree:
+    # A full tree on top, whose leaves are the roots of all subtrees
+    top = halvings - within
+    size = sum(16**level for level in range(top + 1))
+    roots: list[Int32[np.ndarray, " subtrees"]] = []
+    slots: list[Int32[np.ndarray, " slots"]] = []
+    for forest in forests:
+        roots.append(_moved(forest.roots, size))
+        slots.append(_moved(forest.slots, size))
+        size += len(forest.slots)
+    starts = np.cumsum([16**level for level in range(top + 1)])
+    inner = [
+        ~(start + (np.arange(16**level) << 4)).astype(np.int32)
+        for level, start in enumerate(starts[:-1])
+    ]
+    leaves = np.concatenate(roots)[branch_order(4, top)]
+    return ScatteringTree(np.concatenate([*inner, leaves, *slots]), 4, halvings)

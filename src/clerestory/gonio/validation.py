@@ -1,0 +1,211 @@
+"""How far an interpolant can be trusted: leave one incident direction out, predict it.
+
+Each scan is left out in turn, the others are joined without it, and what they say
+about its direction is compared with what was measured there. The neighbours are then
+twice as far as they are in use, so the errors are on the safe side; where a scan stood
+at the rim, they are those of extrapolation.
+"""
+
+import functools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.gonio.angles import angle_between
+from clerestory.gonio.earth_mover import earth_mover
+from clerestory.gonio.fit import DEFAULT, FitOptions, condense, fit_lobes, total_flux
+from clerestory.gonio.interpolant import Interpolant
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.mesh import locate
+from clerestory.gonio.nodes import Network, connect
+from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.symmetry import Symmetry, deduce_symmetry, fold
+
+# Fewest scans of which one can be left out.
+_FEWEST = 3
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """What the other scans say about one that was left out.
+
+    Attributes
+    ----------
+    theta_deg, phi_deg : incident direction [°]
+    inside : whether it lies among the others, or beyond the outermost
+    measured, predicted : share of the light that is scattered in all
+    peak_deg : angle from the measured to the predicted peak [°]
+    earth_mover_deg : mean angle by which light has to be moved [°]
+    misplaced : share of the light that is not where it was measured; noise of the
+        measurement counts too
+    fitted : the same for the scan's own fit, the least that can be reached
+    """
+
+    theta_deg: float
+    phi_deg: float
+    inside: bool
+    measured: float
+    predicted: float
+    peak_deg: float
+    earth_mover_deg: float
+    misplaced: float
+    fitted: float
+
+    @property
+    def flux_error(self) -> float:
+        """Predicted minus measured share of the light."""
+        return self.predicted - self.measured
+
+
+@dataclass(frozen=True)
+class CrossValidation:
+    """Errors of all scans left out one by one.
+
+    Attributes
+    ----------
+    scans : one a scan
+    smoothing : of the fits
+    """
+
+    scans: tuple[LeftOut, ...]
+    smoothing: float
+
+    def median(self, name: str, *, inside: bool = True) -> float:
+        """Median size of an error over the scans among the others, or beyond them.
+
+        >>> one = LeftOut(30, 0, True, 0.5, 0.49, 1.0, 2.0, 0.1, 0.02)
+        >>> round(CrossValidation((one,), 1.0).median("flux_error"), 3)
+        0.01
+        """
+        errors = [abs(getattr(s, name)) for s in self.scans if s.inside == inside]
+        return float(np.median(errors)) if errors else float("nan")
+
+
+def cross_validate(
+    measurement: Measurement,
+    *,
+    symmetry: Symmetry | None = None,
+    options: FitOptions = DEFAULT,
+    processes: int = 1,
+    progress: Callable[[str], Report] = lambda _name: silent,
+) -> CrossValidation:
+    """Return the error of predicting each scan from all others.
+
+    Parameters
+    ----------
+    symmetry, options, processes, progress : as of `fit_measurement`
+
+    Raises
+    ------
+    InputError : fewer than three scans
+    """
+    scans = measurement.scans
+    if len(scans) < _FEWEST:
+        raise InputError(
+            f"{len(scans)} incident directions; {_FEWEST} or more expected to leave one"
+            " out"
+        )
+    if symmetry is None:
+        symmetry = measurement.claimed or deduce_symmetry(measurement.incidents)
+    fits = map_in_order(
+        functools.partial(fit_lobes, options=options),
+        scans,
+        processes=processes,
+        report=progress("fit lobes"),
+    )
+    network = connect(
+        measurement.incidents,
+        fits,
+        symmetry,
+        processes=processes,
+        report=progress("plan transport"),
+    )
+    report = progress("leave one out")
+    left = []
+    for k in range(len(scans)):
+        left.append(_left_out(k, scans, fits, symmetry, network))
+        report((k + 1) / len(scans), f"{k + 1} of {len(scans)}")
+    return CrossValidation(tuple(left), options.smoothing)
+
+
+def smoothing_study(
+    measurement: Measurement,
+    factors: Sequence[float],
+    *,
+    symmetry: Symmetry | None = None,
+    lobes: int = DEFAULT.lobes,
+    processes: int = 1,
+    progress: Callable[[str], Report] = lambda _name: silent,
+) -> tuple[CrossValidation, ...]:
+    """Return the errors for several smoothing factors: which suits the measurement.
+
+    Raises
+    ------
+    InputError : as for `cross_validate`
+    """
+    return tuple(
+        cross_validate(
+            measurement,
+            symmetry=symmetry,
+            options=FitOptions(lobes=lobes, smoothing=factor),
+            processes=processes,
+            progress=progress,
+        )
+        for factor in factors
+    )
+
+
+def misplaced_light(
+    scan: Scan, values: Float[np.ndarray, " points"] | None, lobes: Lobes
+) -> float:
+    """Share of the light of a scan that a prediction puts elsewhere.
+
+    Parameters
+    ----------
+    values : predicted BSDF at the condensed points of the scan [1/sr]; None to ask
+        the lobes
+    """
+    points = condense(scan)
+    predicted = lobes.evaluate(points.direction) if values is None else values
+    moved = points.weight @ np.abs(predicted - points.value) / 2
+    return float(moved / max(points.flux, 1e-300))
+
+
+def _left_out(
+    k: int,
+    scans: Sequence[Scan],
+    fits: Sequence[Lobes],
+    symmetry: Symmetry,
+    network: Network,
+) -> LeftOut:
+    scan, fit = scans[k], fits[k]
+    others = [n for n in range(len(scans)) if n != k]
+    incidents = np.array([scans[n].incident for n in others])
+    rest = connect(
+        incidents, [fits[n] for n in others], symmetry, known=network.known_plans()
+    )
+    lobes = Interpolant(rest, symmetry).lobes(scan.incident)
+    return LeftOut(
+        scan.theta_deg,
+        scan.phi_deg,
+        _inside(rest, symmetry, scan),
+        total_flux(scan),
+        lobes.total,
+        float(np.degrees(angle_between(lobes.strongest(), fit.strongest()))),
+        float(np.degrees(earth_mover(lobes, fit))),
+        misplaced_light(scan, None, lobes),
+        misplaced_light(scan, None, fit),
+    )
+
+
+def _inside(network: Network, symmetry: Symmetry, scan: Scan) -> bool:
+    incident = scan.incident[None]
+    if symmetry == "isotropic":
+        theta = np.arctan2(network.mesh.vertices[:, 0], network.mesh.vertices[:, 2])
+        return bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
+    folded, _ = fold(incident, symmetry, network.quadrant)
+    return not bool(locate(network.mesh, folded).on_edge[0])
