@@ -22,15 +22,52 @@ class Geometry:
 
 
 @dataclass(frozen=True)
+class Detail:
+    """Something a file says that is kept as it is, such as a conductivity.
+
+    Attributes
+    ----------
+    name : of its element; "Geometry/Angle" for one of the geometry
+    text, unit : as in the file; unit "" if not given
+    """
+
+    name: str
+    text: str
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Spectra:
+    """Light source and detector that a channel was weighted with, by their files."""
+
+    channel: str
+    source: str
+    detector: str
+
+
+def usual_spectra(channel: str) -> Spectra:
+    """Return what genBSDF and WINDOW write for a channel.
+
+    >>> usual_spectra("visible").detector
+    'ASTM E308 1931 Y.dsp'
+    """
+    seen = channel in ("visible", "cie-x", "cie-z", "cie-u", "cie-v")
+    detector = "ASTM E308 1931 Y.dsp" if seen else "None"
+    return Spectra(channel, "CIE Illuminant D65 1nm.ssp", detector)
+
+
+@dataclass(frozen=True)
 class Product:
     """Name and dimensions of a glazing or shading layer.
 
     Attributes
     ----------
     name, manufacturer, device_type : as in the file
-    thickness, width, height : dimensions [m]; None where the file does not say
+    thickness, width, height : dimensions [m]; None where the file says nothing, or 0
     emissivity_front, emissivity_back : far-infrared emissivity, 0…1; None if not said
     geometry : its shape; None if the file has none
+    details : what else the file says
+    spectra : of channels whose spectra are not the usual ones
     """
 
     name: str = ""
@@ -42,3 +79,5 @@ class Product:
     emissivity_front: float | None = None
     emissivity_back: float | None = None
     geometry: Geometry | None = None
+    details: tuple[Detail, ...] = ()
+    spectra: tuple[Spectra, ...] = ()

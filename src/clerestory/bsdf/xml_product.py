@@ -1,30 +1,45 @@
 """Name and dimensions of the product in a BSDF file."""
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
+from decimal import Decimal
 
 from lxml import etree
 
-from clerestory.bsdf.product import Geometry, Product
+from clerestory.bsdf.product import Detail, Geometry, Product, Spectra, usual_spectra
 from clerestory.bsdf.xml_document import Document
 
+# In whole decimals, so that a length written in millimetres comes back to the last bit.
 _METRES = {
-    "meter": 1.0,
-    "decimeter": 0.1,
-    "centimeter": 0.01,
-    "millimeter": 0.001,
-    "micron": 1e-6,
-    "inch": 0.0254,
-    "foot": 0.3048,
+    "meter": Decimal(1),
+    "decimeter": Decimal("0.1"),
+    "centimeter": Decimal("0.01"),
+    "millimeter": Decimal("0.001"),
+    "micron": Decimal("0.000001"),
+    "inch": Decimal("0.0254"),
+    "foot": Decimal("0.3048"),
 }
+
+# Elements of a material that have a place of their own in `Product`.
+_KNOWN = (
+    *("Name", "Manufacturer", "DeviceType", "Thickness", "Width", "Height"),
+    *("EmissivityFront", "EmissivityBack", "Geometry"),
+)
 
 
 def read_product(layer: etree._Element, document: Document) -> Product:
-    """Return what the Material element of a layer says; empty where it says nothing."""
-    geometry = _geometry(layer, document)
+    """Return what a layer says about itself; empty where it says nothing."""
+    product = Product(
+        geometry=_geometry(layer, document),
+        details=tuple(_details(layer, document)),
+        spectra=tuple(_spectra(layer, document)),
+    )
     material = document.find(layer, "Material")
     if material is None:
-        return Product(geometry=geometry)
-    return Product(
+        return product
+    return replace(
+        product,
         name=document.text(material, "Name"),
         manufacturer=document.text(material, "Manufacturer"),
         device_type=document.text(material, "DeviceType") or "Other",
@@ -33,7 +48,6 @@ def read_product(layer: etree._Element, document: Document) -> Product:
         height=_length(material, "Height", document),
         emissivity_front=_number(document.text(material, "EmissivityFront")),
         emissivity_back=_number(document.text(material, "EmissivityBack")),
-        geometry=geometry,
     )
 
 
@@ -52,7 +66,30 @@ def _geometry(layer: etree._Element, document: Document) -> Geometry | None:
     metres = _METRES.get((holder.get("unit") or "meter").strip().lower())
     if not text.strip() or metres is None:
         return None
-    return Geometry(text, metres, document.line(holder))
+    return Geometry(text, float(metres), document.line(holder))
+
+
+def _details(layer: etree._Element, document: Document) -> Iterator[Detail]:
+    for path, prefix in (("Material", ""), ("Geometry", "Geometry/")):
+        parent = document.find(layer, path)
+        for element in [] if parent is None else parent.iterchildren(etree.Element):
+            name, text = etree.QName(element).localname, (element.text or "").strip()
+            own = name == "MGFblock" if prefix else name in _KNOWN
+            if text and not own and not len(element):
+                yield Detail(prefix + name, text, element.get("unit") or "")
+
+
+def _spectra(layer: etree._Element, document: Document) -> Iterator[Spectra]:
+    seen: set[str] = set()
+    for data in document.children(layer, "WavelengthData"):
+        channel = document.text(data, "Wavelength").lower()
+        source = document.text(data, "SourceSpectrum")
+        detector = document.text(data, "DetectorSpectrum")
+        spectra = Spectra(channel, source, detector)
+        if channel not in seen and (source or detector):
+            seen.add(channel)
+            if spectra != usual_spectra(channel):
+                yield spectra
 
 
 def _number(text: str) -> float | None:
@@ -68,6 +105,8 @@ def _length(material: etree._Element, name: str, document: Document) -> float | 
     element = document.find(material, name)
     if element is None:
         return None
-    value = _number((element.text or "").strip())
     metres = _METRES.get((element.get("unit") or "meter").strip().lower())
-    return None if value is None or metres is None else value * metres
+    text = (element.text or "").strip()
+    if metres is None or not _number(text):
+        return None
+    return _number(str(Decimal(text) * metres))

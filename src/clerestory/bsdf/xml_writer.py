@@ -1,5 +1,6 @@
 """Writer of BSDF files in LBNL's XML schema, for Radiance, WINDOW and ourselves."""
 
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ from jaxtyping import Float
 from lxml import etree
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Geometry, Product
+from clerestory.bsdf.product import Detail, Product, usual_spectra
 from clerestory.bsdf.scattering import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
@@ -31,9 +32,8 @@ _LABELS = {
     "cie-v": "CIE-v",
 }
 
-# Spectra over which genBSDF and WINDOW integrate the visible channel.
-_SOURCE = "CIE Illuminant D65 1nm.ssp"
-_DETECTOR = "ASTM E308 1931 Y.dsp"
+# Stands for a text that is not given: WinCalc wants names, readers take it for empty.
+_BLANK = "\N{NO-BREAK SPACE}"
 
 
 def write_bsdf(
@@ -74,17 +74,19 @@ def _window_element(bsdf: Bsdf, digits: int | None, comment: str) -> etree._Elem
     _add(root, "FileType", "BSDF")
     layer = _add(_add(root, "Optical"), "Layer")
     _add_material(layer, bsdf.product)
-    _add_geometry(layer, bsdf.product.geometry)
+    _add_geometry(layer, bsdf.product)
     definition = _add(layer, "DataDefinition")
     _add(definition, "IncidentDataStructure", _structure(bsdf))
     for basis in _partitions(bsdf):
         _add_basis(definition, basis)
+    spectra = {one.channel: one for one in bsdf.product.spectra}
     for (channel, name), part in bsdf.functions.items():
+        weighting = spectra.get(channel) or usual_spectra(channel)
         data = _add(layer, "WavelengthData")
         _add(data, "LayerNumber", "System")
         _add(data, "Wavelength", _LABELS.get(channel, channel), unit="Integral")
-        _add(data, "SourceSpectrum", _SOURCE)
-        _add(data, "DetectorSpectrum", _DETECTOR)
+        _add(data, "SourceSpectrum", weighting.source)
+        _add(data, "DetectorSpectrum", weighting.detector)
         _add_block(data, name.replace("_", " ").title(), part, digits)
     return root
 
@@ -99,9 +101,12 @@ def _add(
 
 def _add_material(layer: etree._Element, product: Product) -> None:
     material = _add(layer, "Material")
-    _add(material, "Name", product.name)
-    _add(material, "Manufacturer", product.manufacturer)
-    for name in ("thickness", "width", "height"):
+    _add(material, "Name", product.name or _BLANK)
+    _add(material, "Manufacturer", product.manufacturer or _BLANK)
+    # In millimetres, for WinCalc does not look at the unit
+    thickness = Decimal(repr(float(product.thickness or 0))) * 1000
+    _add(material, "Thickness", f"{thickness.normalize():f}", unit="Millimeter")
+    for name in ("width", "height"):
         length = getattr(product, name)
         if length is not None:
             _add(material, name.capitalize(), repr(float(length)), unit="Meter")
@@ -112,16 +117,30 @@ def _add_material(layer: etree._Element, product: Product) -> None:
     ):
         if value is not None:
             _add(material, name, repr(float(value)))
+    for detail in product.details:
+        if "/" not in detail.name:
+            _add_detail(material, detail)
 
 
-def _add_geometry(layer: etree._Element, geometry: Geometry | None) -> None:
-    # The schema knows units by name; a text in another one is wrapped in its scale
-    if geometry is None:
+def _add_detail(parent: etree._Element, detail: Detail) -> None:
+    unit = {"unit": detail.unit} if detail.unit else {}
+    _add(parent, detail.name.rpartition("/")[2], detail.text, **unit)
+
+
+def _add_geometry(layer: etree._Element, product: Product) -> None:
+    geometry = product.geometry
+    details = [d for d in product.details if d.name.startswith("Geometry/")]
+    if geometry is None and not details:
         return
-    text = geometry.text
-    if geometry.metres != 1:
-        text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
-    _add(_add(layer, "Geometry", format="MGF"), "MGFblock", text, unit="meter")
+    element = _add(layer, "Geometry", **({} if geometry is None else {"format": "MGF"}))
+    for detail in details:
+        _add_detail(element, detail)
+    if geometry is not None:
+        # The schema knows units by name; a text in another one is scaled as a whole
+        text = geometry.text
+        if geometry.metres != 1:
+            text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
+        _add(element, "MGFblock", text, unit="meter")
 
 
 def _structure(bsdf: Bsdf) -> str:

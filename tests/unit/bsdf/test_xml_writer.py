@@ -8,7 +8,7 @@ import pytest
 
 from clerestory.bsdf.analytic import lambertian, thin_pane
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Geometry, Product
+from clerestory.bsdf.product import Detail, Geometry, Product, Spectra
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
@@ -48,6 +48,30 @@ def test_geometry_survives_a_round_trip(tmp_path):
         if metres == 1:
             assert back == product.geometry
         assert text in back.text
+
+
+def test_every_field_survives_a_round_trip(tmp_path):
+    """Lengths to the last bit, though the thickness is written in millimetres."""
+    product = Product(
+        "Blind",
+        "Nobody & Sons",
+        "Integral",
+        0.030362,
+        1.1,
+        0.7,
+        0.8,
+        0.9,
+        details=(
+            Detail("TIR", "0.1"),
+            Detail("Length", "3", "Foot"),
+            Detail("Geometry/Angle", "23"),
+        ),
+        spectra=(Spectra("visible", "my lamp.ssp", "my eye.dsp"),),
+    )
+    for given in (product, Product(thickness=0.1 + 0.2), Product()):
+        layer = replace(lambertian(0.5, klems("quarter")), product=given)
+        write_bsdf(tmp_path / "layer.xml", layer)
+        assert read_bsdf(tmp_path / "layer.xml").product == given
 
 
 @pytest.mark.parametrize("basis", ["full", "half", "quarter"])
