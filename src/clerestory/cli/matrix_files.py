@@ -5,9 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.bsdf.xml import read_bsdf
+from clerestory.errors import InputError
+from clerestory.image.write import write_picture
 from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.radiance_format import Encoding, read_matrix, write_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.pictures import Camera
 
 
 def read_any_matrix(path: Path) -> TransferMatrix:
@@ -34,3 +37,16 @@ def write_any_matrix(
     values = np.broadcast_to(matrix.values, (3, *matrix.values.shape[1:]))
     colour = TransferMatrix(values, matrix.rows, matrix.columns)
     write_matrix(path, colour, encoding=encoding, command=command)
+
+
+def write_pictures(path: Path, matrix: TransferMatrix, camera: Camera) -> None:
+    """Write one picture a column, numbered from 0 as the %03d of the name says."""
+    try:
+        names = [path.name % number for number in range(matrix.columns.size)]
+    except (TypeError, ValueError):
+        raise InputError(
+            "a name with one number such as V_%03d.hdr expected", file=path
+        ) from None
+    for number, name in enumerate(names):
+        picture = camera.picture(matrix.values[:, :, number])
+        write_picture(picture, path.with_name(name))

@@ -26,6 +26,25 @@ SensorFile = Annotated[
     Path,
     typer.Option("--sensors", help="Sensors, x y z dx dy dz a line.", metavar="F"),
 ]
+SensorsOrView = Annotated[
+    Path | None,
+    typer.Option(
+        "--sensors",
+        help="Sensors, x y z dx dy dz a line; or a picture by --view.",
+        metavar="F",
+    ),
+]
+_VIEW = typer.Option(
+    "--view", help="View file, or its text: '-vta -vp 1 2 1.2 …'.", metavar="F"
+)
+RequiredView = Annotated[str, _VIEW]
+ViewText = Annotated[str | None, _VIEW]
+Resolution = Annotated[
+    int,
+    typer.Option(
+        "--resolution", help="Columns or rows of a picture, the larger.", min=1
+    ),
+]
 Samples = Annotated[
     int | None,
     typer.Option(

@@ -14,6 +14,8 @@ from clerestory.cli.options import (
     DeviceOption,
     Quiet,
     RelativeError,
+    RequiredView,
+    Resolution,
     Samples,
     SceneFiles,
     Seed,
@@ -27,16 +29,9 @@ from clerestory.phases.render import render as render_picture
 from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sky import sky_at, sky_scene
-from clerestory.scene.view import View
-from clerestory.scene.view_text import parse_view, read_view
+from clerestory.scene.view_text import view_of
 from clerestory.sky.read import read_weather
 
-ViewText = Annotated[
-    str,
-    typer.Option(
-        "--view", help="View file, or its text: '-vta -vp 1 2 1.2 …'.", metavar="F"
-    ),
-]
 Sky = Annotated[
     str | None,
     typer.Option(
@@ -58,12 +53,6 @@ WeatherFile = Annotated[
     Path | None,
     typer.Option("--weather", help="Weather file that knows the time.", metavar="F"),
 ]
-Resolution = Annotated[
-    int,
-    typer.Option(
-        "--resolution", help="Columns or rows, the larger of both.", min=1, metavar="N"
-    ),
-]
 PictureOutput = Annotated[
     Path, typer.Option("--output", "-o", help="Picture to write: .hdr or .exr.")
 ]
@@ -75,7 +64,7 @@ ErrorOutput = Annotated[
 
 def render(
     scene: SceneFiles,
-    view: ViewText,
+    view: RequiredView,
     output: PictureOutput,
     sky: Sky = None,
     moment: Time = None,
@@ -97,7 +86,7 @@ def render(
     begin = time.perf_counter()
     room = read_rad(*scene)
     room = room + _sky(sky, moment, weather)
-    camera = _view(view)
+    camera = view_of(view)
     columns, rows = camera.size_for(resolution)
     with progress_display(quiet=quiet) as display:
         made = render_picture(
@@ -118,10 +107,6 @@ def render(
         write_picture(replace(made.picture, radiance=radiance), error)
     if not quiet:
         typer.echo(_summary(made, output, time.perf_counter() - begin))
-
-
-def _view(text: str) -> View:
-    return parse_view(text) if text.lstrip().startswith("-v") else read_view(text)
 
 
 def _sky(sky: str | None, moment: str | None, weather: Path | None) -> Scene:

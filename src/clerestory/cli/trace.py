@@ -4,11 +4,13 @@ import time
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import typer
 
-from clerestory.cli.matrix_files import write_any_matrix
+from clerestory.bsdf.xml import read_bsdf
+from clerestory.cli.matrix_files import write_any_matrix, write_pictures
 from clerestory.cli.options import (
     Bounces,
     DeviceOption,
@@ -16,18 +18,27 @@ from clerestory.cli.options import (
     Output,
     Quiet,
     RelativeError,
+    Resolution,
     Samples,
     SceneFiles,
     Seed,
     SensorFile,
+    SensorsOrView,
     Subdivision,
+    ViewText,
     WindowFiles,
 )
 from clerestory.cli.progress import progress_display
 from clerestory.constants import LUMINANCE_WEIGHTS
-from clerestory.errors import ClerestoryWarning
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.matrix.radiance_format import Encoding
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.pictures import (
+    Camera,
+    picture_sun_coefficients,
+    picture_view_matrices,
+)
+from clerestory.phases.sun import blackened, sun_coefficients
 from clerestory.phases.trace import (
     daylight_coefficients,
     daylight_matrices,
@@ -37,7 +48,32 @@ from clerestory.scene.check import check_scene
 from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors, read_sensors
+from clerestory.scene.view_text import view_of
 from clerestory.scene.window import Window, read_windows
+from clerestory.sky.read import read_weather
+from clerestory.sky.suns import sun_matrix
+
+Direct = Annotated[
+    bool,
+    typer.Option("--direct", help="Direct light alone: V_d of the five-phase method."),
+]
+BsdfFile = Annotated[
+    Path, typer.Option("--bsdf", help="BSDF of the windows (.xml).", metavar="F")
+]
+WeatherOfSuns = Annotated[
+    Path, typer.Option("--weather", help="Weather that the suns are of.", metavar="F")
+]
+Tolerance = Annotated[
+    float,
+    typer.Option("--tolerance", help="Suns no farther apart share one [°].", min=0),
+]
+Peak = Annotated[
+    bool,
+    typer.Option("--peak", help="Keep light that passes straight as sharp as the sun."),
+]
+SunSamples = Annotated[
+    int, typer.Option("--samples", help="Paths per row and sun.", min=1, metavar="N")
+]
 
 app = typer.Typer(no_args_is_help=True, help="Trace transfer matrices.")
 
@@ -49,8 +85,11 @@ app = typer.Typer(no_args_is_help=True, help="Trace transfer matrices.")
 def view(
     scene: SceneFiles,
     window: WindowFiles,
-    sensors: SensorFile,
     output: Output,
+    sensors: SensorsOrView = None,
+    camera: ViewText = None,
+    resolution: Resolution = 400,
+    direct: Direct = False,
     samples: Samples = None,
     relative_error: RelativeError = None,
     bounces: Bounces = None,
@@ -61,28 +100,101 @@ def view(
 ) -> None:
     """View matrix: irradiance of sensors per radiance of window patches [sr].
 
-    Windows of several groups write one file each: V.mtx becomes V-south.mtx.
+    With --view, radiance of pixels per radiance of patches: an output such as
+    V_%03d.hdr becomes one picture a patch. Windows of several groups write one file
+    each: V.mtx becomes V-south.mtx.
     """
     begin = time.perf_counter()
-    room, windows, points = (
-        read_rad(*scene),
-        read_windows(*window),
-        read_sensors(sensors),
-    )
-    _warn_of_doubts(room, windows, points)
+    room, windows = read_rad(*scene), read_windows(*window)
+    receiver = _receiver(sensors, camera, resolution)
+    _warn_of_doubts(room, windows, receiver)
+    effort = {
+        "samples": samples,
+        "relative_error": relative_error,
+        "bounces": bounces,
+        "seed": seed,
+        "device": device,
+    }
     with progress_display(quiet=quiet) as display:
-        traced = view_matrices(
-            room,
-            windows,
-            sensors=points,
-            samples=samples,
-            relative_error=relative_error,
-            bounces=bounces,
-            seed=seed,
-            device=device,
-            progress=display("view matrix"),
-        )
-    _write("view", traced, output, encoding=encoding, quiet=quiet, begin=begin)
+        progress = display("view matrix")
+        if isinstance(receiver, Camera):
+            traced = picture_view_matrices(
+                room, windows, receiver, direct=direct, progress=progress, **effort
+            )
+        else:
+            if direct:
+                room, effort["bounces"] = blackened(room), 1
+            traced = view_matrices(
+                room, windows, sensors=receiver, progress=progress, **effort
+            )
+    _write(
+        "view",
+        traced,
+        output,
+        encoding=encoding,
+        quiet=quiet,
+        begin=begin,
+        receiver=receiver,
+    )
+
+
+@app.command(
+    epilog="Example: clerestory trace sun --scene materials.rad room.rad --window"
+    " window.rad --bsdf blind.xml --sensors desks.pts --weather oakland.epw -o C.nc"
+)
+def sun(
+    scene: SceneFiles,
+    window: WindowFiles,
+    bsdf: BsdfFile,
+    weather: WeatherOfSuns,
+    output: Output,
+    sensors: SensorsOrView = None,
+    camera: ViewText = None,
+    resolution: Resolution = 400,
+    tolerance: Tolerance = 0.25,
+    peak: Peak = False,
+    samples: SunSamples = 64,
+    seed: Seed = 1,
+    device: DeviceOption = "auto",
+    encoding: Format = "float",
+    quiet: Quiet = False,
+) -> None:
+    """Direct-sun coefficients: irradiance per direct normal irradiance of each sun.
+
+    The suns are those of the weather, at their true places. With --view, radiance of
+    pixels per normal irradiance [1/sr].
+    """
+    begin = time.perf_counter()
+    room, windows, layer = read_rad(*scene), read_windows(*window), read_bsdf(bsdf)
+    receiver = _receiver(sensors, camera, resolution)
+    _warn_of_doubts(room, windows, receiver)
+    suns = sun_matrix(read_weather(weather), tolerance_deg=tolerance).directions
+    options = {
+        "suns": suns,
+        "peak": peak,
+        "samples": samples,
+        "seed": seed,
+        "device": device,
+    }
+    traced = {}
+    with progress_display(quiet=quiet) as display:
+        for each in windows:
+            options["progress"] = display(f"direct sun through {each.name}")
+            common = room, windows, each.name, layer
+            if isinstance(receiver, Camera):
+                found = picture_sun_coefficients(*common, receiver, **options)
+            else:
+                found = sun_coefficients(*common, sensors=receiver, **options)
+            traced[each.name] = found
+    _write(
+        "sun",
+        traced,
+        output,
+        encoding=encoding,
+        quiet=quiet,
+        begin=begin,
+        receiver=receiver,
+    )
 
 
 @app.command(
@@ -167,9 +279,23 @@ def coefficients(
     )
 
 
+def _receiver(
+    sensors: Path | None, view: str | None, resolution: int
+) -> Camera | Sensors:
+    if sensors is not None and view is None:
+        return read_sensors(sensors)
+    if view is not None and sensors is None:
+        looking = view_of(view)
+        return Camera(looking, *looking.size_for(resolution))
+    raise InputError("either --sensors or --view expected")
+
+
 def _warn_of_doubts(
-    scene: Scene, windows: Sequence[Window], sensors: Sensors | None = None
+    scene: Scene,
+    windows: Sequence[Window],
+    receiver: Camera | Sensors | None = None,
 ) -> None:
+    sensors = receiver if isinstance(receiver, Sensors) else None
     for doubt in check_scene(scene, windows, sensors):
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
 
@@ -182,14 +308,18 @@ def _write(
     encoding: Encoding,
     quiet: bool,
     begin: float,
+    receiver: Camera | Sensors | None = None,
 ) -> None:
     for name, matrix in traced.items():
         path = output
         if len(traced) > 1:
             path = output.with_name(f"{output.stem}-{name}{output.suffix}")
-        write_any_matrix(
-            path, matrix, encoding=encoding, command=f"clerestory trace {kind}"
-        )
+        if isinstance(receiver, Camera) and "%" in path.name:
+            write_pictures(path, matrix, receiver)
+        else:
+            write_any_matrix(
+                path, matrix, encoding=encoding, command=f"clerestory trace {kind}"
+            )
         if not quiet:
             typer.echo(f"{path}: {_summary(matrix)}")
     if not quiet:

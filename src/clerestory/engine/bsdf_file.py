@@ -116,11 +116,12 @@ def define() -> type:
                 mi.BSDFFlags.DiffuseReflection | sides,
                 mi.BSDFFlags.DiffuseTransmission | sides,
             ]
-            if props.has_property("filename"):
+            filename = props.get("filename", "")
+            if filename:
                 up = props.get("up", mi.ScalarPoint3f(0, 0, 1))
                 black = np.zeros(3)
                 self.take(
-                    read_bsdf(props["filename"]),
+                    read_bsdf(filename),
                     np.array(up, dtype=float).ravel(),
                     (black, black, black),
                     props.get("peak", False),

@@ -147,3 +147,12 @@ def read_view(path: str | Path) -> View:
             "no view; a line such as rvu -vtv -vp x y z -vd x y z expected", file=path
         )
     return view
+
+
+def view_of(text: str) -> View:
+    """Return the view that a text describes, or that the file of this name holds.
+
+    >>> view_of("-vta -vh 180 -vv 180").kind
+    'angular'
+    """
+    return parse_view(text) if text.lstrip().startswith("-v") else read_view(text)

@@ -1,0 +1,318 @@
+"""Direct sun and the five-phase method against closed forms and path tracing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from physics_scenes import box, sensor
+
+from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.errors import InputError, MatrixError
+from clerestory.hemisphere.klems import klems
+from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.pictures import (
+    Camera,
+    PicturePhases,
+    picture_sun_coefficients,
+    picture_view_matrices,
+    pictures_over_time,
+)
+from clerestory.phases.render import irradiance, render
+from clerestory.phases.sun import blackened, sun_coefficients
+from clerestory.phases.three import WindowPhases
+from clerestory.phases.trace import daylight_matrix, view_matrix
+from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.view import View
+from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.suns import sun_matrix
+from clerestory.sky.weather import Weather
+
+SUN_SR = 2 * np.pi * (1 - np.cos(np.radians(0.533 / 2)))
+
+
+def towards(azimuth_deg, altitude_deg):
+    """Unit vector to a sun."""
+    azimuth, altitude = np.radians([azimuth_deg, altitude_deg])
+    flat = np.cos(altitude)
+    return np.array([np.sin(azimuth) * flat, np.cos(azimuth) * flat, np.sin(altitude)])
+
+
+def clear_air():
+    """A layer that lets everything pass straight, known on Klems patches."""
+    patches = klems("full")
+    value = np.diag(1 / patches.projected_solid_angles())
+    part = ScatteringMatrix(value, patches, patches)
+    return Bsdf({("visible", "transmission_front"): part})
+
+
+def weather_at(*moments):
+    """Clear sunshine without any sky, in Oakland."""
+    times = np.array(moments, dtype="datetime64[m]")
+    count = len(times)
+    return Weather(
+        place="Oakland",
+        latitude_deg=37.73,
+        longitude_deg=-122.22,
+        elevation=0.0,
+        utc_offset_hours=-8.0,
+        times=times,
+        step_minutes=60.0,
+        direct_normal=np.full(count, 800.0),
+        diffuse_horizontal=np.full(count, 1.0),
+        source="a test",
+    )
+
+
+def sunlit(scene, window, bsdf, sun, *, peak=False):
+    """The scene with the layer in its window, under one sun of unit irradiance."""
+    layer = BsdfSurface("layer", bsdf, 0.0, np.array([0, 0, 1.0]), peak=peak)
+    panes = tuple(replace(pane, material="layer") for pane in window.polygons)
+    light = Light("sun", np.full(3, 1 / SUN_SR))
+    source = DistantSource(sun, 0.533, "sun", "sun")
+    return scene + Scene({"layer": layer}, panes) + Scene({"sun": light}, (), (source,))
+
+
+def test_diffusing_window_shines_evenly(device):
+    """E = DNI · cos α · τ/π · ∫cos θ dω over the window, which V_d holds."""
+    scene, south = box(4, 5, 3, 0.5)
+    sun = towards(170, 35)
+    points = Sensors(
+        np.array([[2, 1, 0.8], [1, 3, 0.8]], dtype=float), np.array([[0, 0, 1.0]] * 2)
+    )
+    frosted = lambertian(0.6, klems("full"))
+    direct = sun_coefficients(
+        scene, [south], "south", frosted,
+        sensors=points, suns=sun[None], samples=4096, device=device,
+    )  # fmt: skip
+    seen = view_matrix(
+        blackened(scene), south, sensors=points, bounces=1, samples=65536, device=device
+    )
+    slant = -sun @ south.frame.normal
+    expected = slant * 0.6 / np.pi * seen.values[0].sum(axis=1)
+    error = direct.standard_error[0, :, 0]
+    assert np.all(error < 0.02 * expected)
+    assert np.all(abs(direct.values[0, :, 0] - expected) < 4 * error + 2e-3 * expected)
+
+
+def test_clear_window_keeps_the_sun_sharp(device):
+    """Through clear air a sensor in the sun receives cos θ, in the shade nothing."""
+    scene, south = box(4, 5, 3, 0.5)
+    sun = towards(180, 45)
+    # The window's upper edge at 3 m casts its shadow on y = 3 − z: here at 2 m
+    points = Sensors(
+        np.array([[2, 1.9, 1], [2, 2.1, 1], [2, 2.0, 1]], dtype=float),
+        np.array([[0, 0, 1.0]] * 3),
+    )
+    direct = sun_coefficients(
+        scene, [south], "south", clear_air(),
+        sensors=points, suns=sun[None], samples=8192, peak=True, device=device,
+    )  # fmt: skip
+    received = direct.values[0, :, 0]
+    assert received[0] == pytest.approx(sun[2], rel=1e-3)
+    assert received[1] == pytest.approx(0, abs=1e-4)
+    # At the edge half of the disc is seen
+    assert received[2] == pytest.approx(sun[2] / 2, abs=4 * 0.5 / 8192**0.5)
+
+
+def test_sun_behind_the_wall_does_not_count(device):
+    scene, south = box(4, 5, 3, 0.5)
+    suns = np.stack([towards(180, 45), towards(0, 45)])
+    direct = sun_coefficients(
+        scene, [south], "south", lambertian(0.5, klems("full")),
+        sensors=sensor((2, 1, 0.8), (0, 0, 1)), suns=suns, samples=64, device=device,
+    )  # fmt: skip
+    assert direct.values[0, 0, 0] > 0
+    assert np.all(direct.values[..., 1] == 0)
+    assert np.all(direct.standard_error[..., 1] == 0)
+
+
+@pytest.mark.parametrize("peak", [False, True], ids=["spread", "sharp"])
+def test_direct_sun_equals_path_tracing(device, peak):
+    """Two kernels that share no code but the tables: C_ds, and pixels' path tracing."""
+    scene, south = box(4, 5, 3, 0.0)
+    mixed = clear_air().functions["visible", "transmission_front"].values * 0.5
+    patches = klems("full")
+    half = Bsdf(
+        {
+            ("visible", "transmission_front"): ScatteringMatrix(
+                mixed + 0.3 / np.pi, patches, patches
+            )
+        }
+    )
+    sun = towards(160, 30)
+    points = Sensors(
+        np.array([[2, 1, 0.8], [1, 3, 0.8], [3.5, 2, 1.5]], dtype=float),
+        np.array([[0, 0, 1.0], [0, 0, 1.0], [0, -1.0, 0]]),
+    )
+    direct = sun_coefficients(
+        scene, [south], "south", half,
+        sensors=points, suns=sun[None], samples=8192, peak=peak, device=device,
+    )  # fmt: skip
+    traced = irradiance(
+        sunlit(scene, south, half, sun, peak=peak), points,
+        samples=65536, seed=5, device=device,
+    )  # fmt: skip
+    difference = direct.values[0, :, 0] - traced.irradiance[:, 1]
+    error = np.hypot(direct.standard_error[0, :, 0], traced.error[:, 1])
+    assert np.all(error < 0.02 * traced.irradiance[:, 1])
+    assert np.all(abs(difference) < 4 * error + 1e-6)
+
+
+def phases(scene, south, bsdf, points, weather, device, **options):
+    """The five phases of a room, and its skies: sun alone."""
+    transmission = bsdf.transmission_matrix(window="south")
+    black = blackened(scene)
+    shared = {"device": device, "samples": options.pop("samples", 16384)}
+    whole = WindowPhases(
+        view_matrix(scene, south, sensors=points, seed=1, **shared),
+        transmission,
+        daylight_matrix(scene, south, subdivision=4, seed=2, **shared),
+    )
+    direct = WindowPhases(
+        view_matrix(black, south, sensors=points, bounces=1, seed=3, **shared),
+        transmission,
+        daylight_matrix(black, south, subdivision=4, bounces=0, seed=4, **shared),
+    )
+    suns = sun_matrix(weather)
+    sun = sun_coefficients(
+        scene, [south], "south", bsdf, sensors=points, suns=suns.directions,
+        samples=4096, device=device, **options,
+    )  # fmt: skip
+    sky = sky_matrix(weather, subdivision=4, include="sun")
+    return FivePhases(whole, direct, sun), sky, suns
+
+
+@pytest.mark.parametrize("reflectance", [0.0, 0.5], ids=["black", "grey"])
+def test_five_phases_equal_path_tracing(device, reflectance):
+    """Sun through a diffusing window: sharp direct light, and all reflections.
+
+    What is reflected comes from the three-phase part, whose sun is spread over four
+    patches of the sky, 8° apart: its flux through the window is right within 1 %.
+    """
+    scene, south = box(4, 5, 3, reflectance)
+    points = Sensors(
+        np.array([[2, 1, 0.8], [1, 3, 0.8], [3, 4.5, 1.2]], dtype=float),
+        np.array([[0, 0, 1.0], [0, 0, 1.0], [0, -1.0, 0]]),
+    )
+    weather = weather_at("2023-03-21T10:30", "2023-03-21T13:30")
+    frosted = lambertian(0.6, klems("full"))
+    parts, sky, suns = phases(scene, south, frosted, points, weather, device)
+    result = five_phase([parts], sky, sky, suns)
+    normal = suns.direct_normal.toarray()
+    for step in range(2):
+        [number] = np.flatnonzero(normal[:, step])
+        traced = irradiance(
+            sunlit(scene, south, frosted, suns.directions[number]), points,
+            samples=65536, seed=6, device=device,
+        )  # fmt: skip
+        expected = traced.illuminance() * normal[number, step]
+        found = result["illuminance"].values[:, step]
+        error = result["standard_error"].values[:, step]
+        noise = np.hypot(error, traced.error[:, 1] * 179 * normal[number, step])
+        assert np.all(noise < 0.03 * expected)
+        assert np.all(abs(found - expected) < 4 * noise + 0.01 * reflectance * expected)
+
+
+def test_direct_part_is_taken_away_whole(device):
+    """In a black room V T D S_ds and V_d T D_d S_ds are the same light."""
+    scene, south = box(4, 5, 3, 0.0)
+    points = sensor((2, 2, 0.8), (0, 0, 1))
+    weather = weather_at("2023-03-21T12:30")
+    parts, sky, suns = phases(scene, south, clear_air(), points, weather, device)
+    result = five_phase([parts], sky, sky, suns)
+    whole = float(result["three_phase"][0, 0])
+    taken = float(result["direct_in_patches"][0, 0])
+    error = float(result["standard_error"][0, 0])
+    assert whole > 0
+    assert abs(whole - taken) < 4 * error
+    total = result["three_phase"] - result["direct_in_patches"] + result["direct_sun"]
+    assert np.allclose(result["illuminance"], total)
+
+
+def test_skies_of_other_times_are_refused(device):
+    scene, south = box(4, 5, 3, 0.5)
+    points = sensor((2, 2, 0.8), (0, 0, 1))
+    noon, one = weather_at("2023-03-21T12:30"), weather_at("2023-03-21T13:30")
+    frosted = lambertian(0.6, klems("full"))
+    parts, sky, suns = phases(scene, south, frosted, points, noon, device, samples=64)
+    later = sky_matrix(one, subdivision=4, include="sun")
+    with pytest.raises(MatrixError, match="same steps expected"):
+        five_phase([parts], sky, later, suns)
+
+
+def test_window_that_is_not_there_is_refused():
+    scene, south = box(4, 5, 3, 0.5)
+    with pytest.raises(InputError, match="no window 'north'; one of south expected"):
+        sun_coefficients(
+            scene, [south], "north", clear_air(),
+            sensors=sensor((2, 2, 1), (0, 0, 1)), suns=towards(180, 45)[None],
+        )  # fmt: skip
+
+
+def test_picture_shows_the_sun_patch_and_the_sun(device):
+    """Five phases of a picture against path tracing: floor in the sun, the window."""
+    scene, south = box(4, 5, 3, 0.5)
+    weather = weather_at("2023-03-21T12:30")
+    suns = sun_matrix(weather)
+    # Half looks to the window, half to the sun patch on the floor
+    view = View(
+        kind="angular",
+        position=np.array([2, 4, 1.2]), direction=np.array([0, -1, -0.3]),
+        horizontal=120, vertical=120,
+    )  # fmt: skip
+    camera = Camera(view, 24, 24)
+    patches = klems("full")
+    half = Bsdf(
+        {
+            ("visible", "transmission_front"): ScatteringMatrix(
+                clear_air().functions["visible", "transmission_front"].values * 0.5
+                + 0.3 / np.pi,
+                patches,
+                patches,
+            )
+        }
+    )
+    transmission = half.transmission_matrix(window="south")
+    shared = {"samples": 4096, "device": device}
+    whole = WindowPhases(
+        picture_view_matrices(scene, [south], camera, seed=1, **shared)["south"],
+        transmission,
+        daylight_matrix(scene, south, subdivision=4, seed=2, **shared),
+    )
+    direct = WindowPhases(
+        picture_view_matrices(scene, [south], camera, direct=True, seed=3, **shared)[
+            "south"
+        ],
+        transmission,
+        daylight_matrix(
+            blackened(scene), south, subdivision=4, bounces=0, seed=4, **shared
+        ),
+    )
+    sun = picture_sun_coefficients(
+        scene, [south], "south", half, camera,
+        suns=suns.directions, peak=True, samples=256, device=device,
+    )  # fmt: skip
+    sky = sky_matrix(weather, subdivision=4, include="sun")
+    [five] = pictures_over_time(
+        [PicturePhases(whole, direct, sun)], camera, sky, sun_in_patches=sky, suns=suns
+    )
+    [three] = pictures_over_time([PicturePhases(whole)], camera, sky)
+    traced = render(
+        sunlit(scene, south, half, suns.directions[0], peak=True), view,
+        columns=24, rows=24, samples=2048, device=device,
+    )  # fmt: skip
+    expected = traced.picture.luminance() * suns.direct_normal.toarray()[0, 0]
+
+    # The mean over blocks of pixels: five phases within a few per cent, three not
+    def blocks(picture):
+        return picture.reshape(6, 4, 6, 4).mean(axis=(1, 3))
+
+    bright = blocks(expected) > 0.02 * expected.max()
+    wrong = abs(blocks(five.luminance()) / blocks(expected) - 1)[bright]
+    before = abs(blocks(three.luminance()) / blocks(expected) - 1)[bright]
+    assert np.median(wrong) < 0.03
+    assert np.median(before) > 2 * np.median(wrong)
+    assert five.luminance().mean() == pytest.approx(expected.mean(), rel=0.03)
