@@ -27,6 +27,8 @@ COMMANDS = [
     "bsdf insert",
     "bsdf convert",
     "bsdf reduce",
+    "glazing stack",
+    "glazing info",
 ]
 
 

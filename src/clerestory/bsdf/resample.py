@@ -80,7 +80,7 @@ def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
     enter = patches_in_cells(part.incidents, halvings)
     area = np.pi * 0.25**halvings
     value = (enter.T @ (leave.T @ part.values).T) / area**2
-    return reduce_tree(_full_tree(value, halvings), 0).tree
+    return reduce_tree(full_tree(value, halvings), 0).tree
 
 
 def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
@@ -107,9 +107,17 @@ def _mean(one: ScatteringFunction, two: ScatteringFunction) -> ScatteringFunctio
     return one
 
 
-def _full_tree(
+def full_tree(
     value: Float[np.ndarray, "incident leaving"], halvings: int
 ) -> ScatteringTree:
+    """Return the rank 4 tree with all cells of a grid.
+
+    Parameters
+    ----------
+    value : BSDF [1/sr] of the finest cells, incident ones numbered by where light goes
+        straight on; in both numbers the second coordinate of the square runs faster
+    halvings : of each coordinate
+    """
     # Branches of all levels, then the values in their order
     starts = np.cumsum([1 << 4 * level for level in range(halvings + 1)])
     inner = [

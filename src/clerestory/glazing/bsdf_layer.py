@@ -65,7 +65,7 @@ class BsdfLayer(Layer):
                     stacklevel=3,
                 )
         for part in ("reflection_front", "reflection_back"):
-            if not self.bsdf.has(part, channel=self._channel("visible")):
+            if not self.bsdf.has(part, channel=self.channel("visible")):
                 warnings.warn(
                     f"BSDF {self.bsdf.product.name!r} has no"
                     f" {part.replace('_', ' ')}; that side counts as black",
@@ -99,7 +99,7 @@ class BsdfLayer(Layer):
 
     def band(self, channel: Channel, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] of one band, over (exit, incident)."""
-        given = self._channel(channel)
+        given = self.channel(channel)
 
         def table(name: Function) -> Float[np.ndarray, "exit incident"]:
             if not self.bsdf.has(name, channel=given):
@@ -133,12 +133,13 @@ class BsdfLayer(Layer):
     def own_partition(self) -> RingPartition:
         """Patches of the data; the 145 of Klems for trees."""
         part = self.bsdf.scattering(
-            "transmission_front", channel=self._channel("visible")
+            "transmission_front", channel=self.channel("visible")
         )
         own = part.own_partitions()
         return own[0] if own else klems("full")
 
-    def _channel(self, wanted: Channel) -> Channel:
+    def channel(self, wanted: Channel) -> Channel:
+        """Return the channel that stands for the wanted one."""
         other: Channel = "solar" if wanted == "visible" else "visible"
         return wanted if self.bsdf.has("transmission_front", channel=wanted) else other
 

@@ -1,12 +1,12 @@
 """Gaps between the layers of a glazing system, filled with gas."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, final, get_args
+from typing import final
 
 from clerestory.errors import InputError
 
-Gas = Literal["air", "argon", "krypton", "xenon"]
-GASES: tuple[Gas, ...] = get_args(Gas)
+GASES = ("air", "argon", "krypton", "xenon")
 
 # Standard atmosphere [Pa].
 ATMOSPHERE = 101_325.0
@@ -34,7 +34,7 @@ class Gap:
     """
 
     thickness: float
-    gases: dict[Gas, float] = field(default_factory=lambda: {"air": 1.0})
+    gases: Mapping[str, float] = field(default_factory=lambda: {"air": 1.0})
     pressure: float = ATMOSPHERE
 
     def __post_init__(self) -> None:

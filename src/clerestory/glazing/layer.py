@@ -53,6 +53,17 @@ class Layer(ABC):
         """Shares passed on, over (wavelength, angle); None if light is scattered."""
         return None
 
+    def openness(
+        self, direction: Float[np.ndarray, "direction 3"]
+    ) -> Float[np.ndarray, " direction"]:
+        """Share of light along each direction that meets nothing at all.
+
+        Parameters
+        ----------
+        direction : of travel, into the room; opposite ways are alike
+        """
+        return np.zeros(len(direction))
+
 
 @final
 @dataclass(frozen=True, eq=False)

@@ -100,22 +100,23 @@ def read_system(path: str | Path) -> GlazingSystem:
         where = ".".join(
             str(part + 1) if isinstance(part, int) else part for part in first["loc"]
         )
-        raise InputError(f"{where}: {first['msg']}", file=path) from error
+        what = (
+            "unknown key"
+            if first["type"] == "extra_forbidden"
+            else first["msg"][0].lower() + first["msg"][1:]
+        )
+        raise InputError(f"{where}: {what}", file=path) from error
     folder = Path(path).parent
     layers = [
         _layer(row, folder, path, number) for number, row in enumerate(plan.layer, 1)
     ]
-    gaps = tuple(
-        Gap(
-            row.thickness_mm * _MILLIMETRE,
-            row.gases,  # type: ignore[arg-type]
-            row.pressure_pa,
-        )
-        for row in plan.gap
-    )
-    if not gaps and len(layers) > 1:
-        gaps = (Gap(_DEFAULT_GAP),) * (len(layers) - 1)
     try:
+        gaps = tuple(
+            Gap(row.thickness_mm * _MILLIMETRE, row.gases, row.pressure_pa)
+            for row in plan.gap
+        )
+        if not gaps and len(layers) > 1:
+            gaps = (Gap(_DEFAULT_GAP),) * (len(layers) - 1)
         return GlazingSystem(plan.name or Path(path).stem, tuple(layers), gaps)
     except InputError as error:
         raise InputError(error.message, file=path) from error

@@ -112,6 +112,15 @@ class VenetianBlind(Layer):
             parts[0] + straight[0], parts[1] + straight[1], parts[2], parts[3]
         )
 
+    def openness(
+        self, direction: Float[np.ndarray, "direction 3"]
+    ) -> Float[np.ndarray, " direction"]:
+        """Share of light along each direction that passes between the slats."""
+        x, y, z = direction.T
+        profile = np.arctan2(x if self.vertical else y, z)
+        angle, share = self._passing
+        return np.asarray(np.interp(profile, angle, share))
+
     def flipped(self) -> "VenetianBlind":
         """Return the blind turned about its vertical axis."""
         if self.vertical:
@@ -126,6 +135,15 @@ class VenetianBlind(Layer):
     @cached_property
     def _view(self) -> Float[np.ndarray, "face face"]:
         return self._cell.view_factors()
+
+    @cached_property
+    def _passing(
+        self,
+    ) -> tuple[Float[np.ndarray, " angle"], Float[np.ndarray, " angle"]]:
+        # Share that passes, at profile angles every quarter of a degree
+        angle = np.radians(np.linspace(-89.75, 89.75, 719))
+        section = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return angle, self._beams(section, self._cell.sky).straight
 
     def _section(self, partition: RingPartition) -> Float[np.ndarray, "patch 2"]:
         # Directions of travel in the section, into the room and upwards (or right)

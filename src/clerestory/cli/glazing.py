@@ -1,0 +1,228 @@
+"""`clerestory glazing`: stacks of panes and shades, and what files of them hold."""
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.cli.options import Quiet, Seed
+from clerestory.cli.progress import progress_display
+from clerestory.errors import InputError
+from clerestory.glazing.gap import Gap
+from clerestory.glazing.layer import Glass, Layer
+from clerestory.glazing.read import read_catalogue, read_layer
+from clerestory.glazing.stack import StackedLayers, stack_layers
+from clerestory.glazing.standard import Channel
+from clerestory.glazing.standard import standard as standard_named
+from clerestory.glazing.system import GlazingSystem, read_system, system_of
+from clerestory.glazing.thermal import ThermalFigures, thermal_figures
+from clerestory.glazing.walk import walk_layers
+from clerestory.hemisphere.klems import klems
+
+app = typer.Typer(no_args_is_help=True, help="Stack panes, gaps and shades.")
+
+_DIGITS = 7
+_SHOWN: tuple[Channel, Channel] = ("visible", "solar")
+_MILLIMETRE = 1e-3
+
+
+class Basis(StrEnum):
+    """Klems bases."""
+
+    full = "full"
+    half = "half"
+    quarter = "quarter"
+
+
+class StandardName(StrEnum):
+    """Standards of spectral averages."""
+
+    nfrc = "nfrc"
+    en410 = "en410"
+
+
+@app.command(
+    epilog="Example: clerestory glazing stack clear.dat blind.xml -o system.xml"
+)
+def stack(
+    layer: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="LAYER…",
+            help="From the sky to the room: .json, .dat, .xml; or one .toml.",
+        ),
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="BSDF file to write.")
+    ] = None,
+    gap: Annotated[
+        float, typer.Option("--gap", help="Thickness of all gaps [mm].", min=0.01)
+    ] = 12.7,
+    gas: Annotated[
+        str, typer.Option("--gas", help="Gas in them, as argon=0.9,air=0.1.")
+    ] = "air",
+    basis: Annotated[Basis, typer.Option("--basis", help="Klems basis.")] = Basis.full,
+    standard: Annotated[
+        StandardName, typer.Option("--standard", help="Spectral averages.")
+    ] = StandardName.nfrc,
+    bands: Annotated[
+        bool, typer.Option("--bands", help="Combine averages, not each wavelength.")
+    ] = False,
+    tree: Annotated[
+        int | None,
+        typer.Option(
+            "--tree", help="Walk to a tree of 2^N cells a side.", min=1, max=6
+        ),
+    ] = None,
+    walkers: Annotated[
+        int, typer.Option("--walkers", help="Per incident cell, for --tree.", min=8)
+    ] = 256,
+    thermal: Annotated[
+        bool, typer.Option("--thermal", help="Tell U, SHGC and temperatures too.")
+    ] = False,
+    seed: Seed = 1,
+    quiet: Quiet = False,
+) -> None:
+    """Turn layers behind each other into one BSDF, and tell what it does to light."""
+    system = _system(layer, gap, gas)
+    averages = standard_named(standard.value)
+    with progress_display(quiet=quiet) as display:
+        stacked = stack_layers(
+            system.layers,
+            partition=klems(basis.value),
+            standard=averages,
+            method="bands" if bands else "wavelengths",
+            name=system.name,
+            report=display("layers"),
+        )
+        bsdf = stacked.bsdf
+        if tree is not None:
+            bsdf = walk_layers(
+                system.layers,
+                halvings=tree,
+                walkers=walkers,
+                seed=seed,
+                standard=averages,
+                name=system.name,
+                report=display("walk"),
+            ).bsdf
+    if output is not None:
+        _write(output, bsdf, system)
+    if not quiet:
+        for line in _figures(stacked):
+            typer.echo(line)
+    if thermal:
+        scattering = any(not isinstance(one, Glass) for one in system.layers)
+        figures = thermal_figures(
+            system.layers,
+            system.gaps,
+            wavelengths="condensed" if scattering else "full",
+        )
+        for line in _heat(figures):
+            typer.echo(line)
+
+
+@app.command(epilog="Example: clerestory glazing info clear.dat")
+def info(
+    file: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE…", help="Products, or folders of them."),
+    ],
+) -> None:
+    """Tell what products hold; list the products of a folder."""
+    for path in file:
+        if path.is_dir():
+            for entry in read_catalogue(path):
+                number = "-" if entry.nfrc_id is None else str(entry.nfrc_id)
+                note = f"  {entry.problem}" if entry.problem else ""
+                typer.echo(f"{number:>7}  {entry.name:40}  {entry.path.name}{note}")
+            continue
+        layer = read_layer(path)
+        for line in _about(layer):
+            typer.echo(line)
+        for line in _figures(stack_layers([layer], partition=klems("quarter"))):
+            typer.echo(line)
+
+
+def _system(files: list[Path], gap: float, gas: str) -> GlazingSystem:
+    if any(path.suffix.lower() == ".toml" for path in files):
+        if len(files) > 1:
+            raise InputError("a description in TOML stands alone; one file expected")
+        return read_system(files[0])
+    layers = [read_layer(path) for path in files]
+    return system_of(layers, gap=Gap(gap * _MILLIMETRE, _gases(gas)))
+
+
+def _gases(text: str) -> dict[str, float]:
+    # "argon" alone is all argon
+    shares: dict[str, float] = {}
+    for part in text.split(","):
+        name, _, share = part.partition("=")
+        try:
+            shares[name.strip()] = float(share) if share else 1.0
+        except ValueError as error:
+            raise InputError(
+                f"gas {part.strip()!r}; a name and a share as argon=0.9 expected"
+            ) from error
+    return shares
+
+
+def _write(path: Path, bsdf: Bsdf, system: GlazingSystem) -> None:
+    names = " | ".join(layer.name for layer in system.layers).replace("--", "-")
+    write_bsdf(
+        path, bsdf, digits=_DIGITS, comment=f"clerestory glazing stack of {names}"
+    )
+
+
+def _about(layer: Layer) -> Iterator[str]:
+    yield f"{layer.name}: {type(layer).__name__}"
+    pane = layer.pane if isinstance(layer, Glass) else getattr(layer, "material", None)
+    if pane is not None:
+        ends = pane.wavelength_nm[[0, -1]]
+        yield (
+            f"  {len(pane.wavelength_nm)} wavelengths, {ends[0]:g} to {ends[1]:g} nm;"
+            f" {pane.thickness * 1e3:.2f} mm, {pane.conductivity:g} W/(m K);"
+            f" emissivity {pane.emissivity_front:.3f} | {pane.emissivity_back:.3f};"
+            f" coated: {pane.coated_side if pane.coated else 'no'}"
+        )
+
+
+def _figures(stacked: StackedLayers) -> Iterator[str]:
+    normal = int(np.argmax(stacked.partition.centres()[:, 2]))
+    yield f"{'':26}{'visible':>20}{'solar':>20}"
+    yield f"{stacked.standard:26}" + f"{'normal':>10}{'diffuse':>10}" * 2
+    for name in FUNCTIONS:
+        row = f"{name.replace('_', ' '):26}"
+        for channel in _SHOWN:
+            along = stacked.direct_hemispherical(name, channel=channel)[normal]
+            row += f"{along:10.4f}{stacked.diffuse(name, channel=channel):10.4f}"
+        yield row
+    for number, layer in enumerate(stacked.layers):
+        row = f"{'absorbed by ' + str(number + 1) + ' from front':26}"
+        for channel in _SHOWN:
+            along = stacked.absorptance[channel, "front"][number, normal]
+            even = stacked.diffuse_absorptance(channel=channel)[number]
+            row += f"{along:10.4f}{even:10.4f}"
+        yield f"{row}  {layer}"
+
+
+def _heat(figures: ThermalFigures) -> Iterator[str]:
+    values = asdict(figures)
+    yield f"{'U':26}{figures.u:10.4f} W/(m2 K)"
+    for key, title in (
+        ("shgc", "SHGC"),
+        ("visible_transmittance", "visible transmittance"),
+        ("solar_transmittance", "solar transmittance"),
+    ):
+        yield f"{title:26}{values[key]:10.4f}"
+    for season in ("winter", "summer"):
+        faces = values[f"temperatures_{season}"].ravel() - 273.15
+        row = " ".join(f"{face:.1f}" for face in faces)
+        yield f"{'temperatures in ' + season:26}{row} degrees C"

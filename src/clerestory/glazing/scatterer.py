@@ -1,0 +1,151 @@
+"""A layer as a walker meets it: how much goes on, and where to.
+
+Light of one band. Panes pass it straight on or mirror it, by tables over the angle;
+openings pass it untouched; the rest is scattered as a BSDF says, at the BSDF's own
+resolution, tree or matrix.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.glazing.bsdf_layer import BsdfLayer
+from clerestory.glazing.layer import Layer, diagonal
+from clerestory.glazing.optics import Optics
+from clerestory.glazing.standard import Band, Channel
+from clerestory.hemisphere.klems import klems
+
+# Cosines at which panes are tabulated.
+_TABLE = 513
+
+# The way into the room that is opposite to, or along, each exit patch.
+_TURN = {
+    "transmission_front": np.array([1.0, 1.0, 1.0]),
+    "transmission_back": np.array([-1.0, -1.0, 1.0]),
+}
+
+_Directions = Float[np.ndarray, "walker 3"]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Scatterer:
+    """One layer in one band.
+
+    Attributes
+    ----------
+    layer : whose openings let light pass untouched
+    mirror : shares passed straight on and mirrored, over the table's cosines; None if
+        light is scattered
+    bsdf : of what is scattered, in the channel "visible"; None for panes
+    """
+
+    layer: Layer
+    mirror: Optics | None
+    bsdf: Bsdf | None
+
+    def shares(
+        self, travel: _Directions
+    ) -> tuple[Float[np.ndarray, " walker"], Float[np.ndarray, " walker"]]:
+        """Shares of light on one side that are passed on and sent back.
+
+        Parameters
+        ----------
+        travel : directions of travel, all with the same sign of z
+        """
+        side = _side(travel)
+        if self.mirror is not None:
+            cosine, grid = np.abs(travel[:, 2]), np.linspace(0, 1, _TABLE)
+            on, back = (
+                np.interp(cosine, grid, self.mirror.of(name)) for name in _names(side)
+            )
+            return np.asarray(on), np.asarray(back)
+        on, back = (self._scattered(travel, name) for name in _names(side))
+        return on + self._open(travel), back
+
+    def leave(
+        self,
+        travel: _Directions,
+        passed: Bool[np.ndarray, " walker"],
+        rng: np.random.Generator,
+    ) -> _Directions:
+        """Directions of travel after the layer.
+
+        Parameters
+        ----------
+        travel : before, all with the same sign of z
+        passed : which light is passed on; the rest is sent back
+        """
+        leaving = np.where(passed[:, None], travel, travel * [1, 1, -1])
+        if self.mirror is not None:
+            return leaving
+        free = self._open(travel)
+        on, back = _names(_side(travel))
+        total = free + self._scattered(travel, on)
+        untouched = passed & (rng.random(len(travel)) * total < free)
+        for name, some in ((on, passed & ~untouched), (back, ~passed)):
+            if self.bsdf is not None and np.any(some):
+                u = rng.random((int(some.sum()), 2))
+                leaving[some] = self.bsdf.sample(-travel[some], u, function=name)[0]
+        return leaving
+
+    def _scattered(
+        self, travel: _Directions, name: Function
+    ) -> Float[np.ndarray, " walker"]:
+        if self.bsdf is None or not self.bsdf.has(name):
+            return np.zeros(len(travel))
+        return self.bsdf.hemispherical(-travel, function=name)
+
+    def _open(self, travel: _Directions) -> Float[np.ndarray, " walker"]:
+        sign = 1.0 if travel[0, 2] > 0 else -1.0
+        return self.layer.openness(travel * sign)
+
+
+def scatterer(layer: Layer, band: Band, channel: Channel) -> Scatterer:
+    """Return what a walker in one band meets at a layer."""
+    known = layer.wavelength_nm
+    weights = band.weights(known)
+    cosine = np.linspace(0, 1, _TABLE)
+    clear = layer.specular(known, np.maximum(cosine, 1e-6))
+    if clear is not None:
+        return Scatterer(layer, clear.map(lambda share: weights @ share), None)
+    functions: dict[tuple[str, Function], ScatteringFunction] = {}
+    if isinstance(layer, BsdfLayer):
+        for name in FUNCTIONS:
+            if layer.bsdf.has(name, channel=layer.channel(channel)):
+                functions["visible", name] = layer.bsdf.scattering(
+                    name, channel=layer.channel(channel)
+                )
+        return Scatterer(layer, None, Bsdf(functions))
+
+    # What the openings do not pass, on the patches of Klems
+    partition = klems("full")
+    counts = np.flatnonzero(weights)
+    shares = layer.matrices(known[counts], partition).map(
+        lambda f: np.asarray(np.tensordot(weights[counts], f, axes=1))
+    )
+    measure = partition.projected_solid_angles()
+    for name in FUNCTIONS:
+        rest = shares.of(name)
+        if name in _TURN:
+            free = layer.openness(partition.centres() * _TURN[name])
+            rest = rest - diagonal((free / measure)[None])[0]
+        functions["visible", name] = ScatteringMatrix(
+            np.maximum(rest, 0), partition, partition
+        )
+    return Scatterer(layer, None, Bsdf(functions))
+
+
+def _side(travel: _Directions) -> str:
+    return "front" if travel[0, 2] > 0 else "back"
+
+
+def _names(side: str) -> tuple[Function, Function]:
+    if side == "front":
+        return "transmission_front", "reflection_front"
+    return "transmission_back", "reflection_back"
