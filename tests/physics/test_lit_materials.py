@@ -80,7 +80,7 @@ def test_a_sheet_passes_its_share_of_the_sky(device, name):
     )
 
 
-@pytest.mark.parametrize("name", ["diffuse", "clear", "net"])
+@pytest.mark.parametrize("name", SHEETS)
 def test_a_sheet_passes_its_share_of_the_sun(device, name):
     """Diffusely or straight on, the flux through the sheet is the same: τE·cos θ."""
     material, share = SHEETS[name]

@@ -114,7 +114,7 @@ def sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     lit_up = active & (dr.max(value) > 0)
     mixed = vertex.mixture(lit, direction, own, lit_up)
     start = vertex.leave(direction, lit_up)
-    seen = passed(lit.model, start, lambda o: mi.Ray3f(o, direction), lit_up)
+    seen = passed(lit.model, start, lambda o: mi.Ray3f(o, direction), lit_up, True)
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
 
 
@@ -131,7 +131,7 @@ def mirrored_sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     start = vertex.leave(direction, lit_up)
     share, point = reflected(lit.model, start, direction, normal, lit_up)
     lit_up &= dr.max(share) > 0
-    seen = passed(lit.model, point, lambda o: mi.Ray3f(o, sun), lit_up)
+    seen = passed(lit.model, point, lambda o: mi.Ray3f(o, sun), lit_up, True)
     return dr.select(lit_up, value * radiance * share * seen / (pdf * chance), 0)
 
 

@@ -123,17 +123,20 @@ def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
         si.wi = si.to_local(-ray.d)
         bsdf = si.bsdf()
 
-        # Stop at the mirror, pass panes
+        # Stop at the mirror, pass panes and what only stands for geometry
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, met) != 0
+        lamp = dr.gather(mi.UInt32, model.lamp_of_shape, shape, met) > 0
         found = met & is_mirror(bsdf) & is_same(si.n, normal)
         _, colour = bsdf.sample(
             mi.BSDFContext(), si, mi.Float(0.5), mi.Point2f(0.5, 0.5), found
         )
         share = dr.select(found, seen * colour, share)
         point = dr.select(found, offset(model, si, si.n, found), point)
-        pane = met & ~found & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null)
-        through = bsdf.eval_null_transmission(si, pane)
-        seen = dr.select(pane, seen * through, seen)
-        looking = pane & (dr.max(seen) > 0)
+        pane = met & ~lamp & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null)
+        through = bsdf.eval_null_transmission(si, pane & ~proxy)
+        seen = dr.select(pane & ~proxy, seen * through, seen)
+        looking = (pane | proxy) & (dr.max(seen) > 0)
         ray = mi.Ray3f(offset(model, si, ray.d, looking), ray.d)
     return share, point
 

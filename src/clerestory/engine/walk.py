@@ -137,12 +137,16 @@ def visibility(model: LoweredScene, origin, line: Connection, active: mi.Bool):
 
 
 @dr.syntax
-def passed(model: LoweredScene, origin, aim, active: mi.Bool):
+def passed(
+    model: LoweredScene, origin, aim, active: mi.Bool, illums_pass: bool = False
+):
     """Return the share of light that comes straight to a point, by channel.
 
     Parameters
     ----------
     aim : function that returns the ray from a point to where the light comes from
+    illums_pass : whether illums let the light pass like what they look like: that of
+        the sun, which they do not account for
     """
     ray = aim(origin)
     seen = mi.Color3f(1)
@@ -157,7 +161,10 @@ def passed(model: LoweredScene, origin, aim, active: mi.Bool):
             si.wi = si.to_local(-ray.d)
             shape = dr.reinterpret_array(mi.UInt32, si.shape)
             proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, blocked) != 0
-            lamp = dr.gather(mi.UInt32, model.lamp_of_shape, shape, blocked) > 0
+            role = dr.gather(mi.UInt32, model.lamp_of_shape, shape, blocked)
+            lamp = role > 0
+            if dr.hint(illums_pass, mode="scalar"):
+                lamp &= ~dr.gather(mi.Bool, model.lamps.veiled, role - 1, lamp)
             pane = blocked & mi.has_flag(si.bsdf().flags(), mi.BSDFFlags.Null) & ~lamp
             through = si.bsdf().eval_null_transmission(si, pane & ~proxy)
             through = dr.select(proxy, 1, dr.select(pane, through, 0))
