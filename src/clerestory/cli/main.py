@@ -18,6 +18,7 @@ from clerestory.cli import bsdf, glazing, gonio, picture, sky, trace
 from clerestory.cli.doctor import doctor
 from clerestory.cli.glare import glare
 from clerestory.cli.multiply import multiply
+from clerestory.cli.picture_capture import calibrate, merge, reproject
 from clerestory.cli.render import render
 from clerestory.cli.run import demo, report, run
 from clerestory.errors import ClerestoryError, ClerestoryWarning
@@ -47,6 +48,17 @@ app.add_typer(bsdf.app, name="bsdf")
 app.add_typer(glazing.app, name="glazing")
 app.add_typer(gonio.app, name="gonio")
 app.add_typer(picture.app, name="picture")
+picture.app.command(
+    epilog="Example: clerestory picture merge bracket_*.jpg -o scene.hdr"
+)(merge)
+picture.app.command(
+    epilog="Example: clerestory picture reproject scene.hdr --lens equisolid"
+    " --circle 2736 1824 1793 -o fisheye.hdr"
+)(reproject)
+picture.app.command(
+    epilog="Example: clerestory picture calibrate fisheye.hdr --before 1520 --after 1490"
+    " -o desk.hdr"
+)(calibrate)
 app.command(epilog="Example: clerestory run study.toml --out results")(run)
 app.command(epilog="Example: clerestory demo my_first_study")(demo)
 app.command(epilog="Example: clerestory report study_results")(report)

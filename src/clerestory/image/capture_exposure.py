@@ -1,0 +1,105 @@
+"""Photographs of a bracket and the light each of them let in.
+
+The exposure of a photograph is told by its EXIF data, or given. What counts is the
+product of time, sensitivity and aperture.
+"""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import UInt8
+from PIL import ExifTags, Image
+
+from clerestory.errors import InputError
+
+Photograph = UInt8[np.ndarray, "row column 3"]
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """How much light a photograph was given.
+
+    Attributes
+    ----------
+    time : of the shutter [s]
+    aperture : f-number
+    sensitivity : ISO
+
+    Raises
+    ------
+    InputError : a number that is not positive and finite
+
+    Examples
+    --------
+    >>> round(Exposure(time=1 / 60, aperture=4.0).relative(), 7)
+    0.0010417
+    """
+
+    time: float
+    aperture: float = 1.0
+    sensitivity: float = 100.0
+
+    def __post_init__(self) -> None:
+        for name in ("time", "aperture", "sensitivity"):
+            if not 0 < getattr(self, name) < math.inf:
+                raise InputError(
+                    f"exposure {name} {getattr(self, name)}; above 0 expected"
+                )
+
+    def relative(self) -> float:
+        """Light let in, in seconds at f/1 and ISO 100."""
+        return self.time * self.sensitivity / 100 / self.aperture**2
+
+
+def read_photograph(path: str | Path) -> Photograph:
+    """Return the pixels of a JPEG, PNG or TIFF photograph, row 0 on top.
+
+    Raises
+    ------
+    InputError : the file is missing or no photograph of 8 bits a channel
+    """
+    try:
+        with Image.open(path) as image:
+            if image.mode not in ("RGB", "RGBA", "L", "P"):
+                raise InputError(
+                    f"pixels of kind {image.mode}; red, green and blue of 8 bits"
+                    " expected",
+                    file=path,
+                )
+            return np.asarray(image.convert("RGB"))
+    except (OSError, ValueError, Image.DecompressionBombError, SyntaxError) as error:
+        raise InputError(f"no photograph: {error}", file=path) from error
+
+
+def read_exposure(path: str | Path) -> Exposure:
+    """Return the exposure that the EXIF data of a photograph tell.
+
+    Raises
+    ------
+    InputError : the file is missing, or its data lack time, aperture or sensitivity
+    """
+    try:
+        with Image.open(path) as image:
+            data = image.getexif().get_ifd(ExifTags.IFD.Exif)
+    except (OSError, ValueError, SyntaxError) as error:
+        raise InputError(f"no photograph: {error}", file=path) from error
+    tags = {
+        "time": ExifTags.Base.ExposureTime,
+        "aperture": ExifTags.Base.FNumber,
+        "sensitivity": ExifTags.Base.ISOSpeedRatings,
+    }
+    numbers = {}
+    for name, tag in tags.items():
+        value = data.get(tag)
+        value = value[0] if isinstance(value, tuple) and value else value
+        try:
+            numbers[name] = float(value)
+        except (TypeError, ValueError, ZeroDivisionError):
+            raise InputError(
+                f"the photograph's EXIF data lack the {name}; exposures given by hand"
+                " expected",
+                file=path,
+            ) from None
+    return Exposure(**numbers)

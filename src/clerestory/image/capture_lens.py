@@ -1,0 +1,181 @@
+"""Fisheye lenses: where on the photograph each direction appears.
+
+Lenses are described by the radius at which an angle from the axis is imaged, relative
+to that of 90°. Pictures are reprojected to a view of Radiance's, as a rule -vta.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.image.opencv import opencv
+from clerestory.image.picture import Picture
+from clerestory.scene.view import View
+
+Mapping = Literal[
+    "equidistant", "equisolid", "orthographic", "stereographic", "polynomial"
+]
+
+_Angles = Float[np.ndarray, "*shape"]
+
+
+@dataclass(frozen=True)
+class Lens:
+    """How a fisheye lens images angles.
+
+    Attributes
+    ----------
+    mapping : radius in proportion to the angle θ ("equidistant"), sin θ/2
+        ("equisolid"), sin θ ("orthographic"), tan θ/2 ("stereographic"), or a
+        polynomial of θ
+    coefficients : of θ, θ², … [1/rad, 1/rad², …] of a polynomial; their scale is free
+
+    Raises
+    ------
+    InputError : an unknown mapping, a polynomial without coefficients or one that
+        does not grow up to 90°
+
+    Examples
+    --------
+    >>> Lens("equisolid").radius(np.radians([45.0, 90.0])).round(4).tolist()
+    [0.5412, 1.0]
+    """
+
+    mapping: Mapping = "equidistant"
+    coefficients: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        known = Mapping.__args__  # type: ignore[attr-defined]
+        if self.mapping not in known:
+            raise InputError(
+                f'lens "{self.mapping}"; one of {", ".join(known)} expected'
+            )
+        if (self.mapping == "polynomial") != bool(self.coefficients):
+            raise InputError("coefficients and a polynomial lens go together")
+        steps = self.radius(np.linspace(0, np.pi / 2, 91))
+        if not (np.isfinite(steps).all() and (np.diff(steps) > 0).all()):
+            raise InputError(
+                f"lens coefficients {self.coefficients}; a radius that grows from 0 to"
+                " 90° expected"
+            )
+
+    def radius(self, theta: _Angles) -> _Angles:
+        """Radius of angles from the axis [rad], 1 at 90°."""
+        return self._plain(np.asarray(theta, float)) / self._plain(np.array(np.pi / 2))
+
+    def _plain(self, theta: np.ndarray) -> np.ndarray:
+        if self.mapping == "equisolid":
+            return np.asarray(np.sin(theta / 2))
+        if self.mapping == "orthographic":
+            return np.asarray(np.sin(np.minimum(theta, np.pi / 2)))
+        if self.mapping == "stereographic":
+            return np.asarray(np.tan(theta / 2))
+        if self.mapping == "polynomial":
+            return np.asarray(np.polyval([*self.coefficients[::-1], 0.0], theta))
+        return theta
+
+
+@dataclass(frozen=True)
+class ImageCircle:
+    """Where the lens draws its hemisphere on the photograph.
+
+    Attributes
+    ----------
+    row, column : of the axis, with fractions; a pixel's centre lies at + 0.5
+    radius : at which 90° appear [pixels]
+    """
+
+    row: float
+    column: float
+    radius: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.radius < np.inf:
+            raise InputError(
+                f"image circle of radius {self.radius:g}; above 0 expected"
+            )
+
+
+def reproject(
+    picture: Picture,
+    lens: Lens,
+    circle: ImageCircle,
+    *,
+    view: View,
+    columns: int,
+    rows: int,
+) -> Picture:
+    """Return the picture as a view of Radiance's sees it; black where the lens is blind.
+
+    Each pixel is the mean of as many samples a side as it has pixels of the photograph
+    under it, so that little light is lost or won; the solid angles of the new view then
+    give the right illuminance.
+
+    Parameters
+    ----------
+    lens, circle : of the photograph; its top is the view's up
+    view : to reproject to; where it stands and looks is kept as it is
+    columns, rows : size of the result
+
+    Raises
+    ------
+    InputError : the image circle lies outside of the photograph
+
+    Examples
+    --------
+    >>> flat = Picture(np.ones((40, 40, 3), dtype=np.float32))
+    >>> eye = View(kind="angular", horizontal=180, vertical=180)
+    >>> seen = reproject(
+    ...     flat, Lens("equisolid"), ImageCircle(20, 20, 20), view=eye, columns=30, rows=30
+    ... )
+    >>> seen.radiance[15, 15].tolist(), seen.radiance[0, 0].tolist()
+    ([1.0, 1.0, 1.0], [0.0, 0.0, 0.0])
+    """
+    if not (0 <= circle.row <= picture.rows and 0 <= circle.column <= picture.columns):
+        raise InputError(
+            f"an image circle around row {circle.row:g}, column {circle.column:g} of"
+            f" {picture.columns} × {picture.rows} pixels; a middle inside expected"
+        )
+    samples = int(np.clip(np.ceil(2 * circle.radius / min(columns, rows)), 1, 8))
+    total = np.zeros((rows, columns, 3))
+    offsets = (np.arange(samples) + 0.5) / samples
+    for up in offsets:
+        for right in offsets:
+            jitter = np.broadcast_to([right, up], (rows, columns, 2))
+            total += _sampled(picture, lens, circle, view, np.array(jitter))
+    radiance = (total / samples**2).astype(np.float32)
+    return replace(picture, radiance=radiance, view=view, pixel_aspect=1.0)
+
+
+def _sampled(
+    picture: Picture, lens: Lens, circle: ImageCircle, view: View, jitter: np.ndarray
+) -> np.ndarray:
+    # The photograph at one point of each pixel of the view
+    cv2 = opencv()
+    rows, columns, _ = jitter.shape
+    direction, valid = view.rays(columns, rows, jitter)[1:]
+    right = np.cross(view.direction, view.up)
+    right /= np.linalg.norm(right)
+    aside, above = direction @ right, direction @ np.cross(right, view.direction)
+    flat = np.hypot(aside, above)
+    theta = np.arctan2(flat, direction @ view.direction)
+    stretch = lens.radius(theta) * circle.radius / np.maximum(flat, 1e-12)
+    # OpenCV counts from the middle of the first pixel
+    column = circle.column + aside * stretch - 0.5
+    row = circle.row - above * stretch - 0.5
+    seen = cv2.remap(
+        picture.radiance,
+        column.astype(np.float32),
+        row.astype(np.float32),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    # A lens of 180° shows nothing beyond
+    inside = valid & (theta <= np.pi / 2 + 1e-6)
+    inside &= (column > -1) & (column < picture.columns)
+    inside &= (row > -1) & (row < picture.rows)
+    seen_inside: np.ndarray = np.where(inside[..., None], seen, 0)
+    return seen_inside

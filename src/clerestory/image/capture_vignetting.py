@@ -1,0 +1,95 @@
+"""Vignetting: what a lens loses towards the rim, by aperture, put back."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.image.picture import Picture
+
+# A lens that passes less at some angle cannot be corrected
+_LEAST = 0.02
+
+
+@dataclass(frozen=True)
+class Vignetting:
+    """Share of light that a lens passes, by the angle from its axis.
+
+    Attributes
+    ----------
+    coefficients : of θ², θ⁴, … [1/rad², …] of 1 + Σ; a lens is alike on both sides
+
+    Raises
+    ------
+    InputError : a share below 2 % within 90°
+
+    Examples
+    --------
+    >>> Vignetting((-0.1,)).passed(np.array([0.0, 1.0])).tolist()
+    [1.0, 0.9]
+    """
+
+    coefficients: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        lowest = float(self.passed(np.linspace(0, np.pi / 2, 91)).min())
+        if not lowest >= _LEAST:
+            raise InputError(
+                f"vignetting that passes {lowest:.3f} of the light; {_LEAST} or more"
+                " expected"
+            )
+
+    def passed(self, theta: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
+        """Share of light passed at angles from the axis [rad]."""
+        square = np.asarray(theta, dtype=float) ** 2
+        return np.asarray(np.polyval([*self.coefficients[::-1], 1.0], square))
+
+
+def fit_vignetting(
+    theta: Float[np.ndarray, " angle"],
+    luminance: Float[np.ndarray, " angle"],
+    *,
+    terms: int = 3,
+) -> Vignetting:
+    """Return the vignetting of a lens that was turned past a steady target.
+
+    Parameters
+    ----------
+    theta : angles of the target from the axis [rad]
+    luminance : of the target in the photographs, to any scale
+    terms : even powers of θ
+
+    Raises
+    ------
+    InputError : fewer than `terms` + 2 angles, luminances that are not positive
+
+    Examples
+    --------
+    >>> theta = np.linspace(0, 1.5, 12)
+    >>> fit_vignetting(theta, 40 * (1 - 0.2 * theta**2), terms=1).coefficients[0].round(3)
+    np.float64(-0.2)
+    """
+    if theta.size < terms + 2:
+        raise InputError(f"{theta.size} angles; {terms + 2} or more expected")
+    if not (np.isfinite(luminance).all() and (luminance > 0).all()):
+        raise InputError("luminances of the target that are not positive")
+    powers = theta[:, None] ** (2 * np.arange(terms + 1))
+    fitted, *_ = np.linalg.lstsq(powers / luminance[:, None], np.ones(theta.size))
+    return Vignetting(tuple(fitted[1:] / fitted[0]))
+
+
+def correct_vignetting(picture: Picture, vignetting: Vignetting) -> Picture:
+    """Return the picture with the light that its lens did not pass.
+
+    Raises
+    ------
+    InputError : the picture has no view
+    """
+    if picture.view is None:
+        raise InputError("a picture without a view; one reprojected before expected")
+    rays = picture.view.rays(picture.columns, picture.rows)
+    theta = np.arccos(np.clip(rays.direction @ picture.view.direction, -1, 1))
+    passed = np.where(theta <= np.pi / 2, vignetting.passed(theta), 1.0)
+    radiance = picture.radiance / passed[..., None].astype(np.float32)
+    return replace(picture, radiance=radiance)

@@ -1,0 +1,21 @@
+"""OpenCV, which only the making of pictures from photographs needs."""
+
+import importlib
+import importlib.util
+from typing import Any
+
+from clerestory.errors import ClerestoryError
+
+
+def opencv() -> Any:
+    """Return OpenCV's module.
+
+    Raises
+    ------
+    ClerestoryError : it is not installed
+    """
+    if importlib.util.find_spec("cv2") is None:
+        raise ClerestoryError(
+            "OpenCV is not installed; `pip install clerestory[capture]` expected"
+        )
+    return importlib.import_module("cv2")
