@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Bool, Float, Int, UInt8
 
 from clerestory.errors import InputError
 from clerestory.scene.triangulate import triangulate
@@ -179,26 +179,19 @@ class _Reading:
         return made
 
     def _cut(self, faces: Int[np.ndarray, "faces corners"]) -> np.ndarray:
-        # Fans in convex faces, ears in the others
+        # Fans in convex faces, ears in the others; fans where sides cross each other
         points = self._points()[faces]
-        edge = np.roll(points, -1, axis=1) - points
-        turn = np.cross(np.roll(edge, 1, axis=1), edge)
-        spoke = points[:, 1:] - points[:, :1]
-        fan = np.cross(spoke[:, :-1], spoke[:, 1:])
-        whole = fan.sum(axis=1)
-        sides = np.concatenate([turn, fan], axis=1)
-        convex = np.all(np.einsum("fcx,fx->fc", sides, whole) >= 0, axis=1)
         steps = np.arange(1, faces.shape[1] - 1)
-        fans = np.stack(
-            [
-                np.broadcast_to(faces[convex, :1], (int(convex.sum()), len(steps))),
-                faces[convex][:, steps],
-                faces[convex][:, steps + 1],
-            ],
-            axis=2,
-        )
-        ears = [faces[i][triangulate(points[i]).faces] for i in np.flatnonzero(~convex)]
-        return np.concatenate([fans.reshape(-1, 3), *ears])
+        fan = np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
+        made = []
+        bent = np.flatnonzero(~_convex(points))
+        fanned = np.ones(len(faces), dtype=bool)
+        for i in bent.tolist():
+            ears = triangulate(points[i])
+            if len(ears.vertices) == faces.shape[1]:
+                fanned[i] = False
+                made.append(faces[i][ears.faces])
+        return np.concatenate([faces[fanned][:, fan].reshape(-1, 3), *made])
 
     def _points(self) -> Float[np.ndarray, "vertices 3"]:
         if len(self.vertices) > 1:
@@ -239,9 +232,13 @@ class _Reading:
         words = np.diff(np.searchsorted(begins, ends), prepend=0) - 1
         text = letters.copy()
         text[np.append(0, ends[:-1] + 1)] = ord(" ")
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)
-            values = np.fromstring(text.tobytes().decode("latin-1"), sep=" ")
+        try:
+            # NumPy warns of a text that is no number, or raises, by its version
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", DeprecationWarning)
+                values = np.fromstring(text.tobytes().decode("latin-1"), sep=" ")
+        except ValueError:
+            raise self._bad_number(text.tobytes(), line) from None
         if len(values) != words.sum():
             raise self._bad_number(text.tobytes(), line)
         return values, words
@@ -279,3 +276,18 @@ def _without_slashes(
     last_slash = np.maximum.accumulate(np.where(slash, place, -1))
     last_blank = np.maximum.accumulate(np.where(_SPACES[letters], place, -1))
     return np.where(last_slash > last_blank, np.uint8(ord(" ")), letters)
+
+
+def _convex(
+    points: Float[np.ndarray, "faces corners 3"],
+) -> Bool[np.ndarray, " faces"]:
+    # Whether every corner, and every triangle of the fan, turns the way of the whole
+    edge = np.roll(points, -1, axis=1) - points
+    turn = np.cross(np.roll(edge, 1, axis=1), edge)
+    spoke = points[:, 1:] - points[:, :1]
+    fan = np.cross(spoke[:, :-1], spoke[:, 1:])
+    sides = np.concatenate([turn, fan], axis=1)
+    convex: np.ndarray = np.all(
+        np.einsum("fcx,fx->fc", sides, fan.sum(axis=1)) >= 0, axis=1
+    )
+    return convex
