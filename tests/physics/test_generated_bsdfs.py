@@ -90,6 +90,23 @@ def test_mirror_keeps_the_number_of_each_patch(device):
         assert np.all(part(bsdf, f"transmission_{side}").values == 0)
 
 
+def test_mirror_turns_light_around_its_normal_in_a_tree(device):
+    """What comes from one azimuth leaves at the opposite one, whichever it is."""
+    mirror = Metal("m", np.full(3, 0.8), 1.0, 0.0)
+    area = SampleArea(BOX, periodic=True)
+    bsdf = cl.generate_bsdf(
+        sheet(mirror), area=area, basis="tree4", halvings=4, samples=64, device=device
+    )
+    azimuth = np.radians([10.0, 100.0, 205.0, 290.0])
+    for side, z in (("front", -0.8), ("back", 0.8)):
+        came = np.stack([0.6 * np.cos(azimuth), 0.6 * np.sin(azimuth)], axis=1)
+        incident = np.column_stack([came, np.full(4, z)])
+        tree = part(bsdf, f"reflection_{side}")
+        left = incident * [-1, -1, 1]
+        assert (tree.evaluate(incident, left) > 20).all()
+        assert (tree.evaluate(incident, incident) < 1).all()
+
+
 def test_glass_has_fresnels_shares(device):
     """Each patch of a pane passes and reflects the mean of Fresnel's shares over it."""
     bsdf = cl.generate_bsdf(clear_pane(transmissivity=0.9), samples=1024, device=device)

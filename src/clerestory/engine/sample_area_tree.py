@@ -158,7 +158,9 @@ def trace_block(
         )
         incident = paths.number % total
         ray = start(slab, sequence, paths, _IncidentCells(grid), incident, behind)
-        receiver = _Cells(grid, target, incident, behind, _azimuth(ray.d))
+        # Only in rank 3 are all azimuths of incidence turned into one
+        turn = _azimuth(ray.d) if grid.rank == 3 else mi.Vector2f(1, 0)
+        receiver = _Cells(grid, target, incident, behind, turn)
         follow(slab, receiver, sequence, paths, ray, limit)
         dr.eval(target.sums)
     sums = target.sums.numpy()
