@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import device as devices
@@ -131,6 +131,57 @@ def picture_view_matrices(
     return found
 
 
+SunPictures = Callable[
+    [Int[np.ndarray, " sun"]], Float[np.ndarray, "channel pixel sun"]
+]
+
+
+def sun_pictures(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    camera: Camera,
+    *,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    samples: int = 16,
+    seed: int = 0,
+    device: Device = "auto",
+    progress: Progress | None = None,
+) -> SunPictures:
+    """Return a function that traces direct-sun coefficients of a picture when asked.
+
+    It takes numbers of suns and returns their coefficients; see
+    `picture_sun_coefficients`. A year has thousands of suns, more than memory holds.
+    """
+    number = check_window(windows, window, bsdf, suns, samples)
+    behind = suns @ windows[number].frame.normal < 0
+    engine: Any = devices.load(device, "sun_pixels")
+    pixels = engine.PixelSuns(
+        scene,
+        tuple(windows),
+        number,
+        bsdf,
+        camera.view,
+        camera.columns,
+        camera.rows,
+        peak=peak,
+        samples=samples,
+        seed=seed,
+    )
+
+    def coefficients(asked: np.ndarray) -> np.ndarray:
+        values = np.zeros((3, len(camera), len(asked)), np.float32)
+        lit = behind[asked]
+        if lit.any():
+            chosen = asked[lit]
+            values[..., lit] = pixels.trace(suns[chosen], chosen, progress)
+        return values
+
+    return coefficients
+
+
 def picture_sun_coefficients(
     scene: Scene,
     windows: Sequence[Window],
@@ -154,25 +205,11 @@ def picture_sun_coefficients(
     ----------
     samples : paths per pixel and sun
     """
-    number = check_window(windows, window, bsdf, suns, samples)
-    behind = suns @ windows[number].frame.normal < 0
-    values = np.zeros((3, len(camera), len(suns)), np.float32)
-    if behind.any():
-        engine: Any = devices.load(device, "sun_pixels")
-        values[..., behind] = engine.trace_pixel_sun(
-            scene,
-            tuple(windows),
-            number,
-            bsdf,
-            camera.view,
-            camera.columns,
-            camera.rows,
-            suns[behind],
-            peak=peak,
-            samples=samples,
-            seed=seed,
-            progress=progress,
-        )
+    trace = sun_pictures(
+        scene, windows, window, bsdf, camera, suns=suns, peak=peak, samples=samples,
+        seed=seed, device=device, progress=progress,
+    )  # fmt: skip
+    values = trace(np.arange(len(suns)))
     return TransferMatrix(values, pixel_axis(len(camera)), sun_axis(len(suns)))
 
 
@@ -184,12 +221,18 @@ class PicturePhases:
     ----------
     whole : V, T and D, with all reflections
     direct : V_d, T and D_d; None in the three-phase method
-    sun : C_ds; None in the three-phase method
+    sun : C_ds by numbers of suns, see `sun_pictures` and `kept`; None in the
+        three-phase method
     """
 
     whole: WindowPhases
     direct: WindowPhases | None = None
-    sun: TransferMatrix | None = None
+    sun: SunPictures | None = None
+
+
+def kept(coefficients: TransferMatrix) -> SunPictures:
+    """Return the direct-sun coefficients of a matrix that was traced before."""
+    return lambda asked: np.asarray(coefficients.values[:, :, asked])
 
 
 def pictures_over_time(
@@ -250,11 +293,11 @@ def _phases(
     return total
 
 
-def _sunlit(coefficients: TransferMatrix, normal: Any) -> np.ndarray:
+def _sunlit(coefficients: SunPictures, normal: Any) -> np.ndarray:
     # Only the suns that shine in these steps
     shining = np.unique(normal.tocoo().coords[0])
-    values = coefficients.values[:, :, shining]
-    light: np.ndarray = values @ normal[shining].toarray().astype(np.float32)
+    irradiance = normal.tocsr()[shining].toarray().astype(np.float32)
+    light: np.ndarray = coefficients(shining) @ irradiance
     return light
 
 

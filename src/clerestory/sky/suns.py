@@ -6,7 +6,7 @@ within a stated angle share one: the strongest keeps its exact place.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -66,6 +66,13 @@ class SunMatrix:
     def columns(self) -> Axis:
         """The time steps."""
         return time_axis(self.times)
+
+    def select(self, steps: slice | np.ndarray) -> "SunMatrix":
+        """Return some of the time steps, by slice or boolean mask, with all suns."""
+        chosen = np.arange(len(self.times))[steps]
+        return replace(
+            self, times=self.times[chosen], direct_normal=self.direct_normal[:, chosen]
+        )
 
     def radiance(self, diameter: float = SUN_DIAMETER) -> csc_array:
         """Radiance [W/(m²·sr)] of suns of the given apparent diameter [rad]."""

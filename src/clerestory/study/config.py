@@ -39,6 +39,7 @@ def _input_file(value: Any, info: Any) -> Any:
 
 
 InputFile = Annotated[Path, BeforeValidator(_input_file)]
+_MOMENT = r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])T([01]\d|2[0-3]):[0-5]\d$"
 MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$")]
 
 
@@ -112,12 +113,24 @@ class SkyTable(_Table):
     rotation_deg: float = Field(0.0, ge=-360, le=360)
 
 
+class ViewTable(_Named):
+    """A camera: glare at every step, and pictures of chosen moments."""
+
+    file: InputFile = Field(description="a Radiance view file")
+    resolution: int = Field(200, ge=8, le=4096)
+    samples: int = Field(256, ge=1, le=1 << 20)
+    pictures: list[Annotated[str, Field(pattern=_MOMENT)]] = Field(
+        default_factory=list, description='a list of moments as "09-21T12:00"'
+    )
+
+
 class SunTable(_Table):
     """The direct sun of the five-phase method."""
 
     places: Literal["exact", "patches"] = "exact"
     tolerance_deg: float = Field(0.25, ge=0, le=5)
     samples: int = Field(64, ge=1, le=1 << 16)
+    picture_samples: int = Field(16, ge=1, le=1 << 12)
 
 
 class TraceTable(_Table):
@@ -190,6 +203,7 @@ class Study(_Table):
     sensors: list[SensorsTable] = Field(
         min_length=1, description="at least one table [[sensors]]"
     )
+    view: list[ViewTable] = Field(default_factory=list)
     weather: WeatherTable = Field(description="a table [weather]")
     sky: SkyTable = SkyTable()
     sun: SunTable = SunTable()
@@ -198,7 +212,7 @@ class Study(_Table):
     metrics: MetricsTable = MetricsTable()
     output: OutputTable = OutputTable()
 
-    @field_validator("window", "sensors")
+    @field_validator("window", "sensors", "view")
     @classmethod
     def _distinct(cls, tables: Sequence[_Named]) -> Sequence[_Named]:
         labels = [table.label for table in tables]
@@ -218,6 +232,11 @@ class Study(_Table):
                 "rule",
                 'method "{method}" without a window; a table [[window]] expected',
                 {"method": self.method},
+            )
+        if self.method == "2-phase" and self.view:
+            raise PydanticCustomError(
+                "rule",
+                'method "2-phase" makes no pictures; no table [[view]] expected',
             )
         if self.method == "2-phase" and self.window:
             raise PydanticCustomError(

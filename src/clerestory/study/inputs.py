@@ -13,15 +13,17 @@ from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.metrics.hours import occupied_hours
+from clerestory.phases.pictures import Camera
 from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors, read_sensors
+from clerestory.scene.view_text import read_view
 from clerestory.scene.window import Window, read_windows
 from clerestory.sky.period import select_days
 from clerestory.sky.read import read_weather
 from clerestory.sky.station import read_with
 from clerestory.sky.weather import Weather
-from clerestory.study.config import Study, WindowTable
+from clerestory.study.config import Study, ViewTable, WindowTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +59,14 @@ class Inputs:
     scene : the room without its windows
     groups : the window groups
     grids : sensors by the name of their grid
+    cameras : of the study's views, in order
     weather : the part of the year that is simulated
     """
 
     scene: Scene
     groups: tuple[WindowGroup, ...]
     grids: dict[str, Sensors]
+    cameras: tuple[Camera, ...]
     weather: Weather
 
     def sensors(self) -> Sensors:
@@ -92,8 +96,14 @@ def read_inputs(study: Study) -> Inputs:
         scene=read_rad(*study.scene.files),
         groups=tuple(groups),
         grids={table.label: read_sensors(table.file) for table in study.sensors},
+        cameras=tuple(_camera(table) for table in study.view),
         weather=_weather(study),
     )
+
+
+def _camera(table: ViewTable) -> Camera:
+    view = read_view(table.file)
+    return Camera(view, *view.size_for(table.resolution))
 
 
 def _weather(study: Study) -> Weather:

@@ -31,7 +31,14 @@ from clerestory.study.drawing import room_drawing, window_drawing
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.outputs import write_hourly, write_ill, write_metrics
 from clerestory.study.results import Results, save_results, sensor_names
-from clerestory.study.tracing import Display, Tracing, study_skies, trace_study
+from clerestory.study.tracing import (
+    Display,
+    Tracing,
+    study_job,
+    study_skies,
+    trace_study,
+)
+from clerestory.study.views import study_views
 
 MATRIX_FOLDER = "matrices"
 _PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
@@ -82,19 +89,22 @@ def run_study(
         inputs = read_inputs(study)
     with log.phase("check"):
         _warn_of_doubts(inputs)
+    store = MatrixStore(out / MATRIX_FOLDER)
     with log.phase("trace"):
-        tracing = trace_study(
-            study,
-            inputs,
-            store=MatrixStore(out / MATRIX_FOLDER),
-            display=display,
-        )
+        tracing = trace_study(study, inputs, store=store, display=display)
     with log.phase("sky"):
         skies = study_skies(study, inputs.weather)
     with log.phase("multiply"):
         hourly = tracing.illuminance(skies, display=display)
+    with log.phase("pictures"):
+        job = study_job(study, inputs, store=store, display=display)
+        glare = study_views(
+            study, inputs, tracing, skies, job=job, out=out, display=display
+        )
     with log.phase("metrics"):
-        data = _data(study, inputs, hourly)
+        data = xr.merge(
+            [_data(study, inputs, hourly), glare], combine_attrs="drop_conflicts"
+        )
     with log.phase("write"):
         results = Results(data, {})
         _write_tables(study, results, out)

@@ -12,6 +12,7 @@ from clerestory.engine.device import resolve
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.pictures import Camera, picture_view_matrices
 from clerestory.phases.store import MatrixStore
 from clerestory.phases.sun import blackened, sun_coefficients
 from clerestory.phases.three import WindowPhases, three_phase_sum
@@ -94,7 +95,7 @@ def trace_study(
     study: Study, inputs: Inputs, *, store: MatrixStore, display: Display
 ) -> Tracing:
     """Return the matrices of a study; those of an earlier run are not traced again."""
-    job = _Job(study, inputs, store, display, inputs.scene)
+    job = study_job(study, inputs, store=store, display=display)
     if study.method == "2-phase":
         return _coefficients(job)
     whole = _windows(job)
@@ -102,14 +103,21 @@ def trace_study(
 
 
 @dataclass(frozen=True, eq=False)
-class _Job:
-    # What every matrix of a study needs
+class Job:
+    """What every matrix of a study needs.
+
+    Attributes
+    ----------
+    scene : that is traced
+    direct : whether it is black and nothing is reflected, for what the five-phase
+        method takes away
+    """
+
     study: Study
     inputs: Inputs
     store: MatrixStore
     display: Display
     scene: Scene
-    # Black scene and no reflections, in what the five-phase method takes away
     direct: bool = False
 
     @cached_property
@@ -133,7 +141,46 @@ class _Job:
         }
 
 
-def _coefficients(job: _Job) -> Tracing:
+def study_job(
+    study: Study, inputs: Inputs, *, store: MatrixStore, display: Display
+) -> Job:
+    """Return what the matrices of a study need."""
+    return Job(study, inputs, store, display, inputs.scene)
+
+
+def picture_views(
+    job: Job, camera: Camera, label: str
+) -> tuple[dict[str, TransferMatrix], dict[str, TransferMatrix] | None]:
+    """Return V of a picture by window name, and V_d if the method asks for it."""
+    whole = _picture_views(job, camera, label, direct=False)
+    if job.study.method != "5-phase":
+        return whole, None
+    return whole, _picture_views(job, camera, label, direct=True)
+
+
+def _picture_views(
+    job: Job, camera: Camera, label: str, *, direct: bool
+) -> dict[str, TransferMatrix]:
+    table = next(view for view in job.study.view if view.label == label)
+    options = job.options(_DIRECT * direct)
+    del options["relative_error" if "relative_error" in options else "samples"]
+    options |= {"samples": table.samples, "direct": direct}
+    prefix = "direct-picture" if direct else "picture"
+    inner = {f"{prefix}-{label}-{g.name}": g.inner for g in job.inputs.groups}
+    key = fingerprint("picture", job.scene_key, list(inner.values()), camera, options)
+
+    def make() -> dict[str, TransferMatrix]:
+        progress = job.display(f"{prefix} matrices of {label}")
+        traced = picture_view_matrices(
+            job.scene, list(inner.values()), camera, progress=progress, **options
+        )
+        return {name: traced[window.name] for name, window in inner.items()}
+
+    kept = job.store.matrices(list(inner), key, make)
+    return {window.name: kept[name] for name, window in inner.items()}
+
+
+def _coefficients(job: Job) -> Tracing:
     sensors, options = job.inputs.sensors(), job.options()
     options["subdivision"] = job.study.sky.subdivision
     name = "coefficients"
@@ -150,7 +197,7 @@ def _coefficients(job: _Job) -> Tracing:
     return Tracing(coefficients=matrix, found=found)
 
 
-def _windows(job: _Job) -> Tracing:
+def _windows(job: Job) -> Tracing:
     # All views are traced at once, each daylight matrix on its own
     groups = job.inputs.groups
     views, found = _views(job)
@@ -162,7 +209,7 @@ def _windows(job: _Job) -> Tracing:
     return Tracing(windows=tuple(windows), found=found)
 
 
-def _with_direct(job: _Job, whole: Tracing) -> Tracing:
+def _with_direct(job: Job, whole: Tracing) -> Tracing:
     # The direct phases of each window group, and its coefficients for the suns
     black = replace(job, scene=blackened(job.scene), direct=True)
     direct = _windows(black)
@@ -176,7 +223,7 @@ def _with_direct(job: _Job, whole: Tracing) -> Tracing:
     return Tracing(windows=whole.windows, direct=tuple(parts), suns=suns, found=found)
 
 
-def _suns(job: _Job) -> SunMatrix:
+def _suns(job: Job) -> SunMatrix:
     table, rotation = job.study.sun, job.study.sky.rotation_deg
     if table.places == "patches":
         return patch_suns(job.inputs.weather, rotation_deg=rotation)
@@ -186,7 +233,7 @@ def _suns(job: _Job) -> SunMatrix:
 
 
 def _sun(
-    job: _Job, group: WindowGroup, number: int, suns: SunMatrix
+    job: Job, group: WindowGroup, number: int, suns: SunMatrix
 ) -> tuple[TransferMatrix, dict[str, bool]]:
     sensors = job.inputs.sensors()
     windows = [each.inner for each in job.inputs.groups]
@@ -218,7 +265,7 @@ def _sun(
     return job.store.matrix(name, key, make), found
 
 
-def _views(job: _Job) -> tuple[dict[str, TransferMatrix], dict[str, bool]]:
+def _views(job: Job) -> tuple[dict[str, TransferMatrix], dict[str, bool]]:
     sensors, options = job.inputs.sensors(), job.options(_DIRECT * job.direct)
     if job.direct:
         options["bounces"] = 1  # the gather at the sensor itself
@@ -242,7 +289,7 @@ def _views(job: _Job) -> tuple[dict[str, TransferMatrix], dict[str, bool]]:
 
 
 def _daylight(
-    job: _Job, group: WindowGroup, number: int
+    job: Job, group: WindowGroup, number: int
 ) -> tuple[TransferMatrix, dict[str, bool]]:
     # Each window has a seed of its own, apart from that of the view matrices
     options = job.options(stream=1 + number + _DIRECT * job.direct)
