@@ -4,8 +4,7 @@ A surface names its material by a key of `Scene.materials`. Where a file defines
 name twice, the later definition holds for the surfaces read after it, as in
 Radiance; both survive here, the later under a key of its own ("wall#2").
 
-Lengths are in metres. The front of a polygon is where its vertices run
-counter-clockwise.
+Materials, emitters and surfaces have files of their own and are all found here.
 """
 
 from collections.abc import Mapping
@@ -13,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.scene.composite import (
@@ -39,6 +38,17 @@ from clerestory.scene.material import (
     Source,
     Trans,
     Trans2,
+)
+from clerestory.scene.surface import (
+    Cone,
+    DistantSource,
+    Polygon,
+    Ring,
+    Simple,
+    Sphere,
+    Surface,
+    TriangleMesh,
+    extent,
 )
 
 __all__ = [
@@ -75,114 +85,8 @@ __all__ = [
     "same_material",
 ]
 
-
-@dataclass(frozen=True, eq=False)
-class Polygon:
-    """A flat polygon, filled by the even–odd rule; holes hang on seams."""
-
-    vertices: Float[np.ndarray, "vertices 3"]
-    material: str
-    name: str = ""
-    source: Source | None = None
-
-    def __post_init__(self) -> None:
-        if (
-            self.vertices.ndim != 2
-            or self.vertices.shape[1] != 3
-            or len(self.vertices) < 3
-        ):
-            raise InputError(
-                f'polygon "{self.name}" has vertices of shape {self.vertices.shape};'
-                " at least 3 rows of 3 expected"
-            )
-
-
-@dataclass(frozen=True, eq=False)
-class Sphere:
-    """A sphere; `inward` turns its front to the centre (Radiance's bubble)."""
-
-    centre: Float[np.ndarray, "3"]
-    radius: float
-    inward: bool
-    material: str
-    name: str = ""
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Cone:
-    """The side of a truncated cone or cylinder; `inward`: cup or tube."""
-
-    base: Float[np.ndarray, "3"]
-    top: Float[np.ndarray, "3"]
-    base_radius: float
-    top_radius: float
-    inward: bool
-    material: str
-    name: str = ""
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Ring:
-    """A flat disc, or a ring when the inner radius is not zero."""
-
-    centre: Float[np.ndarray, "3"]
-    normal: Float[np.ndarray, "3"]
-    inner_radius: float
-    outer_radius: float
-    material: str
-    name: str = ""
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class TriangleMesh:
-    """Many triangles of one material, as one surface.
-
-    Attributes
-    ----------
-    vertices : [m]
-    faces : counter-clockwise as seen from the front
-    """
-
-    vertices: Float[np.ndarray, "vertices 3"]
-    faces: Int[np.ndarray, "triangles 3"]
-    material: str
-    name: str = ""
-    source: Source | None = None
-
-    def __post_init__(self) -> None:
-        low, high = self.faces.min(initial=0), self.faces.max(initial=0)
-        if len(self.vertices) == 0 or low < 0 or high >= len(self.vertices):
-            raise InputError(
-                f'mesh "{self.name}" refers to vertices {low} to {high};'
-                f" 0 to {len(self.vertices) - 1} expected"
-            )
-
-
-Surface = Polygon | Sphere | Cone | Ring | TriangleMesh
-
-
-@dataclass(frozen=True, eq=False)
-class DistantSource:
-    """A disc of sky, sun or ground at infinity.
-
-    Attributes
-    ----------
-    direction : unit vector to its centre
-    angle_deg : the full angle it subtends, up to 360
-    """
-
-    direction: Float[np.ndarray, "3"]
-    angle_deg: float
-    material: str
-    name: str = ""
-    source: Source | None = None
-
-
-# What a primitive other than a polygon describes
-Simple = Sphere | Cone | Ring | TriangleMesh | DistantSource
+# Sines of angles below this are none (Radiance's FTINY)
+_PARALLEL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +101,8 @@ class Scene:
 
     Raises
     ------
-    InputError : a surface is made of a material that is not in the scene
+    InputError : a surface is made of a material that is not in the scene, or the up
+        vector of its BSDF stands upright on it
 
     Examples
     --------
@@ -219,6 +124,8 @@ class Scene:
                     f'surface "{item.name}" is made of "{item.material}",'
                     " which is not a material of the scene"
                 )
+            if isinstance(item, Polygon):
+                _check_up(item, self.materials[item.material])
 
     def __add__(self, other: "Scene") -> "Scene":
         """Both scenes in one; equal names of different materials are kept apart."""
@@ -236,8 +143,26 @@ class Scene:
         """Lowest and highest corner [m] of the box around all surfaces; NaN if none."""
         if not self.surfaces:
             return np.full((2, 3), np.nan)
-        points = np.concatenate([_extent(s) for s in self.surfaces])
+        points = np.concatenate([extent(s) for s in self.surfaces])
         return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _check_up(polygon: Polygon, material: Material) -> None:
+    # The up vector of a BSDF, laid into the polygon, must point somewhere
+    if not isinstance(material, BsdfSurface):
+        return
+    around = polygon.vertices - polygon.vertices[0]
+    normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
+    up = material.up @ material.transform
+    across = np.linalg.norm(np.cross(up, normal))
+    if across < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
+        source = polygon.source
+        raise InputError(
+            f'polygon "{polygon.name}": the up vector of BSDF "{material.name}" is'
+            " along its normal; a vector that points up along the polygon expected",
+            file=source.file if source else None,
+            line=source.line if source else None,
+        )
 
 
 _Item = TypeVar("_Item", bound=Surface | DistantSource)
@@ -246,32 +171,3 @@ _Item = TypeVar("_Item", bound=Surface | DistantSource)
 def _renamed(item: _Item, key: dict[str, str]) -> _Item:
     new = key[item.material]
     return item if new == item.material else replace(item, material=new)
-
-
-def _extent(surface: Surface) -> Float[np.ndarray, "points 3"]:
-    # Points whose box holds the surface
-    match surface:
-        case Polygon() | TriangleMesh():
-            return surface.vertices
-        case Sphere():
-            return surface.centre + np.outer([-1, 1], np.full(3, surface.radius))
-        case Cone():
-            return np.concatenate(
-                [
-                    _disc_extent(
-                        surface.base, surface.top - surface.base, surface.base_radius
-                    ),
-                    _disc_extent(
-                        surface.top, surface.top - surface.base, surface.top_radius
-                    ),
-                ]
-            )
-        case Ring():
-            return _disc_extent(surface.centre, surface.normal, surface.outer_radius)
-
-
-def _disc_extent(
-    centre: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], radius: float
-) -> Float[np.ndarray, "2 3"]:
-    axis = normal / np.linalg.norm(normal)
-    return centre + np.outer([-1, 1], radius * np.sqrt(np.clip(1 - axis**2, 0, 1)))

@@ -283,3 +283,11 @@ def test_an_alias_replaces_what_modifies_its_original(read):
 def test_an_alias_cannot_put_a_pattern_on_a_surface(read):
     with pytest.raises(InputError, match=r"rad:3: alias \"x\" is modified by the pat"):
         read(GREY + "void brightfunc half 2 0.5 . 0 0\nhalf alias x grey")
+
+
+def test_the_up_vector_of_a_bsdf_must_lie_along_its_polygon(read):
+    """Radiance: "Illegal orientation vector"."""
+    text = "void BSDF x 6 0 blind.xml 0 0 1 . 0 0\nx polygon pane 0 0 9 "
+    assert read(text + "0 0 0 1 0 0 1 0 1")
+    with pytest.raises(InputError, match=r'rad:2: polygon "pane": the up vector of'):
+        read(text + "0 0 0 1 0 0 1 1 0")

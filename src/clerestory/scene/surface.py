@@ -1,0 +1,151 @@
+"""Surfaces and sources at infinity, as plain values.
+
+A surface names its material by a key of the scene. Lengths are in metres. The front
+of a polygon is where its vertices run counter-clockwise.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.scene.material import Source
+
+
+@dataclass(frozen=True, eq=False)
+class Polygon:
+    """A flat polygon, filled by the even–odd rule; holes hang on seams."""
+
+    vertices: Float[np.ndarray, "vertices 3"]
+    material: str
+    name: str = ""
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        if (
+            self.vertices.ndim != 2
+            or self.vertices.shape[1] != 3
+            or len(self.vertices) < 3
+        ):
+            raise InputError(
+                f'polygon "{self.name}" has vertices of shape {self.vertices.shape};'
+                " at least 3 rows of 3 expected"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Sphere:
+    """A sphere; `inward` turns its front to the centre (Radiance's bubble)."""
+
+    centre: Float[np.ndarray, "3"]
+    radius: float
+    inward: bool
+    material: str
+    name: str = ""
+    source: Source | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Cone:
+    """The side of a truncated cone or cylinder; `inward`: cup or tube."""
+
+    base: Float[np.ndarray, "3"]
+    top: Float[np.ndarray, "3"]
+    base_radius: float
+    top_radius: float
+    inward: bool
+    material: str
+    name: str = ""
+    source: Source | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Ring:
+    """A flat disc, or a ring when the inner radius is not zero."""
+
+    centre: Float[np.ndarray, "3"]
+    normal: Float[np.ndarray, "3"]
+    inner_radius: float
+    outer_radius: float
+    material: str
+    name: str = ""
+    source: Source | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleMesh:
+    """Many triangles of one material, as one surface.
+
+    Attributes
+    ----------
+    vertices : [m]
+    faces : counter-clockwise as seen from the front
+    """
+
+    vertices: Float[np.ndarray, "vertices 3"]
+    faces: Int[np.ndarray, "triangles 3"]
+    material: str
+    name: str = ""
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        low, high = self.faces.min(initial=0), self.faces.max(initial=0)
+        if len(self.vertices) == 0 or low < 0 or high >= len(self.vertices):
+            raise InputError(
+                f'mesh "{self.name}" refers to vertices {low} to {high};'
+                f" 0 to {len(self.vertices) - 1} expected"
+            )
+
+
+Surface = Polygon | Sphere | Cone | Ring | TriangleMesh
+
+
+@dataclass(frozen=True, eq=False)
+class DistantSource:
+    """A disc of sky, sun or ground at infinity.
+
+    Attributes
+    ----------
+    direction : unit vector to its centre
+    angle_deg : the full angle it subtends, up to 360
+    """
+
+    direction: Float[np.ndarray, "3"]
+    angle_deg: float
+    material: str
+    name: str = ""
+    source: Source | None = None
+
+
+# What a primitive other than a polygon describes
+Simple = Sphere | Cone | Ring | TriangleMesh | DistantSource
+
+
+def extent(surface: Surface) -> Float[np.ndarray, "points 3"]:
+    """Return points whose box holds the surface [m]."""
+    match surface:
+        case Polygon() | TriangleMesh():
+            return surface.vertices
+        case Sphere():
+            return surface.centre + np.outer([-1, 1], np.full(3, surface.radius))
+        case Cone():
+            return np.concatenate(
+                [
+                    _disc_extent(
+                        surface.base, surface.top - surface.base, surface.base_radius
+                    ),
+                    _disc_extent(
+                        surface.top, surface.top - surface.base, surface.top_radius
+                    ),
+                ]
+            )
+        case Ring():
+            return _disc_extent(surface.centre, surface.normal, surface.outer_radius)
+
+
+def _disc_extent(
+    centre: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], radius: float
+) -> Float[np.ndarray, "2 3"]:
+    axis = normal / np.linalg.norm(normal)
+    return centre + np.outer([-1, 1], radius * np.sqrt(np.clip(1 - axis**2, 0, 1)))
