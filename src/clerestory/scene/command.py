@@ -12,6 +12,8 @@ from pathlib import Path
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.scene.generators.catalogue import GENERATORS, generate
+from clerestory.scene.generators.layers import BUILDERS, Build
+from clerestory.scene.generators.words import Words
 from clerestory.scene.placement import Placement
 from clerestory.scene.xform import parse_transform
 
@@ -28,11 +30,13 @@ class Inclusion:
     files : what it reads
     placements : one for each copy
     text : what a generator makes, on a single line; empty if files are read
+    build : makes the scene that a command stands for, or None
     """
 
     files: tuple[str, ...]
     placements: tuple[Placement, ...]
     text: str = ""
+    build: Build | None = None
 
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
@@ -51,11 +55,13 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     # `xform < file` reads what `xform file` reads
     words = [w for w in stages[0] if w != "<"] or [""]
     program = _program(words)
-    made = ""
+    made, build = "", None
     files: list[str] = []
     placements = [Placement()]
     if program in GENERATORS:
         made = generate(program, words[1:], find)
+    elif program in BUILDERS:
+        build = BUILDERS[program](Words(program, words[1:]), find)
     else:
         files, placements = _first_stage(words, text, find)
     for words in stages[1:]:
@@ -67,7 +73,7 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
         if len(outer) * len(placements) > _MOST_COPIES:
             raise InputError(f"the command makes more than {_MOST_COPIES} copies")
         placements = [inner.then(o) for o in outer for inner in placements]
-    return Inclusion(tuple(files), tuple(placements), made)
+    return Inclusion(tuple(files), tuple(placements), made, build)
 
 
 def _stages(text: str) -> list[list[str]]:
@@ -118,10 +124,11 @@ def _program(words: list[str]) -> str:
 
 
 def _refusal(text: str, part: str) -> InputError:
+    known = ", ".join(["xform", "cat", *GENERATORS, *BUILDERS])
     return InputError(
-        f'"{part}" in the command "{text.strip()}" is not run, only xform, cat,'
-        f" {', '.join(GENERATORS)} are; run the command yourself, save what it prints"
-        " as a .rad file and include that file"
+        f'"{part}" in the command "{text.strip()}" is not run, only {known} are;'
+        " run the command yourself, save what it prints as a .rad file and include that"
+        " file"
     )
 
 

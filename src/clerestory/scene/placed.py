@@ -13,7 +13,7 @@ from clerestory.files import read_text
 from clerestory.scene.command import Inclusion, parse_command
 from clerestory.scene.flatness import checked
 from clerestory.scene.instance import INSTANCE_KINDS, read_instance
-from clerestory.scene.model import Simple, TriangleMesh
+from clerestory.scene.model import Scene, Simple, TriangleMesh
 from clerestory.scene.placement import Placement
 from clerestory.scene.primitives import surface
 from clerestory.scene.statements import (
@@ -38,7 +38,7 @@ class Scope:
     opens: bool
 
 
-Item = PolygonRun | Primitive | Alias | Directive | Simple | Scope
+Item = PolygonRun | Primitive | Alias | Directive | Simple | Scope | Scene
 
 # Files nested deeper than this are a mistake, and would exhaust the stack
 _DEEPEST = 100
@@ -50,7 +50,8 @@ class Placed:
 
     Attributes
     ----------
-    item : polygons, another surface, a material (Primitive), an alias or a directive
+    item : polygons, another surface, a material (Primitive), an alias, a directive,
+        the bounds of a scope, or a scene whose surfaces are in place already
     file : where it stands
     placement : what it passed; already applied to surfaces
     """
@@ -101,7 +102,7 @@ class _Walk:
                     yield from self._instanced(item, path, placement, within)
                 case PolygonRun():
                     yield Placed(placement.polygons(item), file, placement)
-                case Primitive() | Alias() | Directive() | Scope():
+                case Primitive() | Alias() | Directive() | Scope() | Scene():
                     yield Placed(item, file, placement)
                 case _:
                     yield Placed(placement.surface(item), file, placement)
@@ -120,6 +121,12 @@ class _Walk:
             made = _parsed(text, str(path))
             for inner in placements:
                 yield from self._put(made, path, inner, within)
+            return
+        if inclusion.build is not None:
+            for inner in placements:
+                with _located(path, command.line):
+                    scene = inclusion.build(inner.transform)
+                yield Placed(scene, str(path), inner)
             return
         found = self._found(inclusion, command, path, within)
         for inner in placements:

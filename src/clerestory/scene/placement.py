@@ -7,9 +7,11 @@ import numpy as np
 from clerestory.scene.model import (
     Cone,
     DistantSource,
+    Polygon,
     Ring,
     Simple,
     Sphere,
+    Surface,
     TriangleMesh,
 )
 from clerestory.scene.statements import PolygonRun
@@ -104,6 +106,20 @@ class Placement:
                 moved = replace(surface, direction=direction)
         material = surface.material if self.modifier is None else self.modifier
         return replace(moved, material=material, name=self.name(surface.name))
+
+    def turned(self, surface: Surface) -> Surface:
+        """Return a surface that is in its place already, inside out if -I says so."""
+        if not self.inverted:
+            return surface
+        match surface:
+            case Polygon():
+                return replace(surface, vertices=surface.vertices[::-1])
+            case Ring():
+                return replace(surface, normal=-surface.normal)
+            case TriangleMesh():
+                return replace(surface, faces=surface.faces[:, ::-1])
+            case Sphere() | Cone():
+                return replace(surface, inward=not surface.inward)
 
     def _facing(self) -> int:
         return -1 if self.inverted else 1

@@ -109,6 +109,8 @@ class _Reading:
                 self.outside.append((dict(self.in_force), dict(self.patterns)))
             case Scope():
                 self.in_force, self.patterns = self.outside.pop()
+            case Scene():
+                self._add_scene(placed.item, placed.file, placed.placement)
             case Directive():
                 pass  # speaks to window readers
             case surface:
@@ -142,6 +144,23 @@ class _Reading:
             if key != _VOID:
                 vertices = run.vertices[ends[i] : ends[i + 1]]
                 self.surfaces.append(Polygon(vertices, key, name, Source(file, line)))
+
+    def _add_scene(self, scene: Scene, file: str, placement: Placement) -> None:
+        # Surfaces that are in place; a modifier of xform outweighs their materials
+        keys = {
+            name: insert_material(self.materials, material)
+            for name, material in scene.materials.items()
+        }
+        for surface in scene.surfaces:
+            key = keys[surface.material]
+            if placement.modifier is not None:
+                key = self._key(placement.modifier, file, 0)
+            if key != _VOID:
+                turned = placement.turned(surface)
+                name = placement.name(surface.name)
+                self.surfaces.append(replace(turned, material=key, name=name))
+        if placement.modifier is None:
+            self.in_force |= keys
 
     def _add_distant(self, item: DistantSource) -> None:
         source = item.source or Source("", 0)

@@ -1,6 +1,6 @@
 """Writer of scenes as Radiance scene files."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ from clerestory.scene.model import (
     Spotlight,
     Trans,
     Trans2,
+    TriangleMesh,
     Void,
     insert_material,
 )
@@ -70,7 +71,8 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     name_of = {key: writer.define(m, key) for key, m in scene.materials.items()}
     for number, surface in enumerate((*scene.surfaces, *scene.distant), 1):
         name = surface.name or f"surface{number}"
-        writer.put(name_of[surface.material], _shape(surface), name)
+        for shape in _shapes(surface):
+            writer.put(name_of[surface.material], shape, name)
     return "\n".join(writer.text)
 
 
@@ -192,7 +194,16 @@ def _demand_even(material: Light | Glow | Spotlight | Illum) -> None:
         )
 
 
-def _shape(surface: Polygon | Simple) -> _Primitive:
+def _shapes(surface: Polygon | Simple) -> Iterator[_Primitive]:
+    # A mesh is written triangle by triangle
+    if isinstance(surface, TriangleMesh):
+        for corners in surface.vertices[surface.faces]:
+            yield "polygon", [], corners.ravel()
+    else:
+        yield _shape(surface)
+
+
+def _shape(surface: Polygon | Sphere | Cone | Ring | DistantSource) -> _Primitive:
     match surface:
         case Polygon():
             return "polygon", [], surface.vertices.ravel()

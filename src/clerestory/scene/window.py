@@ -16,7 +16,7 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.flatness import area_vectors
-from clerestory.scene.model import Polygon, Source
+from clerestory.scene.model import Polygon, Scene, Source
 from clerestory.scene.placed import Placed, placed_items
 from clerestory.scene.statements import Directive, PolygonRun
 from clerestory.scene.triangulate import Triangles, triangulate
@@ -161,6 +161,11 @@ def _polygons(run: PolygonRun, file: str) -> list[Polygon]:
 
 
 def _refuse_surface(placed: Placed) -> None:
+    if isinstance(placed.item, Scene):
+        raise InputError(
+            "a command that makes a scene in a window file; polygons expected",
+            file=placed.file,
+        )
     source = getattr(placed.item, "source", None)
     if source is not None:
         kind = type(placed.item).__name__.lower()
