@@ -51,24 +51,22 @@ def false_colour(
     >>> false_colour(picture, linear_scale(picture), with_legend=False).shape
     (60, 90, 3)
     """
-    values = photometric(picture)
-    seen = within_view(picture)
+    values, seen = photometric(picture), within_view(picture)
     if style == "fill":
         pixels = scale.colours(scale.place(values.astype(float)))
     elif style == "steps":
         pixels = _steps(values.astype(float), scale)
     else:
-        background = to_srgb(human_vision(picture))
         draw = _with_lines if style == "lines" else _with_bands
-        pixels = draw(background, values.astype(float), scale)
+        pixels = draw(to_srgb(human_vision(picture)), values.astype(float), scale)
     pixels = np.where(seen[..., None], pixels, np.uint8(0))
     if extremes:
         pixels = _with_extremes(pixels, values, seen)
-    if with_legend:
-        side = legend(scale, photometric_unit(picture), height=len(pixels))
-        tall = max(len(side), len(pixels))
-        pixels = np.hstack([_padded(side, tall), _padded(pixels, tall)])
-    return pixels
+    if not with_legend:
+        return pixels
+    side = legend(scale, photometric_unit(picture), height=len(pixels))
+    tall = max(len(side), len(pixels))
+    return np.hstack([_padded(side, tall), _padded(pixels, tall)])
 
 
 def _padded(pixels: Pixels, height: int) -> UInt8[np.ndarray, "height column 3"]:

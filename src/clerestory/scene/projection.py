@@ -4,7 +4,7 @@ A plane point (u, v) grows to the right and upwards and is (0, 0) on the view's 
 a local direction is (right, up, forward) in the frame of the view. What differs from
 kind to kind is the map between both, the plane coordinate that a view angle reaches,
 and the solid angle of a rectangle in the plane. The maps are those of Radiance's
-image.c; the solid angles are integrated here.
+image.c.
 """
 
 from collections.abc import Callable
@@ -13,6 +13,16 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
+
+from clerestory.scene.solid_angle import (
+    Lines,
+    angular_angles,
+    cylindrical_angles,
+    hemispherical_angles,
+    parallel_angles,
+    perspective_angles,
+    planisphere_angles,
+)
 
 Kind = Literal[
     "perspective",
@@ -25,13 +35,9 @@ Kind = Literal[
 
 _Plane = Float[np.ndarray, "*shape"]
 _Local = Float[np.ndarray, "*shape 3"]
-_Lines = Float[np.ndarray, " lines"]
 
 # Angles and distances that Radiance takes for equal (rtmath.h: FTINY)
 TINY = 1e-6
-
-# A step of the image plane [rad] below which two Gauss points a side suffice
-_FINE = 0.02
 
 
 @dataclass(frozen=True)
@@ -56,17 +62,7 @@ class Projection:
     angles: Callable[[float, float], tuple[float, float]]
     to_direction: Callable[[_Plane, _Plane], tuple[_Local, Bool[np.ndarray, "*shape"]]]
     to_plane: Callable[[_Local], tuple[_Plane, _Plane]]
-    solid_angles: Callable[[_Lines, _Lines], Float[np.ndarray, "rows columns"]]
-
-
-def _between(corner: Callable[[_Plane, _Plane], _Plane]) -> Callable[..., np.ndarray]:
-    # From the solid angle between the axes and a point, signed as u·v
-    def solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-        at_corners = corner(*np.meshgrid(u, v))
-        angles: np.ndarray = np.abs(np.diff(np.diff(at_corners, axis=0), axis=1))
-        return angles
-
-    return solid_angles
+    solid_angles: Callable[[Lines, Lines], Float[np.ndarray, "rows columns"]]
 
 
 def _everywhere(u: _Plane) -> Bool[np.ndarray, "*shape"]:
@@ -102,12 +98,6 @@ def _perspective_plane(local: _Local) -> tuple[_Plane, _Plane]:
     return local[..., 0] / forward, local[..., 1] / forward
 
 
-def _perspective_corner(u: _Plane, v: _Plane) -> _Plane:
-    # A rectangle seen from above its corner
-    angle: np.ndarray = np.arctan2(u * v, np.sqrt(1 + u * u + v * v))
-    return angle
-
-
 # ----------------------------------- Parallel -----------------------------------
 
 
@@ -128,10 +118,6 @@ def _parallel_direction(u: _Plane, _v: _Plane) -> tuple[_Local, np.ndarray]:
 def _parallel_plane(local: _Local) -> tuple[_Plane, _Plane]:
     nowhere = np.full(local.shape[:-1], np.nan)
     return nowhere, nowhere.copy()
-
-
-def _parallel_solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return np.zeros((v.size - 1, u.size - 1))
 
 
 # -------------------------------- Hemispherical ---------------------------------
@@ -156,23 +142,6 @@ def _hemispherical_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
 def _hemispherical_plane(local: _Local) -> tuple[_Plane, _Plane]:
     seen = np.where(local[..., 2] >= 0, 1.0, np.nan)
     return local[..., 0] * seen, local[..., 1] * seen
-
-
-def _hemispherical_corner(u: _Plane, v: _Plane) -> _Plane:
-    # ∫∫ du dv / √(1 − u² − v²) over the part of the rectangle within the unit disc
-    x, y = np.minimum(np.abs(u), 1), np.minimum(np.abs(v), 1)
-    rest = 1 - x * x - y * y
-    root_x, root_y = np.sqrt(1 - x * x), np.sqrt(1 - y * y)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inside = (
-            x * np.arcsin(np.clip(y / root_x, 0, 1))
-            + y * np.arcsin(np.clip(x / root_y, 0, 1))
-            - np.arctan2(x * y, np.sqrt(np.maximum(rest, 0)))
-        )
-    result: np.ndarray = (
-        np.sign(u) * np.sign(v) * np.where(rest > 0, inside, (x + y - 1) * np.pi / 2)
-    )
-    return result
 
 
 # ----------------------------------- Angular ------------------------------------
@@ -201,21 +170,6 @@ def _angular_plane(local: _Local) -> tuple[_Plane, _Plane]:
     return np.where(behind, np.pi, local[..., 0] * ratio), local[..., 1] * ratio
 
 
-def _angular_solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    # ∫∫ sin θ / θ du dv has no closed form; Gauss points follow it to 1e-9
-    step = max(np.abs(np.diff(u)).max(), np.abs(np.diff(v)).max())
-    node, weight = np.polynomial.legendre.leggauss(2 if step < _FINE else 8)
-    total = np.zeros((v.size - 1, u.size - 1))
-    for x, wx in zip(node, weight, strict=True):
-        at_u = (u[:-1] + u[1:]) / 2 + x * np.diff(u) / 2
-        for y, wy in zip(node, weight, strict=True):
-            at_v = (v[:-1] + v[1:]) / 2 + y * np.diff(v) / 2
-            theta = np.hypot(at_u[None, :], at_v[:, None])
-            total += wx * wy * np.where(theta < np.pi, np.sinc(theta / np.pi), 0)
-    angles: np.ndarray = total * np.abs(np.outer(np.diff(v), np.diff(u))) / 4
-    return angles
-
-
 # --------------------------------- Planisphere ----------------------------------
 
 
@@ -236,15 +190,6 @@ def _planisphere_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
 def _planisphere_plane(local: _Local) -> tuple[_Plane, _Plane]:
     scale = np.where(local[..., 2] > -1, 1 + local[..., 2], np.nan)
     return local[..., 0] / scale, local[..., 1] / scale
-
-
-def _planisphere_corner(u: _Plane, v: _Plane) -> _Plane:
-    # ∫∫ 4 du dv / (1 + u² + v²)²
-    root_u, root_v = np.sqrt(1 + u * u), np.sqrt(1 + v * v)
-    result: np.ndarray = 2 * (
-        u / root_u * np.arctan(v / root_u) + v / root_v * np.arctan(u / root_v)
-    )
-    return result
 
 
 # --------------------------------- Cylindrical ----------------------------------
@@ -268,11 +213,6 @@ def _cylindrical_plane(local: _Local) -> tuple[_Plane, _Plane]:
     return np.arctan2(local[..., 0], local[..., 2]), local[..., 1] / flat
 
 
-def _cylindrical_corner(u: _Plane, v: _Plane) -> _Plane:
-    result: np.ndarray = u * v / np.sqrt(1 + v * v)
-    return result
-
-
 PROJECTIONS: dict[Kind, Projection] = {
     "perspective": Projection(
         (180 - TINY, 180 - TINY),
@@ -280,7 +220,7 @@ PROJECTIONS: dict[Kind, Projection] = {
         _from_tangents,
         _perspective_direction,
         _perspective_plane,
-        _between(_perspective_corner),
+        perspective_angles,
     ),
     "parallel": Projection(
         (np.inf, np.inf),
@@ -288,7 +228,7 @@ PROJECTIONS: dict[Kind, Projection] = {
         _from_half_size,
         _parallel_direction,
         _parallel_plane,
-        _parallel_solid_angles,
+        parallel_angles,
     ),
     "hemispherical": Projection(
         (180 + TINY, 180 + TINY),
@@ -296,7 +236,7 @@ PROJECTIONS: dict[Kind, Projection] = {
         _from_sines,
         _hemispherical_direction,
         _hemispherical_plane,
-        _between(_hemispherical_corner),
+        hemispherical_angles,
     ),
     "angular": Projection(
         (360 + TINY, 360 + TINY),
@@ -304,7 +244,7 @@ PROJECTIONS: dict[Kind, Projection] = {
         _from_half_angles,
         _angular_direction,
         _angular_plane,
-        _angular_solid_angles,
+        angular_angles,
     ),
     "planisphere": Projection(
         (360 - TINY, 360 - TINY),
@@ -312,7 +252,7 @@ PROJECTIONS: dict[Kind, Projection] = {
         _from_half_tangents,
         _planisphere_direction,
         _planisphere_plane,
-        _between(_planisphere_corner),
+        planisphere_angles,
     ),
     "cylindrical": Projection(
         (360 + TINY, 180 - TINY),
@@ -320,6 +260,6 @@ PROJECTIONS: dict[Kind, Projection] = {
         _from_angle_and_tangent,
         _cylindrical_direction,
         _cylindrical_plane,
-        _between(_cylindrical_corner),
+        cylindrical_angles,
     ),
 }

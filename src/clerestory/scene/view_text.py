@@ -80,10 +80,8 @@ def parse_view(text: str, base: View | None = None) -> View:
         elif word == "-vf":
             i += 1
         elif re.match(r"-v[a-z]", word):
-            raise InputError(
-                f'unknown view option "{word}"; -vt… {" ".join(_VECTORS)}'
-                f" {' '.join(_NUMBERS)} expected"
-            )
+            known = " ".join([*_VECTORS, *_NUMBERS])
+            raise InputError(f'unknown view option "{word}"; -vt… {known} expected')
         i += 1
     return replace(base or View(), **changes)
 
