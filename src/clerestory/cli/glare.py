@@ -61,7 +61,7 @@ def glare(
     annual: options.Annual = None,
     quiet: Quiet = False,
 ) -> None:
-    """Find the glare sources of fisheye pictures and print DGP, DGI, UGR, VCP, CGI …
+    """Find the glare sources of fisheye pictures and print DGP, DGI, UGR, VCP and CGI.
 
     Options have the letters of evalglare's and mean the same; only its -q is
     --background here.
@@ -141,7 +141,11 @@ def _finite(value: float) -> float | None:
 def _csv(records: list[dict[str, Any]]) -> str:
     # One line a picture; tables within a record have no place in it
     flat = [
-        {name: value for name, value in record.items() if not isinstance(value, list | dict)}
+        {
+            name: value
+            for name, value in record.items()
+            if not isinstance(value, list | dict)
+        }
         for record in records
     ]
     text = io.StringIO()
@@ -155,8 +159,7 @@ def _write_annual(files: list[Path], out: Path, job: Job, *, quiet: bool) -> Non
     if out.suffix not in (".nc", ".csv"):
         raise InputError(f'annual file "{out}"; .nc or .csv expected')
     first = read_picture(files[0])
-    seen = job.other_view() or first.view
-    eye_of(first, view=seen, trust=job.trust)
+    seen = eye_of(first, view=job.other_view(), trust=job.trust).view
     with progress_display(quiet=quiet) as display:
         report = display("glare")
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from clerestory.errors import InputError
 from clerestory.glare.check_picture import Colour, check_picture
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.evaluate import eye_of, summarise
@@ -22,7 +23,6 @@ from clerestory.glare.rules import LARGEST_FACTOR, SourceRules, Threshold, Zone
 from clerestory.glare.sources import find_sources, in_zone
 from clerestory.glare.view import GlareView
 from clerestory.glare.zones import Zones
-from clerestory.errors import InputError
 from clerestory.image.read import read_picture
 from clerestory.image.write import write_picture
 from clerestory.scene.view import View
@@ -108,9 +108,7 @@ class Job:
         if self.weights is None:
             return EVALGLARE
         a1, a2, a3, a4, a5, c1, c2, c3 = self.weights
-        return DgpCoefficients(
-            c1=c1, c2=c2, c3=c3, a1=a1, a2=a2, a3=a3, a4=a4, a5=a5
-        )
+        return DgpCoefficients(c1=c1, c2=c2, c3=c3, a1=a1, a2=a2, a3=a3, a4=a4, a5=a5)
 
     def summary_options(self) -> dict[str, Any]:
         """Arguments of `summarise` that no picture changes."""

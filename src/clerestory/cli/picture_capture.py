@@ -12,6 +12,7 @@ from clerestory.image.arithmetic import reduce as reduce_picture
 from clerestory.image.capture_calibrate import calibrate as calibrate_picture
 from clerestory.image.capture_exposure import (
     Exposure,
+    Photograph,
     read_exposure,
     read_photograph,
 )
@@ -106,12 +107,15 @@ def _exposures(files: list[Path], times: list[float] | None) -> list[Exposure]:
         return [read_exposure(file) for file in files]
     if len(times) != len(files):
         raise InputError(
-            f"{len(times)} exposure times for {len(files)} photographs; one each expected"
+            f"{len(times)} exposure times for {len(files)} photographs; one each"
+            " expected"
         )
     return [Exposure(time=time) for time in times]
 
 
-def _response(name: str, photographs: list, exposures: list[Exposure]) -> ResponseCurve:
+def _response(
+    name: str, photographs: list[Photograph], exposures: list[Exposure]
+) -> ResponseCurve:
     if name in ("debevec", "robertson"):
         return recover_response(photographs, exposures, method=name)  # type: ignore[arg-type]
     if name == "srgb":
@@ -139,8 +143,8 @@ def reproject(
         tuple[float, float, float] | None,
         typer.Option(
             "--circle",
-            help="Image circle: pixels to the right and down from the upper left, radius"
-            " at 90°. The largest in the middle if not given.",
+            help="Image circle: pixels to the right and down from the upper left,"
+            " radius at 90°. The largest in the middle if not given.",
             metavar="X Y R",
         ),
     ] = None,

@@ -137,7 +137,9 @@ def _dataset(
     count = len(results)
     for name, given in (("times", times), ("illuminances", illuminance)):
         if given is not None and len(given) != count:
-            raise InputError(f"{len(given)} {name} for {count} pictures; as many expected")
+            raise InputError(
+                f"{len(given)} {name} for {count} pictures; as many expected"
+            )
     if not results:
         raise InputError("no pictures; at least one expected")
     axis = "step" if times is None else "time"

@@ -93,7 +93,8 @@ def simplified_dgp(illuminance: _Values) -> _Values:
     >>> simplified_dgp(np.array([2000.0])).round(4).tolist()
     [0.3084]
     """
-    return np.minimum(6.22e-5 * np.asarray(illuminance, dtype=float) + 0.184, 1.0)
+    plain = 6.22e-5 * np.asarray(illuminance, dtype=float) + 0.184
+    return np.asarray(np.minimum(plain, 1.0))
 
 
 def low_light_correction(illuminance: _Values) -> _Values:

@@ -50,12 +50,10 @@ def in_field(
     from_below = 180 - around
     if field == "binocular":
         limit = np.where(below, np.radians(_lower_binocular(from_below)), _BROW)
-        inside: np.ndarray = sigma <= limit
-        return inside
+        return np.asarray(sigma <= limit)
     upper = np.radians(_upper_total(around))
     lower = np.where(tau > _CHEEK, np.radians(_lower_total(from_below)), np.inf)
-    inside = sigma <= np.where(below, lower, upper)
-    return inside
+    return np.asarray(sigma <= np.where(below, lower, upper))
 
 
 def _upper_total(tau: np.ndarray) -> np.ndarray:

@@ -19,8 +19,8 @@ def imageless_dgp(
     illuminance: Float[np.ndarray, " time"],
     *,
     luminance: Float[np.ndarray, "direction time"],
-    solid_angle: Float[np.ndarray, "direction *time"],
-    index: Float[np.ndarray, "direction *time"],
+    solid_angle: Float[np.ndarray, "direction columns"],
+    index: Float[np.ndarray, "direction columns"],
     threshold: float = 2000.0,
     coefficients: DgpCoefficients = EVALGLARE,
 ) -> Float[np.ndarray, " time"]:
@@ -31,8 +31,9 @@ def imageless_dgp(
     illuminance : on the eye, from everything [lux]
     luminance : of each direction [cd/m²]; rows of the sun hold its luminance through
         the window while it is seen, else 0
-    solid_angle : of each direction as seen through the windows [sr]
-    index : position index of each direction; one that is behind the eye is infinite
+    solid_angle : of each direction as seen through the windows [sr]; one column, or
+        one a step
+    index : position index of each direction, likewise; infinite behind the eye
     threshold : directions glare if they are brighter [cd/m²]
 
     References
@@ -45,7 +46,10 @@ def imageless_dgp(
     --------
     >>> one = np.ones((1, 1))
     >>> dgp = imageless_dgp(
-    ...     np.array([3000.0]), luminance=1e6 * one, solid_angle=6.8e-5 * one, index=3 * one
+    ...     np.array([3000.0]),
+    ...     luminance=1e6 * one,
+    ...     solid_angle=6.8e-5 * one,
+    ...     index=3 * one,
     ... )
     >>> dgp.round(3).tolist()
     [0.433]
@@ -58,13 +62,11 @@ def imageless_dgp(
     k = coefficients
     weight = solid_angle**k.a2 / index**k.a4
     bright = np.where(luminance > threshold, luminance, 0.0) ** k.a1
-    if weight.ndim == 1:
-        total = weight @ bright
-    else:
-        total = (weight * bright).sum(axis=0)
+    total = weight[:, 0] @ bright if weight.shape[1] == 1 else (weight * bright).sum(0)
     level = np.maximum(np.asarray(illuminance, dtype=float), 1e-9)
     contrast = k.c2 * np.log10(1 + total / level**k.a3)
-    return np.minimum(k.c1 * level**k.a5 + k.c3 + contrast, 1.0)
+    dgp: np.ndarray = k.c1 * level**k.a5 + k.c3 + contrast
+    return np.asarray(np.minimum(dgp, 1.0))
 
 
 def position_of(

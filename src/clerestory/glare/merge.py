@@ -105,7 +105,7 @@ class _Merging:
         # Whether pixels have an unlike neighbour or lie at the edge of the picture
         row, column = self.pixels.row[index], self.pixels.column[index]
         rows, columns = self.picture.shape
-        outer = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)
+        outer: np.ndarray = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)
         outer |= column >= columns - _EDGE
         own = self.picture[row, column]
         for i, j in _EIGHT:

@@ -5,9 +5,7 @@ import math
 from clerestory.errors import InputError
 
 
-def contrast_pgsv(
-    *, window: float, window_solid_angle: float, average: float
-) -> float:
+def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -> float:
     """Vote by the contrast of a window to the room around it.
 
     Parameters
@@ -69,4 +67,4 @@ def saturation_pgsv(illuminance: float) -> float:
     >>> round(saturation_pgsv(5000.0), 2)
     0.78
     """
-    return 3.3 - 3.87 / (1 + (illuminance / math.pi / 1250) ** 1.7)
+    return 3.3 - 3.87 / (1 + math.pow(illuminance / math.pi / 1250, 1.7))

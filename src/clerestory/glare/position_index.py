@@ -48,11 +48,10 @@ def position_index(
     >>> position_index(sigma, np.zeros(3), np.array([False, False, True])).round(2)
     array([1.  , 3.35, 1.65])
     """
-    index = {"guth": _guth, "kim": _kim}[model](np.degrees(sigma), np.degrees(tau))
     if model == "kim":
-        return index
-    index = np.where(below, _iwata(sigma, tau), index)
-    return np.minimum(index, LARGEST)
+        return _kim(np.degrees(sigma), np.degrees(tau))
+    above = _guth(np.degrees(sigma), np.degrees(tau))
+    return np.minimum(np.where(below, _iwata(sigma, tau), above), LARGEST)
 
 
 def _guth(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:

@@ -44,7 +44,9 @@ def quadrilaterals(
     places = ((0, 0), (1, 0), (1, 1), (0, 1))
     corners, covered = zip(*(corner(*place) for place in places), strict=True)
     sides = [_plane(corners[i], corners[(i + 1) % 4]) for i in range(4)]
-    turns = [np.arccos(np.clip(_dot(sides[i], sides[(i + 1) % 4]), -1, 1)) for i in range(4)]
+    turns = [
+        np.arccos(np.clip(_dot(sides[i], sides[(i + 1) % 4]), -1, 1)) for i in range(4)
+    ]
     angle = ((4 * np.pi - (turns[1] + turns[0])) - (turns[3] + turns[2])) - 2 * np.pi
     whole = covered[0] & covered[1] & covered[2] & covered[3]
     return np.where(whole & (angle > 0), angle, 0)
@@ -63,7 +65,9 @@ def _plane(a: _Vectors, b: _Vectors) -> _Vectors:
     normal = a[1] * z - a[2] * y, a[2] * x - a[0] * z, a[0] * y - a[1] * x
     square = normal[0] * normal[0] + (normal[2] * normal[2] + normal[1] * normal[1])
     with np.errstate(divide="ignore"):
-        scale = np.where(np.abs(square - 1) <= TINY, 2 - (0.5 + 0.5 * square), 1 / np.sqrt(square))
+        scale = np.where(
+            np.abs(square - 1) <= TINY, 2 - (0.5 + 0.5 * square), 1 / np.sqrt(square)
+        )
     scale[square == 0] = 0
     return normal[0] * scale, normal[1] * scale, normal[2] * scale
 

@@ -2,8 +2,8 @@
 
 `View.rays` gives the same directions but for rounding. Rounding decides whether the
 cosine of a pixel to itself exceeds one, and that decides whether evalglare searches
-the row it stands in. The maps are those of image.c, the order of their operations that of the
-programs as they are distributed.
+the row it stands in. The maps are those of image.c, the order of their operations
+that of the programs as they are distributed.
 """
 
 import math

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+import numpy as np
+
 from clerestory.glare.cgi import cgi
 from clerestory.glare.dgi import dgi, modified_dgi
 from clerestory.glare.dgp import (
@@ -90,7 +92,7 @@ class Glare:
         level = self.eye_illuminance
         value = dgp(self.sources, illuminance=level, coefficients=self.coefficients)
         if self.low_light:
-            value *= float(low_light_correction(level))
+            value *= float(low_light_correction(np.array(level)))
         if self.age is not None:
             value *= age_correction(self.age)
         return min(value, 1.0)
@@ -121,7 +123,7 @@ class Glare:
             ),
             "modified_dgi": modified_dgi(sources, average=average),
             "logistic_ugp": logistic_ugp(sources, background=self.background),
-            "simplified_dgp": float(simplified_dgp(self.eye_illuminance)),
+            "simplified_dgp": float(simplified_dgp(np.array(self.eye_illuminance))),
             "source_count": float(sources.count),
             "brightest_luminance": self.brightest,
             "reference_luminance": self.reference,

@@ -80,4 +80,6 @@ class SourceRules:
         if not 0 <= self.smallest < math.inf:
             raise InputError(f"smallest source {self.smallest} sr; 0 or more expected")
         if self.threshold_kind == "times_task" and self.task is None:
-            raise InputError("a threshold by the task's luminance needs the task's place")
+            raise InputError(
+                "a threshold by the task's luminance needs the task's place"
+            )

@@ -35,16 +35,13 @@ class ScannedPixels(NamedTuple):
         return ScannedPixels(*(part[index] for part in self))
 
 
-def scan_order(
-    mask: Bool[np.ndarray, "row column"], reach: int
-) -> ScannedPixels:
+def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixels:
     """Return the pixels of a mask column by column, each column from the bottom up.
 
     Parameters
     ----------
     reach : pixels farther apart than this, in row or column, may be in two islands
     """
-    rows, columns = mask.shape
     # Work on the part of the picture that has any
     used_rows = np.flatnonzero(mask.any(axis=1))
     if not used_rows.size:
@@ -97,7 +94,8 @@ def first_scan(
     birth[simple] = first_run[island[start][simple]]
 
     _, number = np.unique(birth, return_inverse=True)
-    return (number + 1)[run]
+    label: np.ndarray = number[run] + 1
+    return label
 
 
 def _may_be_first(
@@ -113,13 +111,19 @@ def _may_be_first(
 
     def count(top: np.ndarray, bottom: np.ndarray, right: np.ndarray) -> np.ndarray:
         # Rows top…bottom − 1 and columns left…right − 1
-        inside: np.ndarray = total[bottom, right] - total[top, right]
-        return inside - total[bottom, left] + total[top, left]
+        inside: np.ndarray = (
+            total[bottom, right]
+            - total[top, right]
+            - total[bottom, left]
+            + total[top, left]
+        )
+        return inside
 
     left = np.maximum(column - side, 0)
     above = count(np.maximum(row - side, 0), row, column)
     under = count(row + 1, np.minimum(row + 1 + side, last), column + 1)
-    return (side < 1) | ((above == 0) & (under == 0))
+    alone: np.ndarray = (side < 1) | ((above == 0) & (under == 0))
+    return alone
 
 
 def _scan_runs(
@@ -179,9 +183,7 @@ def _find(
             return label
     window = near.window(row, column)
     above, below = (
-        first_found(
-            labels, wanted, window, row, column, upwards=up, last_column=column
-        )
+        first_found(labels, wanted, window, row, column, upwards=up, last_column=column)
         for up in (True, False)
     )
     return above or below

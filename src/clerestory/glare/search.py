@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Int
 
 from clerestory.glare.view import GlareView
 
@@ -67,10 +67,12 @@ class Neighbourhood:
         right = min(column + self.reach + 1, columns)
         here = self.direction[row, column]
         near = self.direction[top:bottom, left:right] @ here >= self._cosine
-        return Window(top, left, near, bool(self.blind(row, column)))
+        return Window(
+            top, left, near, bool(self.blind(np.array([row]), np.array([column]))[0])
+        )
 
     def blind(
-        self, row: Int[np.ndarray, "*shape"] | int, column: Int[np.ndarray, "*shape"] | int
+        self, row: Int[np.ndarray, "*shape"], column: Int[np.ndarray, "*shape"]
     ) -> Bool[np.ndarray, "*shape"]:
         """Whether rounding makes the cosine of a pixel to itself exceed one.
 

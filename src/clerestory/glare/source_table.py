@@ -94,8 +94,10 @@ class GlareSources:
 
     def weight(self) -> Float[np.ndarray, " source"]:
         """L²ω/P² of each source: what DGP, UGR, CGI and UGP add up [cd²/m⁴·sr]."""
-        squared: np.ndarray = (self.luminance / self.position_index) ** 2
-        return squared * self.solid_angle
+        weight: np.ndarray = (
+            self.luminance / self.position_index
+        ) ** 2 * self.solid_angle
+        return weight
 
     def guth_solid_angle(self) -> Float[np.ndarray, " source"]:
         """Solid angles seen through the position index, ω/P² [sr]."""

@@ -17,7 +17,6 @@ from clerestory.glare.rules import SourceRules, Zone
 from clerestory.glare.scan import ScannedPixels, first_scan, scan_order
 from clerestory.glare.search import Neighbourhood
 from clerestory.glare.smoothing import surrounded
-from clerestory.glare.source_table import GlareSources
 from clerestory.glare.view import GlareView
 
 _Luminance = Float[np.ndarray, "row column"]
@@ -116,7 +115,8 @@ def find_sources(
     coarse = scale < 1
     if scale < _FEW_PIXELS:
         warnings.warn(
-            f"{scale:.1f} pixels in the merging angle; {_FEW_PIXELS:g} or more expected",
+            f"{scale:.1f} pixels in the merging angle; {_FEW_PIXELS:g} or more"
+            " expected",
             ClerestoryWarning,
             stacklevel=2,
         )
@@ -129,9 +129,7 @@ def find_sources(
     if pixels.row.size:
         label = first_scan(pixels, mask, near, single=scale <= 1)
         if scale > 1:
-            label = merge_sources(
-                pixels, label, eye.solid_angle, near, skip_inner=True
-            )
+            label = merge_sources(pixels, label, eye.solid_angle, near, skip_inner=True)
     members = Members(label, pixels.row, pixels.column)
     if coarse:
         return members

@@ -37,7 +37,10 @@ def tabulate(
     rows, _ = eye.shape
     up = np.bincount(label, weights=flux * (rows - 1 - row))[used] / power
     across = np.bincount(label, weights=flux * column)[used] / power
-    at = rows - 1 - up.astype(np.float32).astype(int), across.astype(np.float32).astype(int)
+    at = (
+        rows - 1 - up.astype(np.float32).astype(int),
+        across.astype(np.float32).astype(int),
+    )
 
     lit = np.bincount(label, weights=bright * eye.eye_weight[row, column])[used]
     return GlareSources(

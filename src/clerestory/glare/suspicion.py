@@ -1,27 +1,26 @@
 """Pictures that cannot be what the eye sees: wrong projection, clipped, unscaled."""
 
-import warnings
-
 import numpy as np
 
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
-# Corners darker than this [cd/m²] are black, and so many of them betray a fisheye
-# (evalglare)
+# Corners darker than this are black [cd/m²]; such a share of black corners betrays
+# a fisheye picture, as evalglare has it
 _BLACK, _BLACK_CORNERS = 7.0, 0.70
 
 # Share by which the sides of a picture may miss those of its view
 _ASPECT = 0.02
 
-# Share of pixels at one greatest value that betrays clipping
-_CLIPPED = 1e-3
+# Such a share of pixels at one greatest value, this near to a radiance of one, betrays
+# an ordinary photograph
+_CLIPPED, _WHITE = 1e-3, 5e-3
 
 
 def check_picture(picture: Picture, view: View, *, trust: bool) -> None:
-    """Refuse pictures that cannot be evaluated, warn about doubtful ones.
+    """Refuse pictures that cannot be evaluated.
 
     Parameters
     ----------
@@ -81,18 +80,12 @@ def _check_corners(luminance: np.ndarray, view: View) -> None:
 
 
 def _check_scale(luminance: np.ndarray) -> None:
+    # White of an ordinary photograph becomes a radiance of one
     top = float(luminance.max())
     clipped = float((luminance >= top * (1 - 1e-6)).mean())
-    if top <= 0 or clipped < _CLIPPED or clipped > 1 - _CLIPPED:
-        return
-    if top <= LUMINOUS_EFFICACY * (1 + 1e-6):
+    white = abs(top / LUMINOUS_EFFICACY - 1) < _WHITE
+    if white and _CLIPPED < clipped < 1 - _CLIPPED:
         raise InputError(
             f"{clipped:.1%} of the pixels stand at the greatest value of {top:.4g}"
             " cd/m²: an ordinary photograph without scale; luminances expected"
         )
-    warnings.warn(
-        f"{clipped:.1%} of the pixels stand at the greatest value of {top:.4g} cd/m²;"
-        " the picture may be clipped",
-        ClerestoryWarning,
-        stacklevel=3,
-    )

@@ -65,7 +65,8 @@ class GlareView:
     @cached_property
     def eye_weight(self) -> Float[np.ndarray, "row column"]:
         """Illuminance on the eye by each pixel per unit of its luminance [sr]."""
-        return self.solid_angle * self.cosine
+        weight: np.ndarray = self.solid_angle * self.cosine
+        return weight
 
     def in_field(self, field: FieldOfView) -> Bool[np.ndarray, "row column"]:
         """Whether pixels lie in Guth's field of view."""
@@ -88,12 +89,16 @@ class GlareView:
         middle, spread = (e + g) / 2, np.hypot((e - g) / 2, f)
         return np.sqrt(np.maximum(middle - spread, 0)), np.sqrt(middle + spread)
 
+    @cached_property
+    def _least_pitch(self) -> float:
+        # Over all pixels that count [rad]
+        least = self._pitch[0][self.valid]
+        return float(least[least > 0].min(initial=np.inf))
+
     def farthest_within(self, angle: float) -> int:
         """Most rows or columns between two pixels that count, an angle [rad] apart."""
-        least = self._pitch[0][self.valid]
-        least = least[least > 0]
         # Pixels shrink a little within the angle
-        reach = 1.25 * angle / least.min() if least.size else 0
+        reach = 1.25 * angle / self._least_pitch
         return int(min(np.ceil(reach) + 1, max(self.shape)))
 
     def surely_within(self, angle: float) -> Float[np.ndarray, "row column"]:
@@ -101,7 +106,7 @@ class GlareView:
         return angle / self._pitch[1]
 
     def pixel_angle(self) -> float:
-        """Angle that ten pixels along the diagonal span from the middle, over ten [rad].
+        """A tenth of the angle of ten pixels along the diagonal from the middle [rad].
 
         The scale on which evalglare decides whether pixels are small enough to merge.
         """
@@ -167,7 +172,9 @@ class _Key(NamedTuple):
 
 @lru_cache(maxsize=8)
 def _glare_view(key: _Key, columns: int, rows: int, model: PositionModel) -> GlareView:
-    view = View(key.kind, np.zeros(3), np.array(key.direction), np.array(key.up), *key.size)
+    view = View(
+        key.kind, np.zeros(3), np.array(key.direction), np.array(key.up), *key.size
+    )
     direction, covered, up = pixel_rays(view, columns, rows)
     cosine = np.clip(direction @ view.direction, -1, 1)
     sigma = np.arccos(cosine)

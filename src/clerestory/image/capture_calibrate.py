@@ -159,7 +159,8 @@ def replace_overflow(
     level = (illuminance - held + now) / float(weight.sum())
     if not level > float(luminance[clipped].min()):
         raise InputError(
-            f"the picture holds {held:.0f} of {illuminance:g} lux measured; less expected"
+            f"the picture holds {held:.0f} of {illuminance:g} lux measured; less"
+            " expected"
         )
     radiance = picture.radiance.copy()
     radiance[clipped] *= (level / luminance[clipped])[:, None].astype(np.float32)

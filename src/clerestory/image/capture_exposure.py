@@ -7,6 +7,7 @@ product of time, sensitivity and aperture.
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import UInt8
@@ -92,7 +93,7 @@ def read_exposure(path: str | Path) -> Exposure:
     }
     numbers = {}
     for name, tag in tags.items():
-        value = data.get(tag)
+        value: Any = data.get(tag)
         value = value[0] if isinstance(value, tuple) and value else value
         try:
             numbers[name] = float(value)

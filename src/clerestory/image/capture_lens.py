@@ -64,7 +64,8 @@ class Lens:
 
     def radius(self, theta: _Angles) -> _Angles:
         """Radius of angles from the axis [rad], 1 at 90°."""
-        return self._plain(np.asarray(theta, float)) / self._plain(np.array(np.pi / 2))
+        plain = self._plain(np.asarray(theta, float))
+        return np.asarray(plain / self._plain(np.array(np.pi / 2)))
 
     def _plain(self, theta: np.ndarray) -> np.ndarray:
         if self.mapping == "equisolid":
@@ -108,7 +109,7 @@ def reproject(
     columns: int,
     rows: int,
 ) -> Picture:
-    """Return the picture as a view of Radiance's sees it; black where the lens is blind.
+    """Return the picture as a view sees it, black where the lens is blind.
 
     Each pixel is the mean of as many samples a side as it has pixels of the photograph
     under it, so that little light is lost or won; the solid angles of the new view then
@@ -129,7 +130,12 @@ def reproject(
     >>> flat = Picture(np.ones((40, 40, 3), dtype=np.float32))
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> seen = reproject(
-    ...     flat, Lens("equisolid"), ImageCircle(20, 20, 20), view=eye, columns=30, rows=30
+    ...     flat,
+    ...     Lens("equisolid"),
+    ...     ImageCircle(20, 20, 20),
+    ...     view=eye,
+    ...     columns=30,
+    ...     rows=30,
     ... )
     >>> seen.radiance[15, 15].tolist(), seen.radiance[0, 0].tolist()
     ([1.0, 1.0, 1.0], [0.0, 0.0, 0.0])

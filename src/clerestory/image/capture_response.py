@@ -167,7 +167,8 @@ def read_response(path: str | Path) -> ResponseCurve:
     except (ValueError, InputError) as error:
         raise InputError(f"no response: {error}", file=path) from error
     raise InputError(
-        "no response; 256 lines under value,red,green,blue or three polynomials expected",
+        "no response; 256 lines under value,red,green,blue or three polynomials"
+        " expected",
         file=path,
     )
 

@@ -67,8 +67,9 @@ def fit_vignetting(
     Examples
     --------
     >>> theta = np.linspace(0, 1.5, 12)
-    >>> fit_vignetting(theta, 40 * (1 - 0.2 * theta**2), terms=1).coefficients[0].round(3)
-    np.float64(-0.2)
+    >>> fitted = fit_vignetting(theta, 40 * (1 - 0.2 * theta**2), terms=1)
+    >>> round(fitted.coefficients[0], 3)
+    -0.2
     """
     if theta.size < terms + 2:
         raise InputError(f"{theta.size} angles; {terms + 2} or more expected")
@@ -76,7 +77,7 @@ def fit_vignetting(
         raise InputError("luminances of the target that are not positive")
     powers = theta[:, None] ** (2 * np.arange(terms + 1))
     fitted, *_ = np.linalg.lstsq(powers / luminance[:, None], np.ones(theta.size))
-    return Vignetting(tuple(fitted[1:] / fitted[0]))
+    return Vignetting(tuple((fitted[1:] / fitted[0]).tolist()))
 
 
 def correct_vignetting(picture: Picture, vignetting: Vignetting) -> Picture:

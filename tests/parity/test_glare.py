@@ -1,0 +1,259 @@
+"""Glare against evalglare 3.06, picture by picture, and against Radiance's glarendx."""
+
+import subprocess
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from evalglare import INDICES, evalglare
+from glare_pictures import KINDS, VIEWS, synthetic_picture
+from radiance import run
+
+from clerestory.errors import ClerestoryWarning
+from clerestory.glare.adaptation import field_luminances
+from clerestory.glare.dgi import dgi
+from clerestory.glare.evaluate import evaluate_glare, eye_of, summarise
+from clerestory.glare.imageless import position_of
+from clerestory.glare.region import band, region_statistics
+from clerestory.glare.rules import SourceRules, Zone
+from clerestory.glare.source_table import GlareSources
+from clerestory.glare.sources import find_sources
+from clerestory.glare.ugr import ugr
+from clerestory.glare.zones import Zones
+from clerestory.image.read import read_picture
+from clerestory.image.write import write_picture
+from clerestory.scene.view import View
+
+# evalglare looks up angles of sources in the pixel below their middle, cut off by
+# rounding; veiling luminances are told apart by a pixel
+BY_ANGLE = {"Lveil": "veiling_luminance", "Lveil_cie": "cie_veiling_luminance"}
+
+
+def assert_equal(result, theirs, *, pixel=0.0):
+    assert result.sources.count == theirs.count
+    values = result.values()
+    assert values["dgp"] == pytest.approx(theirs.summary["dgp"], abs=1e-3)
+    for name, ours in INDICES.items():
+        assert values[ours] == pytest.approx(theirs.summary[name], rel=0.01, abs=1e-3), name
+    assert_veils(result.sources, theirs, pixel)
+
+
+def assert_veils(sources, theirs, pixel):
+    near = np.maximum(np.degrees(sources.sigma) - pixel, 1e-9)
+    far = np.degrees(sources.sigma) + pixel
+    for name, lower, upper in (
+        ("Lveil_cie", 10 * sources.illuminance / far**2, 10 * sources.illuminance / near**2),
+        ("Lveil", 0.98 * veil(sources, far), 1.02 * veil(sources, near)),
+    ):
+        assert 0.99 * lower.sum() - 1e-5 <= theirs.summary[name]
+        assert theirs.summary[name] <= 1.01 * upper.sum() + 1e-5
+
+
+def veil(sources, degrees):
+    flux = sources.luminance * sources.solid_angle
+    return 5 * flux * np.cos(np.radians(degrees)) / degrees
+
+
+@pytest.mark.parametrize(
+    "name", ["evalglare_testimage_ISE2003.hdr", "raytools_desk_render.hdr"]
+)
+def test_photographs_and_renderings_have_the_same_glare(shared_data, name):
+    path = shared_data / "hdr" / name
+    assert_equal(evaluate_glare(read_picture(path)), evalglare(path), pixel=0.3)
+
+
+@pytest.mark.parametrize("number", range(0, len(VIEWS) * len(KINDS), 3))
+def test_synthetic_pictures_have_the_same_glare(tmp_path, number):
+    compare_synthetic(tmp_path, number)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(200))
+def test_two_hundred_synthetic_pictures_have_the_same_glare(tmp_path, number):
+    compare_synthetic(tmp_path, number)
+
+
+def compare_synthetic(folder, number):
+    path = folder / "room.hdr"
+    write_picture(synthetic_picture(number), path)
+    picture = read_picture(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ClerestoryWarning)
+        result = evaluate_glare(picture, trust=True)
+    eye = eye_of(picture, trust=True)
+    # Two pixels in the middle of the picture, along its diagonal
+    assert_equal(result, evalglare(path), pixel=2 * np.degrees(eye.pixel_angle() / 1.4))
+
+
+OPTIONS = [
+    ("-s", {"smooth": True}),
+    ("-s -Y 10000 -r .3", {"smooth": True, "peak_luminance": 1e4, "merge_angle": 0.3}),
+    ("-r 0.1", {"merge_angle": 0.1}),
+    ("-x", {"peak_luminance": None}),
+    ("-b 5", {"threshold": 5.0, "threshold_kind": "times_mean"}),
+    ("-G 1", {"field_of_view": "total"}),
+    ("-G 2", {"field_of_view": "binocular"}),
+    (
+        "-t 80 70 .6",
+        {
+            "threshold": 5.0,
+            "threshold_kind": "times_task",
+            "task": Zone(160 - 1 - 70, 80, 0.6),
+        },
+    ),
+]
+
+
+@pytest.mark.parametrize("number", [0, 33])
+@pytest.mark.parametrize(("options", "rules"), OPTIONS)
+def test_rules_mean_the_same(tmp_path, number, options, rules):
+    path = tmp_path / "room.hdr"
+    write_picture(synthetic_picture(number), path)
+    ours = evaluate_glare(read_picture(path), rules=SourceRules(**rules), trust=True)
+    assert_equal(ours, evalglare(path, *options.split()), pixel=3.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "arguments"),
+    [
+        ("-i 3000", {"given_illuminance": 3000.0}),
+        ("-q 1", {"background": "average"}),
+        ("-q 2", {"background": "illuminance"}),
+        ("-C l+", {"low_light": True}),
+        ("-P 1", {"position_model": "kim"}),
+        ("-L 80 80 0.5 1.1", {"zones": Zones(Zone(79, 80, 0.5), 1.1)}),
+    ],
+)
+def test_options_mean_the_same(tmp_path, options, arguments):
+    path = tmp_path / "room.hdr"
+    write_picture(synthetic_picture(25), path)
+    ours = evaluate_glare(read_picture(path), trust=True, **arguments)
+    assert_equal(ours, evalglare(path, *options.split()), pixel=3.0)
+
+
+def test_a_band_is_that_of_radiances_own_test(shared_data):
+    """Radiance's test of evalglare: -L 400 500 0.6 1.2 -B 0.4 -b 2500."""
+    picture = read_picture(shared_data / "hdr" / "evalglare_testimage_ISE2003.hdr")
+    eye = eye_of(picture)
+    found = region_statistics(picture.luminance(), eye, band(eye, 0.4))
+    expected = (2.423399, 2353.496003, 1339.703125, 2218.441248)
+    expected += (3993.937463, 5750.375098, 68.348633, 37142.499489)
+    ours = (found.solid_angle, found.average, found.median, found.deviation)
+    ours += (found.percentile_75, found.percentile_95, found.least, found.most)
+    assert ours == pytest.approx(expected, rel=1e-5)
+
+
+def test_luminances_of_the_field_are_the_same(shared_data):
+    path = shared_data / "hdr" / "evalglare_testimage_ISE2003.hdr"
+    picture = read_picture(path)
+    eye = eye_of(picture)
+    theirs = evalglare(path).summary
+    names = ("av_lum_pos", "med_lum", "med_lum_pos", "med_lum_pos2")
+    ours = field_luminances(picture.luminance(), eye)
+    assert (ours[0], *ours[2:]) == pytest.approx([theirs[n] for n in names], rel=1e-4)
+    # evalglare divides by the solid angle twice
+    assert ours[1] / eye.total_solid_angle == pytest.approx(
+        theirs["av_lum_pos2"], rel=1e-4
+    )
+
+
+RENDERED = [
+    "-vta -vp 2 1 1.2 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180",
+    "-vth -vp 2 1.5 1.2 -vd .4 -1 0 -vu 0 0 1 -vh 180 -vv 180",
+    "-vtv -vp 1.5 3 1.2 -vd 0 -1 0 -vu 0 0 1 -vh 90 -vv 70",
+    "-vts -vp 1.5 1.5 1.2 -vd -.3 -1 0 -vu 0 0 1 -vh 120 -vv 120",
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("view", RENDERED)
+def test_renderings_of_four_kinds_of_view_have_the_same_glare(
+    tmp_path, shared_data, view
+):
+    room = shared_data / "tutorial_room"
+    scene = [str(p) for p in (room / "materials.mat", room / "room.mat") if p.exists()]
+    sky = tmp_path / "sky.rad"
+    sky.write_text(
+        "!gensky 3 21 12.5 +s -g .2\n"
+        "skyfunc glow sky 0 0 4 1 1 1 0\nsky source dome 0 0 4 0 0 1 180\n"
+        "skyfunc glow ground 0 0 4 .6 .6 .6 0\nground source soil 0 0 4 0 0 -1 180\n"
+    )
+    box = tmp_path / "room.rad"
+    box.write_text(ROOM)
+    run(f"oconv {box} {sky} {' '.join(scene[:0])} > room.oct", folder=tmp_path)
+    run(
+        f"rpict {view} -x 300 -y 300 -ab 1 -ad 64 -as 0 -ps 1 room.oct > out.hdr",
+        folder=tmp_path,
+    )
+    path = tmp_path / "out.hdr"
+    ours = evaluate_glare(read_picture(path), trust=True)
+    assert ours.sources.count > 0
+    assert_equal(ours, evalglare(path), pixel=1.5)
+
+
+# A room of 4 × 6 × 3 m with an open window to the south
+ROOM = """
+void plastic white 0 0 5 .7 .7 .7 0 0
+void plastic grey 0 0 5 .3 .3 .3 .02 .05
+grey polygon floor 0 0 12  0 0 0  4 0 0  4 6 0  0 6 0
+white polygon roof 0 0 12  0 0 3  0 6 3  4 6 3  4 0 3
+white polygon west 0 0 12  0 0 0  0 6 0  0 6 3  0 0 3
+white polygon east 0 0 12  4 0 0  4 0 3  4 6 3  4 6 0
+white polygon north 0 0 12  0 6 0  4 6 0  4 6 3  0 6 3
+white polygon under 0 0 12  0 0 0  0 0 .9  4 0 .9  4 0 0
+white polygon over 0 0 12  0 0 2.5  0 0 3  4 0 3  4 0 2.5
+white polygon left 0 0 12  0 0 .9  0 0 2.5  .5 0 2.5  .5 0 .9
+white polygon right 0 0 12  3.5 0 .9  3.5 0 2.5  4 0 2.5  4 0 .9
+grey polygon post 0 0 12  2.0 0 .9  2.0 0 2.5  2.1 0 2.5  2.1 0 .9
+"""
+
+
+def glarendx_input(path):
+    """Sources, and indirect illuminance by angle, of a findglare file."""
+    sources, indirect, into = [], [], None
+    for line in path.read_text().splitlines():
+        if line.startswith("BEGIN"):
+            into = sources if "source" in line else indirect
+        elif line.startswith("END"):
+            into = None
+        elif into is not None:
+            into.append([float(word) for word in line.split()])
+    return np.array(sources), np.array(indirect)
+
+
+@pytest.mark.parametrize(("index", "bound"), [("ugr", 1e-5), ("vert_dir", 1e-5)])
+def test_indices_of_radiances_own_test_are_the_same(shared_data, index, bound):
+    """Sources above the line of sight: below it, glarendx mirrors Guth's index."""
+    folder = shared_data / "radiance" / "util"
+    sources, indirect = glarendx_input(folder / "glaresrc.txt")
+    lines = (folder / "ref" / f"{index}.txt").read_text().splitlines()
+    rows = np.array([line.split() for line in lines if line[:1] in "-0123456789"], float)
+    direction = sources[:, :3] / np.linalg.norm(sources[:, :3], axis=1, keepdims=True)
+    vd = np.array([-0.703298, 0.706112, 0.0])
+    vd /= np.linalg.norm(vd)
+    checked = 0
+    for angle, expected in rows:
+        turn = np.radians(angle)
+        ahead = np.array(
+            [
+                vd[0] * np.cos(turn) - vd[1] * np.sin(turn),
+                vd[0] * np.sin(turn) + vd[1] * np.cos(turn),
+                0.0,
+            ]
+        )
+        if index == "vert_dir":
+            seen = np.maximum(direction @ ahead, 0) * sources[:, 3] * sources[:, 4]
+            assert seen.sum() == pytest.approx(expected, rel=1e-4)
+            checked += 1
+            continue
+        mirrored = direction * np.array([1, 1, np.nan])
+        mirrored[:, 2] = np.abs(direction[:, 2])
+        position = position_of(mirrored, View(direction=ahead))
+        table = GlareSources.of(
+            luminance=sources[:, 4], solid_angle=sources[:, 3], position_index=position
+        )
+        level = indirect[indirect[:, 0] == angle, 1][0] / np.pi
+        assert ugr(table, background=level) == pytest.approx(expected, rel=1e-3)
+        checked += 1
+    assert checked == len(rows) == 19
