@@ -33,6 +33,7 @@ _HOME = {
     "View": "scene.view",
     "Window": "scene.window",
     "read_rad": "scene.rad",
+    "read_obj": "scene.obj",
     "read_luminaire": "scene.photometry.read",
     "luminaire_scene": "scene.photometry.luminaire_scene",
     "panel_scene": "scene.photometry.luminaire_scene",
