@@ -12,6 +12,7 @@ COMMANDS = [
     "demo",
     "report",
     "doctor",
+    "metrics",
     "multiply",
     "trace view",
     "trace daylight",

@@ -17,6 +17,7 @@ from clerestory import __version__
 from clerestory.cli import bsdf, glazing, gonio, picture, sky, trace
 from clerestory.cli.doctor import doctor
 from clerestory.cli.glare import glare
+from clerestory.cli.metrics import metrics
 from clerestory.cli.multiply import multiply
 from clerestory.cli.picture_capture import calibrate, merge, reproject
 from clerestory.cli.render import render
@@ -69,6 +70,7 @@ app.command(
 app.command(epilog="Example: clerestory glare desk.hdr --detail --check found.hdr")(
     glare
 )
+app.command(epilog="Example: clerestory metrics results -o metrics.csv")(metrics)
 app.command(epilog="Example: clerestory doctor")(doctor)
 app.command(epilog="Example: clerestory multiply V.mtx blind.xml D.mtx S.smx -o E.mtx")(
     multiply

@@ -1,0 +1,191 @@
+"""`clerestory metrics`: figures of merit of a run, or of a honeybee results folder."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+import xarray as xr
+
+from clerestory.cli.options import Quiet
+from clerestory.errors import InputError
+from clerestory.files import write_text
+from clerestory.metrics.autonomy import continuous_autonomy, daylight_autonomy
+from clerestory.metrics.en17037 import LEVELS, daylight_hours, daylight_provision
+from clerestory.metrics.exposure import light_exposure
+from clerestory.metrics.honeybee import read_honeybee, write_honeybee
+from clerestory.metrics.hours import occupied_hours
+from clerestory.metrics.leed import simulated_daylight
+from clerestory.metrics.spatial import (
+    RoomShare,
+    hours_above,
+    spatial_autonomy,
+    sunlight_exposure,
+)
+from clerestory.metrics.useful import BANDS, useful_illuminance
+from clerestory.sky.read import read_weather
+from clerestory.study.results import read_results
+
+
+class Leed(StrEnum):
+    """Versions of LEED."""
+
+    v4 = "v4"
+    v41 = "v4.1"
+
+
+@dataclass(frozen=True, eq=False)
+class _Grid:
+    # Illuminance of one grid, its error, and that of the sun alone if known
+    name: str
+    lux: xr.DataArray
+    error: xr.DataArray | None
+    direct: xr.DataArray | None
+
+
+def metrics(
+    results: Annotated[
+        Path,
+        typer.Argument(
+            metavar="RESULTS",
+            help="Folder of a run (results.nc), or honeybee's results folder.",
+        ),
+    ],
+    grid: Annotated[
+        list[str] | None, typer.Option("--grid", help="Only these grids.")
+    ] = None,
+    from_hour: Annotated[
+        float, typer.Option("--from", help="Day begins [h].", min=0, max=24)
+    ] = 8.0,
+    to_hour: Annotated[
+        float, typer.Option("--to", help="Day ends [h].", min=0, max=24)
+    ] = 18.0,
+    target: Annotated[
+        float, typer.Option("--target", help="Daylight autonomy asks for [lux].", min=1)
+    ] = 300.0,
+    weather: Annotated[
+        Path | None,
+        typer.Option("--weather", help="Year whose brightest half EN 17037 counts."),
+    ] = None,
+    leed: Annotated[
+        Leed, typer.Option("--leed", help="Version whose points are told.")
+    ] = Leed.v41,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="CSV with a line per sensor.")
+    ] = None,
+    honeybee: Annotated[
+        Path | None,
+        typer.Option("--honeybee", help="Write a folder that honeybee loads."),
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Tell daylight autonomy, useful illuminance, sDA, ASE, EN 17037, LEED per grid."""
+    grids = [one for one in _grids(results) if not grid or one.name in grid]
+    if not grids:
+        raise InputError(f"no grid called {' or '.join(grid or [])}", file=results)
+    hours = occupied_hours(
+        grids[0].lux["time"].values, from_hour=from_hour, to_hour=to_hour
+    )
+    half = None if weather is None else _brightest_half(weather, grids[0].lux)
+    rows: list[str] = []
+    for one in grids:
+        lines = list(_room(one, hours, half, target, leed))
+        rows += _sensors(one, hours, target)
+        if not quiet:
+            typer.echo(f"{one.name}: {one.lux.sizes['sensor']} sensors")
+            for line in lines:
+                typer.echo(f"  {line}")
+    if output is not None:
+        write_text(output, "\n".join([_HEAD, *rows]) + "\n")
+    if honeybee is not None:
+        direct = {g.name: g.direct.values for g in grids if g.direct is not None}
+        write_honeybee(
+            honeybee,
+            {g.name: g.lux.values.astype(float) for g in grids},
+            grids[0].lux["time"].values,
+            direct=direct,
+        )
+
+
+_HEAD = (
+    "grid,sensor,daylight autonomy [%],continuous autonomy [%],"
+    + ",".join(f"{band} [%]" for band in BANDS)
+    + ",light exposure [lux h]"
+)
+
+
+def _grids(path: Path) -> Iterator[_Grid]:
+    if path.is_dir() and (path / "grids_info.json").is_file():
+        folder = read_honeybee(path)
+        for name in folder.paths:
+            direct = folder.illuminance(name, light="direct")
+            yield _Grid(name, folder.illuminance(name), None, direct)
+        return
+    found = read_results(path)
+    for name in found.grids():
+        part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
+        yield _Grid(name, part["illuminance"], part["standard_error"], None)
+
+
+def _brightest_half(path: Path, lux: xr.DataArray) -> np.ndarray:
+    diffuse = read_weather(path).diffuse_horizontal
+    if len(diffuse) != lux.sizes["time"]:
+        raise InputError(
+            f"{len(diffuse)} steps for results of {lux.sizes['time']}; the weather of"
+            " the results expected",
+            file=path,
+        )
+    return daylight_hours(diffuse)
+
+
+def _room(
+    grid: _Grid, hours: np.ndarray, half: np.ndarray | None, target: float, leed: Leed
+) -> Iterator[str]:
+    autonomy = daylight_autonomy(grid.lux, hours, target_lux=target)
+    continuous = continuous_autonomy(grid.lux, hours, target_lux=target)
+    bands = useful_illuminance(grid.lux, hours).mean("sensor").values
+    yield f"{'daylight autonomy':28}{_percent(float(autonomy.mean()))}"
+    yield f"{'continuous autonomy':28}{_percent(float(continuous.mean()))}"
+    yield f"{'useful, 100 to 3000 lux':28}{_percent(float(bands[1:3].sum()))}"
+    reached = spatial_autonomy(grid.lux, hours, standard_error=grid.error)
+    yield f"{'sDA300/50':28}{_share(reached)}"
+    exposure = 0.0
+    if grid.direct is not None:
+        found = sunlight_exposure(grid.direct, hours)
+        exposure = found.value
+        most = float(hours_above(grid.direct, hours).max())
+        yield f"{'ASE1000,250':28}{_share(found)}, {most:.0f} h at most"
+        credit = simulated_daylight(reached.value, exposure, version=leed.value)
+        note = f" ({credit.note})" if credit.note else ""
+        yield f"{'LEED ' + leed.value + ' option 1':28}{credit.points} points{note}"
+    if half is not None:
+        level = daylight_provision(grid.lux, half, standard_error=grid.error)
+        yield (
+            f"{'EN 17037 provision':28}{LEVELS[level.level]} (target"
+            f" {LEVELS[level.target_level]}, minimum {LEVELS[level.minimum_level]})"
+        )
+    exposed = light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool))
+    yield f"{'light exposure':28}{float(exposed.mean()):.0f} lux h"
+
+
+def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
+    columns = [
+        100 * daylight_autonomy(grid.lux, hours, target_lux=target).values,
+        100 * continuous_autonomy(grid.lux, hours, target_lux=target).values,
+        *(100 * useful_illuminance(grid.lux, hours).values),
+        light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool)).values,
+    ]
+    for number, row in enumerate(np.stack(columns, axis=1), start=1):
+        yield f"{grid.name},{number}," + ",".join(f"{value:.6g}" for value in row)
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.1f} %"
+
+
+def _share(share: RoomShare) -> str:
+    error = f" ± {100 * share.error:.1f}" if share.error else ""
+    return f"{100 * share.value:.1f}{error} %"

@@ -1,0 +1,116 @@
+"""Choose a state per step from what every state would do: glare, targets, occupancy."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.errors import InputError
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Limit:
+    """A bound on something that is known for every state and step.
+
+    Attributes
+    ----------
+    values : over (state, time)
+    bound : what they are held against
+    side : "below" or "above": where values are good; the bound itself is good
+
+    Raises
+    ------
+    InputError : values that are not over (state, time)
+    """
+
+    values: Float[np.ndarray, "state time"]
+    bound: float
+    side: Literal["below", "above"] = "below"
+
+    def __post_init__(self) -> None:
+        if self.values.ndim != 2:
+            raise InputError(
+                f"values of shape {self.values.shape}; (state, time) expected"
+            )
+
+    def excess(self) -> Float[np.ndarray, "state time"]:
+        """By how much values miss the bound; 0 where they are good."""
+        over = self.values - self.bound
+        return np.asarray(np.maximum(over if self.side == "below" else -over, 0))
+
+
+def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
+    """Most open state that keeps all limits; where none does, the least bad one.
+
+    With one limit on DGP this is control by glare: the least closed state whose DGP
+    is below the limit.
+
+    Examples
+    --------
+    >>> dgp = np.array([[0.5, 0.3, 0.6], [0.38, 0.2, 0.5], [0.2, 0.2, 0.45]])
+    >>> least_closed([Limit(dgp, 0.40)]).tolist()
+    [1, 0, 2]
+    """
+    excess = _worst(limits)
+    good = excess <= 0
+    first, least = good.argmax(axis=0), excess.argmin(axis=0)
+    return np.asarray(np.where(good.any(axis=0), first, least))
+
+
+def best_states(
+    score: Float[np.ndarray, "state time"], limits: Sequence[Limit] = ()
+) -> Int[np.ndarray, " time"]:
+    """State of the highest score among those that keep all limits.
+
+    Where none keeps them, the least bad one; equal scores go to the more open state.
+
+    Parameters
+    ----------
+    score : what to have most of, such as daylight at the desk or view out
+
+    Examples
+    --------
+    >>> lux = np.array([[900.0, 800.0], [500.0, 300.0]])
+    >>> dgp = np.array([[0.5, 0.3], [0.3, 0.2]])
+    >>> best_states(lux, [Limit(dgp, 0.4)]).tolist()
+    [1, 0]
+    """
+    if not limits:
+        return np.asarray(score.argmax(axis=0))
+    excess = _worst(limits)
+    if excess.shape != score.shape:
+        raise InputError(
+            f"scores of shape {score.shape} and limits of {excess.shape}; equal ones"
+            " expected"
+        )
+    good = excess <= 0
+    best = np.where(good, score, -np.inf).argmax(axis=0)
+    least = excess.argmin(axis=0)
+    return np.asarray(np.where(good.any(axis=0), best, least))
+
+
+def when_occupied(
+    state: Int[np.ndarray, " time"],
+    occupied: Bool[np.ndarray, " time"],
+    *,
+    otherwise: int,
+) -> Int[np.ndarray, " time"]:
+    """States while somebody is there, and one state for all other steps.
+
+    >>> when_occupied(np.array([1, 1]), np.array([True, False]), otherwise=0).tolist()
+    [1, 0]
+    """
+    return np.where(occupied, state, otherwise)
+
+
+def _worst(limits: Sequence[Limit]) -> Float[np.ndarray, "state time"]:
+    # Excess as a share of its bound, so that limits of different units compare
+    if not limits:
+        raise InputError("no limits; at least one expected")
+    if len({limit.values.shape for limit in limits}) > 1:
+        raise InputError("limits of different shapes; (state, time) alike expected")
+    shares = [limit.excess() / max(abs(limit.bound), 1e-12) for limit in limits]
+    return np.asarray(np.max(shares, axis=0))

@@ -1,0 +1,105 @@
+"""Slats driven by the sun: the most open tilt that stops its direct light.
+
+The profile angle is the sun's altitude in the section of the window, seen along the
+slats. Slats of width w at distance s, tilted by β with the edge at the sky down, pass
+the share 1 − (w/s)|sin(β + ψ)|/cos ψ of light at the profile angle ψ.
+
+Reference: ISO 15099:2003, 7.3 (direct transmittance of flat slats), solved for β.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.directions import Frame
+from clerestory.errors import InputError
+
+
+def profile_angle(
+    sun: Float[np.ndarray, "time 3"], frame: Frame, *, vertical: bool = False
+) -> Float[np.ndarray, " time"]:
+    """Profile angle of the sun [rad], above the normal for horizontal slats.
+
+    NaN where the sun is behind the window. For vertical slats the angle is measured to
+    the right, seen from the room.
+
+    Parameters
+    ----------
+    sun : unit vectors to the sun
+    frame : of the window, normal into the room
+
+    Examples
+    --------
+    >>> y, z = np.eye(3)[1:]
+    >>> south = Frame.from_normal_up(y, z)
+    >>> high = np.array([[0.0, -0.5, np.sqrt(0.75)]])
+    >>> np.degrees(profile_angle(high, south)).round(6).tolist()
+    [60.0]
+    """
+    outward = -(sun @ frame.normal)
+    across = sun @ (frame.right if vertical else frame.up)
+    return np.where(outward > 0, np.arctan2(across, outward), np.nan)
+
+
+def cut_off_tilt(
+    profile: Float[np.ndarray, " time"], *, width: float, spacing: float
+) -> Float[np.ndarray, " time"]:
+    """Smallest tilt that stops direct light, 0 to π/2 [rad].
+
+    Flat slats are level at 0 and turn the edge at the sky down. Where even closed slats
+    let light through, the tilt is that which stops most. NaN stays NaN.
+
+    Examples
+    --------
+    >>> wide = cut_off_tilt(np.array([0.0]), width=0.08, spacing=0.04)
+    >>> np.degrees(wide).round(6).tolist()  # sin β = s/w
+    [30.0]
+    """
+    if not (width > 0 and spacing > 0):
+        raise InputError(
+            f"slats {width:g} m wide every {spacing:g} m; both above 0 expected"
+        )
+    sine = np.minimum(spacing / width * np.cos(profile), 1)
+    return np.asarray(np.clip(np.arcsin(sine) - profile, 0, np.pi / 2))
+
+
+def direct_share(
+    profile: Float[np.ndarray, "*batch"],
+    tilt: Float[np.ndarray, "*batch"] | float,
+    *,
+    width: float,
+    spacing: float,
+) -> Float[np.ndarray, "*batch"]:
+    """Share of direct light that passes between flat slats; 0 if the sun is behind."""
+    hidden = width / spacing * np.abs(np.sin(tilt + profile)) / np.cos(profile)
+    return np.asarray(np.nan_to_num(np.maximum(1 - hidden, 0)))
+
+
+def blocking_states(
+    profile: Float[np.ndarray, " time"],
+    *,
+    tilts: Float[np.ndarray, " state"],
+    width: float,
+    spacing: float,
+    sunny: Bool[np.ndarray, " time"] | None = None,
+) -> Int[np.ndarray, " time"]:
+    """Most open state that stops the sun, the last one where none does.
+
+    Parameters
+    ----------
+    profile : NaN where the sun is behind the window: then state 0
+    tilts : of the states, from the most open [rad]
+    sunny : where there is any direct light; None for always
+
+    Examples
+    --------
+    >>> tilts = np.radians([0.0, 60.0, 75.0])
+    >>> sun = np.radians([60.0, 10.0, np.nan])
+    >>> blocking_states(sun, tilts=tilts, width=0.08, spacing=0.072).tolist()
+    [0, 1, 0]
+    """
+    passed = np.stack(
+        [direct_share(profile, tilt, width=width, spacing=spacing) for tilt in tilts]
+    )
+    stops = passed <= 1e-9
+    state = np.where(stops.any(axis=0), stops.argmax(axis=0), len(tilts) - 1)
+    return state if sunny is None else np.where(sunny, state, 0)

@@ -1,0 +1,166 @@
+"""State schedules: which state each window group is in at each step.
+
+States of a group are numbered from the most open, 0, to the most closed. Rules make
+schedules from arrays over (state, time); a schedule then picks from results that
+were computed for every state, so nothing is traced again.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.files import read_text, write_text
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class StateSchedule:
+    """States of window groups over time.
+
+    Attributes
+    ----------
+    times : middles of the steps, local standard time
+    states : number of the state per group
+
+    Raises
+    ------
+    InputError : lengths differ, or a state is negative
+
+    Examples
+    --------
+    >>> day = np.datetime64("2001-06-21T00:30") + np.arange(3) * np.timedelta64(1, "h")
+    >>> schedule = StateSchedule(day, {"south": np.array([0, 1, 1])})
+    >>> schedule.hours_in_state("south", count=2).tolist()
+    [1, 2]
+    """
+
+    times: np.ndarray
+    states: Mapping[str, Int[np.ndarray, " time"]]
+
+    def __post_init__(self) -> None:
+        for group, state in self.states.items():
+            if len(state) != len(self.times):
+                raise InputError(
+                    f"group {group!r} has {len(state)} states for {len(self.times)}"
+                    " steps; one each expected"
+                )
+            if len(state) and int(np.min(state)) < 0:
+                raise InputError(
+                    f"group {group!r} is in state {int(np.min(state))}; 0 or more"
+                    " expected"
+                )
+
+    def hours_in_state(self, group: str, *, count: int) -> Int[np.ndarray, " state"]:
+        """Number of steps that a group spends in each of its states."""
+        return np.bincount(self.states[group], minlength=count)
+
+    def total(
+        self,
+        by_state: Mapping[str, Float[np.ndarray, "_ sensor time"]],
+        *,
+        static: Float[np.ndarray, "sensor time"] | None = None,
+    ) -> Float[np.ndarray, "sensor time"]:
+        """Sum of what all groups give in the states they are in [as given].
+
+        Parameters
+        ----------
+        by_state : per group, results in every state, over (state, sensor, time)
+        static : what windows without states give
+
+        Raises
+        ------
+        InputError : a group of the schedule has no results
+        """
+        parts = [] if static is None else [static]
+        for group, state in self.states.items():
+            if group not in by_state:
+                raise InputError(f"group {group!r} has no results in its states")
+            parts.append(picked(by_state[group], state))
+        if not parts:
+            raise InputError("a schedule without groups picks nothing")
+        return np.asarray(np.sum(parts, axis=0))
+
+
+def picked(
+    by_state: Float[np.ndarray, "state *rest time"], state: Int[np.ndarray, " time"]
+) -> Float[np.ndarray, "*rest time"]:
+    """Take, at each step, the values of the state that rules then.
+
+    Raises
+    ------
+    InputError : a state beyond those given, or another number of steps
+
+    Examples
+    --------
+    >>> values = np.array([[10.0, 20.0], [1.0, 2.0]])
+    >>> picked(values, np.array([0, 1])).tolist()
+    [10.0, 2.0]
+    """
+    steps = by_state.shape[-1]
+    if len(state) != steps:
+        raise InputError(f"{len(state)} states for {steps} steps; one each expected")
+    if steps and not 0 <= state.min() <= state.max() < len(by_state):
+        raise InputError(
+            f"state {int(state.max())} of {len(by_state)}; numbers from 0 expected"
+        )
+    by_time = np.moveaxis(by_state, -1, 0)[np.arange(steps), state]
+    return np.asarray(np.moveaxis(by_time, 0, -1))
+
+
+def read_schedule(path: str | Path) -> StateSchedule:
+    """Read a CSV: a line of heads `time,GROUP…`, then a moment and states a line.
+
+    Raises
+    ------
+    InputError : the line of a fault, and what was expected
+    """
+    lines = read_text(path).splitlines()
+    groups = [word.strip() for word in lines[0].split(",")][1:] if lines else []
+    if not groups:
+        raise InputError("no heads time,GROUP… in the first line", file=path, line=1)
+    times, rows = [], []
+    for number, line in enumerate(lines[1:], start=2):
+        if not line.strip():
+            continue
+        words = [word.strip() for word in line.split(",")]
+        try:
+            moment, row = (
+                np.datetime64(words[0], "s"),
+                [int(word) for word in words[1:]],
+            )
+        except ValueError as error:
+            raise InputError(
+                f"{line.strip()[:60]!r}; a moment and whole numbers expected",
+                file=path,
+                line=number,
+            ) from error
+        if len(row) != len(groups) or min(row) < 0 or np.isnat(moment):
+            raise InputError(
+                f"{len(row)} states for {len(groups)} groups; one of 0 or more each"
+                " expected",
+                file=path,
+                line=number,
+            )
+        times.append(moment)
+        rows.append(row)
+    table = np.array(rows, dtype=int).reshape(-1, len(groups))
+    if max(map(int, table.ravel()), default=0) > 10_000:
+        raise InputError("a state above 10000; its number expected", file=path)
+    return StateSchedule(
+        np.array(times, dtype="datetime64[s]"),
+        {group: table[:, column] for column, group in enumerate(groups)},
+    )
+
+
+def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
+    """Write a CSV that `read_schedule` reads."""
+    rows = [",".join(["time", *schedule.states])]
+    for step, moment in enumerate(schedule.times.astype("datetime64[s]")):
+        states = (str(int(state[step])) for state in schedule.states.values())
+        rows.append(",".join([str(moment), *states]))
+    write_text(path, "\n".join(rows) + "\n")

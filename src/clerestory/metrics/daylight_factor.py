@@ -1,0 +1,53 @@
+"""Daylight factor: indoor over outdoor illuminance under the CIE overcast sky."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+
+
+class DaylightFactors(NamedTuple):
+    """Daylight factors of a room.
+
+    Attributes
+    ----------
+    mean, median, minimum : of the sensors, as shares (0.02 is 2 %)
+    uniformity : minimum over mean; 0 in a dark room
+    """
+
+    mean: float
+    median: float
+    minimum: float
+    uniformity: float
+
+
+def daylight_factor(
+    illuminance: Float[np.ndarray, "*sensor"], *, outdoor_lux: float
+) -> Float[np.ndarray, "*sensor"]:
+    """Share of the outdoor illuminance that reaches each sensor.
+
+    Parameters
+    ----------
+    illuminance : under an overcast sky [lux]
+    outdoor_lux : on the unobstructed horizontal, under the same sky
+
+    >>> daylight_factor(np.array([200.0]), outdoor_lux=10_000.0).tolist()
+    [0.02]
+    """
+    if not outdoor_lux > 0:
+        raise InputError(f"{outdoor_lux:g} lux outdoors; more than 0 expected")
+    return np.asarray(illuminance / outdoor_lux)
+
+
+def room_factors(factor: Float[np.ndarray, " sensor"]) -> DaylightFactors:
+    """Return the figures of a room.
+
+    >>> room_factors(np.array([0.01, 0.02, 0.06])).mean
+    0.03
+    """
+    mean, least = float(factor.mean()), float(factor.min())
+    return DaylightFactors(
+        mean, float(np.median(factor)), least, least / mean if mean > 0 else 0.0
+    )

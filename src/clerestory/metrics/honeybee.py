@@ -1,0 +1,223 @@
+"""Results folders of honeybee-radiance-postprocess: read theirs, write ours.
+
+A folder holds `grids_info.json` (grids and their light paths), `sun-up-hours.txt`
+(hours of the year with sun, middles), `grid_states.json` (states of dynamic window
+groups) and, per light path and state, `total` and `direct` illuminance of each grid as
+NumPy arrays over (sensor, sun-up hour) [lux]. Nights are dark and left out.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, final
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.files import make_folder, read_text, replace_file, write_text
+
+STATIC = "__static_apertures__"
+Light = Literal["total", "direct"]
+
+_HOURS_A_YEAR = 8760
+_YEAR = np.datetime64("2023-01-01T00:00", "s")
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class HoneybeeFolder:
+    """A results folder.
+
+    Attributes
+    ----------
+    folder : where it is
+    paths : light paths of each grid
+    states : folders of the states of each dynamic light path
+    sun_up_hours : hours of the year with results, such as 7.5
+    counts : sensors of each grid
+    """
+
+    folder: Path
+    paths: dict[str, tuple[str, ...]]
+    states: dict[str, tuple[str, ...]]
+    sun_up_hours: Float[np.ndarray, " hour"]
+    counts: dict[str, int]
+
+    def illuminance(
+        self,
+        grid: str,
+        *,
+        states: Mapping[str, int | Int[np.ndarray, " time"]] | None = None,
+        light: Light = "total",
+    ) -> xr.DataArray:
+        """Illuminance of a grid over the 8760 hours of a year [lux].
+
+        Parameters
+        ----------
+        states : per dynamic light path, one state or one per hour of the year; −1 is
+            dark. Paths that are not named are in state 0.
+        light : "total", or "direct" from the sun alone
+
+        Raises
+        ------
+        InputError : no such grid or state, or arrays that do not fit
+        """
+        if grid not in self.paths:
+            raise InputError(
+                f"no grid {grid!r}; one of {', '.join(self.paths)} expected",
+                file=self.folder,
+            )
+        hours = self.sun_up_hours.astype(int)
+        total = np.zeros((self.counts[grid], len(hours)), dtype=np.float32)
+        for path in self.paths[grid]:
+            chosen: Any = (states or {}).get(path, 0)
+            per_hour = np.broadcast_to(np.asarray(chosen), _HOURS_A_YEAR)[hours]
+            for state in np.unique(per_hour):
+                if state >= 0:
+                    array = self._load(grid, path, int(state), light)
+                    total += np.where(per_hour == state, array, np.float32(0))
+        year = np.zeros((len(total), _HOURS_A_YEAR), dtype=np.float32)
+        year[:, hours] = total
+        times = _YEAR + (np.arange(_HOURS_A_YEAR) * 3600 + 1800).astype(
+            "timedelta64[s]"
+        )
+        return xr.DataArray(
+            year,
+            dims=("sensor", "time"),
+            coords={"time": times.astype("datetime64[ns]")},
+            attrs={"units": "lux"},
+        )
+
+    def _load(
+        self, grid: str, path: str, state: int, light: Light
+    ) -> Float[np.ndarray, "sensor hour"]:
+        names = ("default",) if path == STATIC else self.states.get(path, ())
+        if state >= len(names):
+            raise InputError(
+                f"{path} has {len(names)} states; {state} asked for", file=self.folder
+            )
+        file = self.folder / path / names[state] / light / f"{grid}.npy"
+        try:
+            array = np.load(file, allow_pickle=False)
+        except (OSError, ValueError, EOFError) as error:
+            raise InputError(f"cannot be read: {error}", file=file) from error
+        expected = (self.counts[grid], len(self.sun_up_hours))
+        if array.shape != expected or not np.issubdtype(array.dtype, np.floating):
+            raise InputError(
+                f"{array.dtype} values of shape {array.shape}; floats of {expected}"
+                " expected",
+                file=file,
+            )
+        return np.asarray(array)
+
+
+def read_honeybee(folder: str | Path) -> HoneybeeFolder:
+    """Return a results folder of honeybee-radiance-postprocess.
+
+    Raises
+    ------
+    InputError : a file is missing or not what it should be
+    """
+    folder = Path(folder)
+    info = _json(folder / "grids_info.json")
+    try:
+        counts = {str(grid["full_id"]): int(grid["count"]) for grid in info}
+        paths = {
+            str(grid["full_id"]): tuple(
+                dict.fromkeys(str(p) for step in grid["light_path"] for p in step)
+            )
+            for grid in info
+        }
+    except (TypeError, KeyError, ValueError) as error:
+        raise InputError(
+            "grids with full_id, count and light_path expected",
+            file=folder / "grids_info.json",
+        ) from error
+    states: dict[str, tuple[str, ...]] = {}
+    if (folder / "grid_states.json").is_file():
+        try:
+            for groups in _json(folder / "grid_states.json").values():
+                states |= {str(k): tuple(map(str, v)) for k, v in groups.items()}
+        except (AttributeError, TypeError) as error:
+            raise InputError(
+                "states of light paths of grids expected",
+                file=folder / "grid_states.json",
+            ) from error
+    hours_file = folder / "sun-up-hours.txt"
+    try:
+        hours = np.array([float(word) for word in read_text(hours_file).split()])
+    except ValueError as error:
+        raise InputError("hours of the year expected", file=hours_file) from error
+    if len(hours) and not (hours.min() >= 0 and hours.max() < _HOURS_A_YEAR):
+        raise InputError("an hour outside 0 to 8760", file=hours_file)
+    if len(np.unique(hours.astype(int))) < len(hours):
+        raise InputError(
+            "steps shorter than an hour; one an hour expected", file=hours_file
+        )
+    return HoneybeeFolder(folder, paths, states, hours, counts)
+
+
+def write_honeybee(
+    folder: str | Path,
+    total: Mapping[str, Float[np.ndarray, "sensor time"]],
+    times: np.ndarray,
+    *,
+    direct: Mapping[str, Float[np.ndarray, "sensor time"]] | None = None,
+) -> None:
+    """Write illuminance of grids as honeybee-radiance-postprocess keeps it.
+
+    Parameters
+    ----------
+    total : per grid, all light [lux]
+    times : middles of hourly steps of one year; hours in which all grids are dark are
+        left out
+    direct : per grid, light from the sun alone [lux]; zero if not given
+
+    Raises
+    ------
+    InputError : grids over other steps, or steps that are not hours of one year
+    OutputError : the folder cannot be written
+    """
+    moments = times.astype("datetime64[s]")
+    hours = (moments - moments.astype("datetime64[Y]")) / np.timedelta64(3600, "s")
+    if len(np.unique(hours.astype(int))) < len(hours) or np.any(hours >= _HOURS_A_YEAR):
+        raise InputError("steps that are not hours of one year of 365 days")
+    for name, lux in total.items():
+        if lux.ndim != 2 or lux.shape[1] != len(times):
+            raise InputError(
+                f"grid {name!r} has shape {lux.shape}; (sensor, {len(times)}) expected"
+            )
+    lit = np.any([lux.max(axis=0) > 0 for lux in total.values()], axis=0)
+    folder = make_folder(folder)
+    info = [
+        {
+            "name": name,
+            "identifier": name,
+            "full_id": name,
+            "group": "",
+            "count": len(lux),
+            "light_path": [[STATIC]],
+        }
+        for name, lux in total.items()
+    ]
+    write_text(folder / "grids_info.json", json.dumps(info, indent=2))
+    write_text(folder / "grid_states.json", "{}")
+    write_text(folder / "sun-up-hours.txt", "\n".join(f"{h:g}" for h in hours[lit]))
+    study = {"timestep": 1, "study_hours": [float(h) for h in hours]}
+    write_text(folder / "study_info.json", json.dumps(study))
+    for light, grids in (("total", total), ("direct", direct or {})):
+        place = make_folder(folder / STATIC / "default" / light)
+        for name, lux in total.items():
+            values = grids.get(name, np.zeros_like(lux))[:, lit]
+            with replace_file(place / f"{name}.npy") as stream:
+                np.save(stream, values.astype(np.float32), allow_pickle=False)
+
+
+def _json(path: Path) -> Any:
+    try:
+        return json.loads(read_text(path))
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"not JSON: {error}", file=path) from error

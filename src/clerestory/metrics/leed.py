@@ -1,0 +1,116 @@
+"""LEED's daylight credit, options 1 and 2, as of v4 and v4.1.
+
+Option 1 counts sDA300/50% (with blinds) and ASE1000,250; option 2 the area between
+300 and 3000 lux at 9 and 15 h under a clear sky of the equinox.
+
+Reference: USGBC, LEED v4 and v4.1 BD+C, EQ credit Daylight (not healthcare).
+"""
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.metrics.spatial import area_share
+
+Version = Literal["v4", "v4.1"]
+
+LOW_LUX, HIGH_LUX = 300.0, 3000.0
+MOST_EXPOSURE = 0.10
+
+# Shares of the area and the points they are worth.
+_OPTION_1: dict[Version, tuple[tuple[float, int], ...]] = {
+    "v4": ((0.55, 2), (0.75, 3)),
+    "v4.1": ((0.40, 1), (0.55, 2), (0.75, 3)),
+}
+_OPTION_2: dict[Version, tuple[tuple[float, int], ...]] = {
+    "v4": ((0.75, 1), (0.90, 2)),
+    "v4.1": ((0.55, 1), (0.75, 2), (0.90, 3)),
+}
+
+
+class Credit(NamedTuple):
+    """Points of a credit.
+
+    Attributes
+    ----------
+    points : as the table of the version gives
+    share : of the area that counts, 0…1
+    note : what else the version asks for; empty if nothing
+    """
+
+    points: int
+    share: float
+    note: str
+
+
+def simulated_daylight(
+    autonomy: float, exposure: float, *, version: Version = "v4.1"
+) -> Credit:
+    """Return the points of option 1.
+
+    v4 gives none where ASE is above 10 %; v4.1 asks to say what is done about glare.
+
+    Parameters
+    ----------
+    autonomy, exposure : sDA and ASE of all regularly occupied floor area, 0…1
+
+    Examples
+    --------
+    >>> simulated_daylight(0.60, 0.05).points
+    2
+    >>> simulated_daylight(0.60, 0.15, version="v4").points
+    0
+    """
+    points = _points(autonomy, _OPTION_1, version)
+    note = ""
+    if exposure > MOST_EXPOSURE + 1e-12:
+        note = f"ASE is {exposure:.0%}, above 10 %"
+        if version == "v4":
+            points = 0
+        else:
+            note += ": say how the design addresses glare"
+    return Credit(points, autonomy, note)
+
+
+def clear_sky_illuminance(
+    illuminance: Sequence[Float[np.ndarray, " sensor"]],
+    *,
+    version: Version = "v4.1",
+    view_preserving_blinds: bool = False,
+    area: Float[np.ndarray, " sensor"] | None = None,
+) -> Credit:
+    """Return the points of option 2.
+
+    Parameters
+    ----------
+    illuminance : at 9 h and at 15 h of a clear equinox day [lux]
+    view_preserving_blinds : automatic ones, with which only the lower limit counts
+
+    Examples
+    --------
+    >>> lux = np.array([200.0, 400.0, 900.0, 2000.0])
+    >>> clear_sky_illuminance([lux, lux]).points  # 75 % of the sensors
+    2
+    """
+    if not illuminance:
+        raise InputError("no moments; illuminance at 9 h and at 15 h expected")
+    high = np.inf if view_preserving_blinds else HIGH_LUX
+    good = np.all([(lux >= LOW_LUX) & (lux <= high) for lux in illuminance], axis=0)
+    share = area_share(good, area)
+    return Credit(_points(share, _OPTION_2, version), share, "")
+
+
+def _points(
+    share: float,
+    table: dict[Version, tuple[tuple[float, int], ...]],
+    version: Version,
+) -> int:
+    if version not in table:
+        raise InputError(f"LEED {version!r}; one of {', '.join(table)} expected")
+    return max(
+        (points for limit, points in table[version] if share >= limit - 1e-12),
+        default=0,
+    )

@@ -1,0 +1,149 @@
+"""Electric light that daylight saves: dimmed or switched against a setpoint.
+
+A photosensor at the work plane sees daylight and what the luminaires add. The
+luminaires give what is missing: dimmed in proportion, down to a least output, or
+switched on where daylight alone is not enough. Power falls on a straight line between
+full output and the least one, as measured for dimmable drivers (Rubinstein, 1984).
+"""
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.errors import InputError
+
+Control = Literal["dimming", "dimming with switch-off", "on-off", "none"]
+
+
+@final
+@dataclass(frozen=True)
+class LightingZone:
+    """Luminaires that one sensor governs.
+
+    Attributes
+    ----------
+    power : of the luminaires at full output [W]
+    full_lux : that they add at the sensor at full output
+    setpoint_lux : that the sensor should have
+    control : "dimming" keeps the least output on; "dimming with switch-off" does not;
+        "on-off" is full or nothing; "none" is full whenever somebody is there
+    least_output, least_power : share of the light and of the power at the lower end
+    standby : power when off [W]
+
+    Raises
+    ------
+    InputError : numbers out of range
+    """
+
+    power: float
+    full_lux: float
+    setpoint_lux: float = 500.0
+    control: Control = "dimming"
+    least_output: float = 0.1
+    least_power: float = 0.2
+    standby: float = 0.0
+
+    def __post_init__(self) -> None:
+        if min(self.power, self.full_lux, self.setpoint_lux) <= 0 or self.standby < 0:
+            raise InputError(
+                f"luminaires of {self.power:g} W that add {self.full_lux:g} lux for"
+                f" {self.setpoint_lux:g} lux; numbers above 0 expected"
+            )
+        if not (0 <= self.least_output < 1 and 0 <= self.least_power <= 1):
+            raise InputError(
+                f"least output {self.least_output:g} and least power"
+                f" {self.least_power:g}; shares from 0 to 1 expected"
+            )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LightingUse:
+    """What the luminaires do.
+
+    Attributes
+    ----------
+    output : share of full light, over time
+    power : [W], over time
+    illuminance : of daylight and luminaires together at the sensor [lux]
+    energy : over all steps [Wh]
+    error : of the energy, from that of the daylight [Wh]
+    """
+
+    output: Float[np.ndarray, " time"]
+    power: Float[np.ndarray, " time"]
+    illuminance: Float[np.ndarray, " time"]
+    energy: float
+    error: float
+
+
+def lighting_use(
+    zone: LightingZone,
+    daylight: Float[np.ndarray, " time"],
+    occupied: Bool[np.ndarray, " time"],
+    *,
+    standard_error: Float[np.ndarray, " time"] | None = None,
+    step_hours: float = 1.0,
+) -> LightingUse:
+    """Return output, power and energy of the luminaires of a zone.
+
+    Parameters
+    ----------
+    daylight, standard_error : at the photosensor [lux]
+    occupied : whether somebody is there; the luminaires are off otherwise
+    step_hours : length of a time step [h]
+
+    Examples
+    --------
+    >>> zone = LightingZone(power=100, full_lux=500, least_output=0, least_power=0)
+    >>> use = lighting_use(zone, np.array([0.0, 250.0, 900.0]), np.ones(3, bool))
+    >>> use.power.tolist(), use.energy
+    ([100.0, 50.0, 0.0], 150.0)
+    """
+    output, power = _output(zone, daylight, occupied)
+    error = 0.0
+    if standard_error is not None:
+        high, low = (
+            _output(zone, daylight + sign * standard_error, occupied)[1].sum()
+            for sign in (-1, 1)
+        )
+        error = float(abs(high - low) / 2 * step_hours)
+    return LightingUse(
+        output,
+        power,
+        np.asarray(daylight + output * zone.full_lux),
+        float(power.sum() * step_hours),
+        error,
+    )
+
+
+def lighting_saving(use: LightingUse, reference: LightingUse) -> float:
+    """Share of the energy of a reference that is saved, such as one without control."""
+    if not reference.energy > 0:
+        raise InputError("the reference uses no energy; some expected")
+    return 1 - use.energy / reference.energy
+
+
+def _output(
+    zone: LightingZone,
+    daylight: Float[np.ndarray, " time"],
+    occupied: Bool[np.ndarray, " time"],
+) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+    missing = np.clip((zone.setpoint_lux - daylight) / zone.full_lux, 0, 1)
+    if zone.control == "none":
+        output, lit = np.ones_like(missing), occupied
+    elif zone.control == "on-off":
+        lit = occupied & (missing > 0)
+        output = np.ones_like(missing)
+    else:
+        output = np.maximum(missing, zone.least_output)
+        off = zone.control == "dimming with switch-off"
+        lit = occupied & (missing > 0) if off else occupied
+    slope = (1 - zone.least_power) / (1 - zone.least_output)
+    power = zone.power * (zone.least_power + slope * (output - zone.least_output))
+    return (
+        np.where(lit, output, 0.0),
+        np.asarray(np.where(lit, power, zone.standby)),
+    )
