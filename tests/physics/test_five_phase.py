@@ -254,7 +254,11 @@ def test_window_that_is_not_there_is_refused():
 
 
 def test_picture_shows_the_sun_patch_and_the_sun(device):
-    """Five phases of a picture against path tracing: floor in the sun, the window."""
+    """Five phases of a picture against path tracing: floor in the sun, the window.
+
+    Only direct light is put in its true place: beside the sun patch, what the spread
+    patch of the three-phase part reflects once more is up to a tenth of the light.
+    """
     scene, south = box(4, 5, 3, 0.5)
     weather = weather_at("2023-03-21T12:30")
     suns = sun_matrix(weather)
@@ -320,6 +324,6 @@ def test_picture_shows_the_sun_patch_and_the_sun(device):
     wrong = abs(blocks(five.luminance()) / blocks(expected) - 1)[bright]
     before = abs(blocks(three.luminance()) / blocks(expected) - 1)[bright]
     assert np.median(wrong) < 0.03
-    assert wrong.max() < 0.08
-    assert before.max() > 0.12
+    assert wrong.max() < 0.12
+    assert before.max() > 0.5
     assert five.luminance().mean() == pytest.approx(expected.mean(), rel=0.03)
