@@ -1,0 +1,94 @@
+"""`clerestory bsdf generate` writes what it says, and says what is wrong."""
+
+import numpy as np
+import pytest
+
+from clerestory.bsdf.xml import read_bsdf
+
+FEW = ("--samples", 64, "--quiet")
+SLATS = """
+void plastic grey 0 0 5 0.5 0.5 0.5 0 0
+grey polygon slat 0 0 12  0 0.1 0  1 0.1 0  1 0.1 -0.05  0 0.1 -0.05
+grey polygon slat2 0 0 12  0 0.2 0  1 0.2 0  1 0.2 -0.05  0 0.2 -0.05
+"""
+
+
+def test_a_blind_from_words(call, room):
+    done = call(
+        *(
+            "bsdf",
+            "generate",
+            "--venetian",
+            "slat_width=0.08,spacing=0.072,tilt_deg=45",
+        ),
+        *("--basis", "quarter", "-o", "blind.xml", "--errors", "errors.xml"),
+        *("--rad", "blind.rad", *FEW),
+    )
+    assert (done.status, done.err) == (0, "")
+    bsdf, errors = read_bsdf("blind.xml"), read_bsdf("errors.xml")
+    assert bsdf.product.thickness == pytest.approx(0.08 / np.sqrt(2))
+    assert bsdf.product.geometry is not None
+    assert set(bsdf.functions) == set(errors.functions)
+    assert 0.2 < bsdf.diffuse("transmission_front") < 0.5
+    assert (room / "blind.rad").read_text().count("polygon") > 3
+
+
+def test_a_tree_from_a_scene(call, room):
+    (room / "slats.rad").write_text(SLATS)
+    done = call(
+        *("bsdf", "generate", "slats.rad", "--basis", "tree4", "--halvings", 3),
+        *("--dim", 0, 1, 0, 0.3, -0.05, 0, "--sides", "front", "-o", "tree.xml"),
+        *("--reduce", 50, "--no-geometry", "--samples", 1024, "--quiet"),
+    )
+    assert (done.status, done.err) == (0, "")
+    bsdf = read_bsdf("tree.xml")
+    assert set(bsdf.functions) == {
+        ("visible", "transmission_front"),
+        ("visible", "reflection_front"),
+    }
+    assert bsdf.product.height == pytest.approx(0.3)
+
+
+def test_bands_and_a_toml_file(call, room):
+    (room / "pane.toml").write_text('kind = "diffuse_pane"\ntransmittance = 0.5\n')
+    done = call(
+        *("bsdf", "generate", "--system", "pane.toml", "--basis", "quarter"),
+        *("--band", "visible=0.3/0.6/0.1", "--band", "solar=1/0/0"),
+        *("--samples", 256, "-o", "pane.xml"),
+    )
+    assert (done.status, done.err) == (0, "")
+    assert "visible transmission front" in done.out
+    assert read_bsdf("pane.xml").channels == ("visible", "solar")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), "no system"),
+        (("--venetian", "slat_width"), "each name once"),
+        (("--venetian", "spacing=1"), "without 'slat_width'"),
+        (("--woven", "default", "--microlouvre", "default"), "several systems"),
+        (("--woven", "default", "--halvings", 9, "--basis", "tree4"), "2 to 7"),
+        (("--woven", "default", "--reduce", 100), "0 to below 100"),
+        (("--woven", "default", "--band", "solar=1"), "such as solar="),
+        (("--woven", "default", "--relative-error", 0), "0.0001 to 10"),
+        (("missing.rad",), "missing.rad"),
+    ],
+)
+def test_bad_requests_end_with_one_line(call, words, message):
+    done = call("bsdf", "generate", *words, "-o", "x.xml")
+    assert done.status == 2
+    assert message in done.err
+    assert done.err.count("\n") == 1
+
+
+def test_doubts_are_warnings(call, room):
+    (room / "slats.rad").write_text(SLATS.replace("-0.05", "0.05"))
+    (room / "more.rad").write_text("grey polygon low 0 0 9  0 0 -0.1  1 0 -0.1  0 1 0")
+    done = call(
+        *("bsdf", "generate", "slats.rad", "more.rad", "-o", "x.xml"),
+        *("--basis", "quarter", *FEW),
+    )
+    assert done.status == 0
+    assert 'warning: slats.rad:3: polygon "slat"' in done.err
+    assert "into the room" in done.err
