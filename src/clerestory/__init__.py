@@ -54,6 +54,8 @@ _HOME = {
     "render": "phases.render",
     "sky_at": "scene.sky",
     "sky_scene": "scene.sky",
+    "evaluate_glare": "glare.evaluate",
+    "annual_glare": "glare.annual",
     "read_study": "study.config",
     "run_study": "study.run",
 }

@@ -30,19 +30,24 @@ def tabulate(
 
     pixels = np.bincount(label, minlength=1)
     used = np.flatnonzero(pixels)
-    solid_angle = np.bincount(label, weights=omega)[used]
-    power = np.bincount(label, weights=flux)[used]
+
+    def total(values: np.ndarray) -> np.ndarray:
+        # Of the pixels of each source; a picture without any has no numbers either
+        sums: np.ndarray = np.bincount(label, weights=values)[used].astype(float)
+        return sums
+
+    solid_angle, power = total(omega), total(flux)
     # The middle is weighted by luminance, and looked up in the pixel that holds it.
     # evalglare counts rows from below, and cuts off what follows the point
     rows, _ = eye.shape
-    up = np.bincount(label, weights=flux * (rows - 1 - row))[used] / power
-    across = np.bincount(label, weights=flux * column)[used] / power
+    up = total(flux * (rows - 1 - row)) / power
+    across = total(flux * column) / power
     at = (
         rows - 1 - up.astype(np.float32).astype(int),
         across.astype(np.float32).astype(int),
     )
 
-    lit = np.bincount(label, weights=bright * eye.eye_weight[row, column])[used]
+    lit = total(bright * eye.eye_weight[row, column])
     return GlareSources(
         luminance=power / solid_angle,
         solid_angle=solid_angle,
