@@ -297,3 +297,12 @@ def test_plugins_take_numbers_and_colours_as_mitsuba_writes_them(load):
         mi.BSDFContext(), interaction(1, leaving(0)), mi.Vector3f(0, 0, 1)
     )
     assert value.numpy().ravel() == pytest.approx(np.array([0.3, 0.2, 0.1]) / np.pi)
+
+
+def test_reflectances_above_one_are_taken_as_they_are(load):
+    """The reader warns; Mitsuba's own colours would refuse them."""
+    made = load(Plastic("", np.array([1.5, 1.0, 0.5])))
+    value = made.eval(
+        mi.BSDFContext(), interaction(1, leaving(0)), mi.Vector3f(0, 0, 1)
+    )
+    assert value.numpy().ravel() == pytest.approx(np.array([1.5, 1.0, 0.5]) / np.pi)
