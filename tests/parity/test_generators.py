@@ -27,6 +27,13 @@ SHAPES = [
     "genprism grey p 5 0 0 0 2 2 2 1 1 2 0 -l .4 0 1 -r .1",
     "genprism grey p 5 0 0 2 0 1 1 2 2 0 2 -l 0 .2 -1 -r .1 -c",
     "genblinds grey b .05 1 1.5 20 45",
+    "genrev grey r 'sin(2*PI*t)' '2+cos(2*PI*t)' 16",
+    "genrev grey r 'hermite(0,1,2,-1,t)' 'if(t-.5,1,2*t+.1)' 9",
+    "genworm grey w 0 '5*sin(t)' '5*cos(t)' '.4-(.5-t)*(.5-t)' 8",
+    "genworm grey w 'bezier(0,1,2,0,t)' t 'bspline(0,1,0,2,t)' .1 5",
+    "gensurf grey s 's' 't' 'sin(PI*s)*t' 4 7",
+    "gensurf grey s 's' 't*w' '.3' 3 2 -e 'w=2'",
+    "gensurf grey s 's' 't' 's*t*t' 5 6 -e 'valid(s,t)=.8-s*t'",
     "genblinds grey b .05 1 1.5 7 -30 -r .06",
     "genblinds grey b .05 1 1.5 7 20 +r .1",
 ]
@@ -34,7 +41,8 @@ SHAPES = [
 
 def numbers(surface):
     """All numbers of a surface."""
-    names = ("vertices", "centre", "radius", "inward", "base", "top", "base_radius")
+    names = "vertices centre radius inward base top base_radius top_radius normal"
+    names = f"{names} inner_radius outer_radius".split()
     return np.concatenate(
         [
             np.ravel(getattr(surface, n)).astype(float)

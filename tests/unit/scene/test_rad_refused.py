@@ -67,9 +67,9 @@ CASES = {
     "quote": ("grey polygon 'x 0 0 9", 2, "quotation mark is not closed"),
     # Commands
     "command": (
-        "!genrev grey b 1 1 1",
+        "!genclock -t 12",
         2,
-        '"genrev" in the command "genrev grey b 1 1 1"',
+        '"genclock" in the command "genclock -t 12"',
     ),
     "piped": ("!xform part.rad | sort", 2, '"sort" in the command'),
     "shell": ("!xform part.rad; rm part.rad", 2, '";" in the command'),

@@ -178,6 +178,31 @@ def _zigzag(n: Values, d: Values) -> Values:
     return height
 
 
+def _hermite(p0: Values, p1: Values, r0: Values, r1: Values, t: Values) -> Values:
+    # Through p0 and p1 with slopes r0 and r1
+    value: Values = (
+        p0 * (1 + 2 * t) * (1 - t) ** 2
+        + p1 * t**2 * (3 - 2 * t)
+        + r0 * t * (1 - t) ** 2
+        - r1 * t**2 * (1 - t)
+    )
+    return value
+
+
+def _bezier(p1: Values, p2: Values, p3: Values, p4: Values, t: Values) -> Values:
+    u = 1 - t
+    value: Values = p1 * u**3 + 3 * t * u * (p2 * u + p3 * t) + p4 * t**3
+    return value
+
+
+def _bspline(pp: Values, p0: Values, p1: Values, pn: Values, t: Values) -> Values:
+    # Uniform and cubic
+    ends = pp * (1 - t) ** 3 + pn * t**3
+    middle = p0 * (4 + t**2 * (3 * t - 6)) + p1 * (1 + 3 * t * (1 + t * (1 - t)))
+    value: Values = (ends + middle) / 6
+    return value
+
+
 _CALCULATOR = {
     "sqrt": _of_numpy(np.sqrt),
     "sin": _of_numpy(np.sin),
@@ -228,6 +253,9 @@ _START_FILE = {
     "mod": _quotient(np.mod, 2),
     "tri": _quotient(_zigzag, 2),
     "linterp": _plain(lambda t, p0, p1: (1 - t) * p0 + t * p1, 3),
+    "hermite": _plain(_hermite, 5),
+    "bezier": _plain(_bezier, 5),
+    "bspline": _plain(_bspline, 5),
     "noop": _plain(lambda v: v, 1),
     "clip": _plain(lambda v: np.clip(v, 0, 1), 1),
     "noneg": _plain(lambda v: np.maximum(v, 0), 1),

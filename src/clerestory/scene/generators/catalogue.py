@@ -7,6 +7,7 @@ from clerestory.errors import InputError
 from clerestory.scene.generators.blinds import blinds
 from clerestory.scene.generators.box import box
 from clerestory.scene.generators.cie_sky import gensky
+from clerestory.scene.generators.formula import revolution, surface, worm
 from clerestory.scene.generators.luminaire import ies2rad
 from clerestory.scene.generators.perez_sky import gendaylit
 from clerestory.scene.generators.prism import prism
@@ -18,6 +19,9 @@ Find = Callable[[str], Path]
 GENERATORS: Mapping[str, Callable[[Words, Find], list[str]]] = {
     "genbox": lambda words, _: box(words),
     "genprism": prism,
+    "gensurf": surface,
+    "genrev": revolution,
+    "genworm": worm,
     "genblinds": lambda words, _: blinds(words),
     "gensky": lambda words, _: gensky(words),
     "gendaylit": lambda words, _: gendaylit(words),
