@@ -246,20 +246,26 @@ def run_piece(first: int, count: int, folder: Path | None) -> Outcome:
     return outcome
 
 
-def run_pieces(count: int, folder: Path | None) -> Outcome:
-    """Run pieces in processes of their own, one after the other."""
+def run_pieces(count: int, folder: Path | None, state: Path | None) -> Outcome:
+    """Run pieces in processes of their own; what a state file holds is not run again."""
+    done = json.loads(state.read_text()) if state and state.exists() else {}
     total = Outcome()
+    for piece in done.values():
+        total.add(Outcome(**piece))
     for first in range(0, count, PIECE):
+        if str(first) in done:
+            continue
         size = min(PIECE, count - first)
         command = [sys.executable, __file__, "--piece", str(first), str(size)]
         command += ["--seeds", str(folder)] if folder else []
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            total.crashes.append(
-                f"{first}…: status {done.returncode} {done.stderr[-300:]}"
-            )
+        ran = subprocess.run(command, capture_output=True, text=True, check=False)
+        if ran.returncode:
+            total.crashes.append(f"{first}…: {ran.returncode} {ran.stderr[-300:]}")
         else:
-            total.add(Outcome(**json.loads(done.stdout)))
+            done[str(first)] = json.loads(ran.stdout)
+            total.add(Outcome(**done[str(first)]))
+        if state:
+            state.write_text(json.dumps(done))
         print(f"{total.files} files, {len(total.crashes)} crashes", file=sys.stderr)
     return total
 
@@ -290,13 +296,14 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100_000)
     parser.add_argument("--seeds", type=Path, help="folder with more files to damage")
     parser.add_argument("--piece", type=int, nargs=2, help=argparse.SUPPRESS)
+    parser.add_argument("--state", type=Path, help="file to go on from and to keep")
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
     if options.piece:
         outcome = run_piece(*options.piece, options.seeds)
         print(json.dumps(asdict(outcome)))
         return
-    outcome = run_pieces(options.count, options.seeds)
+    outcome = run_pieces(options.count, options.seeds, options.state)
     text = page(outcome)
     if options.output:
         options.output.write_text(text, encoding="utf-8")

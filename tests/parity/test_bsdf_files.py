@@ -5,7 +5,9 @@ import pytest
 from bsdf_ripple import angles_deg, directions, is_dropped, library, load, values
 
 from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tree_combine import combine
 from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import InputError
 
 TRANSMITTED = library.SAMPLE_T | library.SAMPLE_SP | library.SAMPLE_DF
@@ -95,6 +97,22 @@ def test_file_is_refused_for_what_it_lacks(shared_data, name):
     with pytest.raises(InputError, match=REFUSED[name]) as caught:
         read_bsdf(shared_data / "bsdf" / name)
     assert caught.value.line
+
+
+@pytest.mark.parametrize("name", MATRICES + TREES)
+def test_file_survives_a_round_trip(shared_data, tmp_path, name):
+    """Every value and every field, to the last bit."""
+    bsdf = read_bsdf(shared_data / "bsdf" / name)
+    write_bsdf(tmp_path / "copy.xml", bsdf)
+    copy = read_bsdf(tmp_path / "copy.xml")
+    assert copy.product == bsdf.product
+    assert list(copy.functions) == list(bsdf.functions)
+    for key, part in bsdf.functions.items():
+        other = copy.functions[key]
+        if isinstance(part, ScatteringTree):
+            assert combine(lambda a, b: np.abs(a - b), part, other).extrema() == (0, 0)
+        else:
+            np.testing.assert_array_equal(part.values, other.values)
 
 
 @pytest.mark.parametrize("name", MATRICES[3::3] + TREES)

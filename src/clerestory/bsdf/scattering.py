@@ -20,7 +20,7 @@ Function = Literal[
 FUNCTIONS: tuple[Function, ...] = get_args(Function)
 
 # Pairs that are evaluated together: their arrays stay in the processor's cache.
-TOGETHER = 1 << 14
+TOGETHER = 1 << 15
 
 OTHER_SIDE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
