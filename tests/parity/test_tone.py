@@ -10,7 +10,10 @@ from clerestory.image.radiance_hdr import write_radiance
 from clerestory.image.read import read_picture
 from clerestory.scene.view import View
 
-FILES = ["raytools_desk_render.hdr", "evalglare_testimage_ISE2003.hdr"]
+FILES = [
+    pytest.param("raytools_desk_render.hdr", marks=pytest.mark.slow),
+    "evalglare_testimage_ISE2003.hdr",
+]
 OPTIONS = {
     "": {"contrast_sensitivity": False, "colour_loss": False},
     "-s": {"colour_loss": False},
