@@ -17,11 +17,11 @@ import numpy as np
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 from clerestory.scene.arguments import Arguments
-from clerestory.scene.compiled import read_octree
-from clerestory.scene.mesh_file import read_compiled_mesh
+from clerestory.scene.compiled import Octree, read_octree
+from clerestory.scene.mesh_file import CompiledMesh, read_compiled_mesh
 from clerestory.scene.model import Source, TriangleMesh
 from clerestory.scene.obj import obj_meshes
-from clerestory.scene.obj_text import parse_obj
+from clerestory.scene.obj_text import ObjText, parse_obj
 from clerestory.scene.placement import Placement
 from clerestory.scene.statements import Alias, Primitive
 
@@ -46,8 +46,12 @@ class Instance:
     placement: Placement
 
 
+# What has been read from files, which may be placed many times
+Loaded = dict[Path, Octree | ObjText | CompiledMesh]
+
+
 def read_instance(
-    item: Primitive, *, file: str, find: Callable[[str], Path]
+    item: Primitive, *, file: str, find: Callable[[str], Path], loaded: Loaded
 ) -> Instance:
     """Return what a primitive of type instance or mesh stands for.
 
@@ -56,6 +60,7 @@ def read_instance(
     item : the primitive
     file : where it stands
     find : path of a file that it names
+    loaded : what has been read before; what is read now is added
 
     Raises
     ------
@@ -70,19 +75,32 @@ def read_instance(
     placement = Placement(given.transform(1), modifier, item.name)
     try:
         path = find(item.strings[0])
-        if item.kind == "instance":
-            return _octree(path, placement, find)
-        if path.suffix.lower() == _OBJ:
-            return Instance((), _obj(path, item, file), placement)
-        return Instance((), _compiled(path, item, file), placement)
+        if path not in loaded:
+            loaded[path] = _load(path, item.kind)
+        match loaded[path]:
+            case Octree() as octree:
+                return _octree(octree, path, placement, find)
+            case ObjText() as text:
+                return Instance((), _obj(text, path, item, file), placement)
+            case CompiledMesh() as mesh:
+                return Instance((), _compiled(mesh, path, item, file), placement)
     except InputError as error:
         if error.file is not None and str(error.file) != str(item.strings[0]):
             raise
         raise given.error(error.message) from error
 
 
-def _octree(path: Path, placement: Placement, find: Callable[[str], Path]) -> Instance:
-    octree = read_octree(path)
+def _load(path: Path, kind: str) -> Octree | ObjText | CompiledMesh:
+    if kind == "instance":
+        return read_octree(path)
+    if path.suffix.lower() == _OBJ:
+        return parse_obj(read_bytes(path), file=str(path))
+    return read_compiled_mesh(path)
+
+
+def _octree(
+    octree: Octree, path: Path, placement: Placement, find: Callable[[str], Path]
+) -> Instance:
     files = []
     for name in octree.files:
         if name.startswith("!"):
@@ -95,8 +113,9 @@ def _octree(path: Path, placement: Placement, find: Callable[[str], Path]) -> In
     return Instance(tuple(files), octree.items, placement)
 
 
-def _obj(path: Path, item: Primitive, file: str) -> tuple[TriangleMesh, ...]:
-    text = parse_obj(read_bytes(path), file=str(path))
+def _obj(
+    text: ObjText, path: Path, item: Primitive, file: str
+) -> tuple[TriangleMesh, ...]:
     meshes = obj_meshes(text, file=str(path))
     unnamed = [mesh for mesh in meshes if not mesh.material]
     if unnamed and item.modifier == "void":
@@ -107,9 +126,8 @@ def _obj(path: Path, item: Primitive, file: str) -> tuple[TriangleMesh, ...]:
 
 
 def _compiled(
-    path: Path, item: Primitive, file: str
+    mesh: CompiledMesh, path: Path, item: Primitive, file: str
 ) -> tuple[Primitive | Alias | TriangleMesh, ...]:
-    mesh = read_compiled_mesh(path)
     names = np.array(mesh.material)
     parts: list[Primitive | Alias | TriangleMesh] = list(mesh.items)
     for name in np.unique(names).tolist():

@@ -17,6 +17,7 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.scene.cal.program import Computed, Program
 from clerestory.scene.cal.syntax import Call, Name, Node
 from clerestory.scene.data_array import DataArray
+from clerestory.scene.pattern import Pattern, Product
 from clerestory.scene.xform import Transform
 
 _DIRECTION = {f"D{a}" for a in "xyz"}
@@ -60,18 +61,19 @@ class FunctionPattern:
     label: str = ""
 
     @cached_property
-    def _uses(self) -> frozenset[str]:
+    def names(self) -> frozenset[str]:
+        """What the functions ask of a ray."""
         return _aliases(self.program.uses(*self.expressions))
 
     @property
     def needs_normal(self) -> bool:
         """Whether a function asks for the normal."""
-        return bool(self._uses & _NORMAL)
+        return bool(self.names & _NORMAL)
 
     @property
     def needs_point(self) -> bool:
         """Whether a function asks for the point."""
-        return bool(self._uses & _POINT)
+        return bool(self.names & _POINT)
 
     def value(
         self,
@@ -109,19 +111,20 @@ class DataPattern:
     label: str = ""
 
     @cached_property
-    def _uses(self) -> frozenset[str]:
+    def names(self) -> frozenset[str]:
+        """What the functions ask of a ray."""
         names = tuple(Name(name) for name in self.functions)
         return _aliases(self.program.uses(*self.coordinates, *names))
 
     @property
     def needs_normal(self) -> bool:
         """Whether a function asks for the normal."""
-        return bool(self._uses & _NORMAL)
+        return bool(self.names & _NORMAL)
 
     @property
     def needs_point(self) -> bool:
         """Whether a function asks for the point."""
-        return bool(self._uses & _POINT)
+        return bool(self.names & _POINT)
 
     def value(
         self,
@@ -147,6 +150,23 @@ class DataPattern:
         readings = [Name(f"${101 + i}") for i in range(len(self.tables))]
         wants_all = self.program.arity(name) >= 3
         return Call(name, tuple(readings) if wants_all else (readings[channel],))
+
+
+def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
+    """Return the value of a pattern that is the same everywhere, None for others."""
+    match pattern:
+        case FunctionPattern() | DataPattern():
+            if pattern.names - _FRAME:
+                return None
+            along = np.array([[0.0, 0.0, 1.0]])
+            value: np.ndarray = pattern.value(along, along, np.zeros((1, 3)))[0]
+            return value
+        case Product(factors):
+            values = [constant_value(factor) for factor in factors]
+            known = [value for value in values if value is not None]
+            return np.prod(known, axis=0) if len(known) == len(values) else None
+        case _:
+            return None
 
 
 def _aliases(names: frozenset[str]) -> frozenset[str]:

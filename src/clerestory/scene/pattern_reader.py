@@ -29,8 +29,14 @@ from clerestory.scene.composite import Illum, Material
 from clerestory.scene.data_array import DataArray, read_data_array
 from clerestory.scene.emitter import Glow, Light, Spotlight
 from clerestory.scene.library import library_file
+from clerestory.scene.material import Metal, Plastic, Trans
 from clerestory.scene.pattern import Pattern, Product
-from clerestory.scene.pattern_function import KNOWN, DataPattern, FunctionPattern
+from clerestory.scene.pattern_function import (
+    KNOWN,
+    DataPattern,
+    FunctionPattern,
+    constant_value,
+)
 from clerestory.scene.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
 from clerestory.scene.photometry.table import intensity_table
 from clerestory.scene.statements import Primitive
@@ -71,24 +77,30 @@ def with_pattern(
 ) -> Material:
     """Return a material whose light is multiplied by a pattern.
 
+    Materials that reflect take patterns that are the same everywhere.
+
     Parameters
     ----------
     item, file : where the material stands
 
     Raises
     ------
-    InputError : with file and line, where the material does not shine by itself
+    InputError : with file and line, where the pattern varies and the material does
+        not shine by itself
     """
     match material:
         case Light() | Glow() | Spotlight() | Illum():
             inner = material.pattern
             both = pattern if inner is None else Product((pattern, inner))
             return replace(material, pattern=both)
-        case _:
-            raise Arguments(item, file).error(
-                f'it is modified by the pattern "{item.modifier}", which only light,'
-                " glow, illum and spotlight take here; void expected"
-            )
+        case Plastic() | Metal() | Trans():
+            factor = constant_value(pattern)
+            if factor is not None:
+                return replace(material, reflectance=material.reflectance * factor)
+    raise Arguments(item, file).error(
+        f'it is modified by the pattern "{item.modifier}", which varies; only light,'
+        " glow, illum and spotlight take such a pattern, void expected"
+    )
 
 
 def modified(pattern: Pattern, outer: Pattern | None) -> Pattern:

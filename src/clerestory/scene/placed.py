@@ -12,7 +12,7 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.scene.command import Inclusion, parse_command
 from clerestory.scene.flatness import checked
-from clerestory.scene.instance import INSTANCE_KINDS, read_instance
+from clerestory.scene.instance import INSTANCE_KINDS, Loaded, read_instance
 from clerestory.scene.model import Scene, Simple, TriangleMesh
 from clerestory.scene.placement import Placement
 from clerestory.scene.primitives import surface
@@ -69,7 +69,7 @@ def placed_items(path: str | Path) -> Iterator[Placed]:
     InputError : with file and line, where a file is missing, malformed, includes
         itself, or holds a command that is not read here
     """
-    walk = _Walk(Path(path).parent, {})
+    walk = _Walk(Path(path).parent, {}, {})
     yield from walk.items(Path(path), Placement(), ())
 
 
@@ -78,6 +78,7 @@ class _Walk:
     # Each file is read once, however often it is placed
     top: Path
     loaded: dict[Path, tuple[Item | Command, ...]]
+    compiled: Loaded
 
     def items(
         self, path: Path, placement: Placement, within: tuple[Path, ...]
@@ -143,7 +144,10 @@ class _Walk:
         # What an instance or mesh names, where it puts it
         with _located(path, item.line):
             instance = read_instance(
-                item, file=str(path), find=lambda name: self._find(name, path)
+                item,
+                file=str(path),
+                find=lambda name: self._find(name, path),
+                loaded=self.compiled,
             )
             inner = instance.placement.then(placement)
             for found in instance.files:
