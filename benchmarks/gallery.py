@@ -32,6 +32,7 @@ from clerestory.image.human_vision import human_vision
 from clerestory.phases.render import render
 from clerestory.scene.package import package
 from clerestory.scene.sky import sky_scene
+from clerestory.scene.surface import TriangleMesh
 from clerestory.scene.xform import parse_transform
 
 HERE = Path(__file__).parent
@@ -109,9 +110,26 @@ def ball(material: str) -> Callable[[Path], "cl.Scene"]:
 
     def scene(folder: Path) -> "cl.Scene":
         (folder / "coat.rad").write_text(material)
-        return cl.read_rad(folder / "coat.rad", SCENES / "balls.rad")
+        table = cl.read_rad(folder / "coat.rad", SCENES / "balls.rad")
+        return replace(table, surfaces=(*table.surfaces, fine_ball()))
 
     return scene
+
+
+def fine_ball(cuts: int = 180) -> TriangleMesh:
+    """Return a ball on the table, finer than the 1280 triangles of a sphere."""
+    theta, phi = np.mgrid[0 : cuts + 1, 0 : 2 * cuts] * (np.pi / cuts)
+    unit = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)])
+    vertices = 0.5 * np.concatenate([unit, np.cos(theta)[None] + 1])
+    row, column = np.mgrid[0:cuts, 0 : 2 * cuts]
+    right = (column + 1) % (2 * cuts)
+    corners = [row * 2 * cuts + column, (row + 1) * 2 * cuts + column]
+    corners += [(row + 1) * 2 * cuts + right, row * 2 * cuts + right]
+    a, b, c, d = (corner.ravel() for corner in corners)
+    # At the poles one half of each square has no area
+    lower, upper = np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)
+    faces = np.concatenate([lower[: -2 * cuts], upper[2 * cuts :]])
+    return TriangleMesh(vertices.reshape(3, -1).T, faces, "coat", "ball")
 
 
 def coated(reduction: int) -> Callable[[Path], "cl.Scene"]:
@@ -284,19 +302,29 @@ def main() -> None:
     parser.add_argument("--halvings", type=int, default=6)
     parser.add_argument("--only", nargs="*", choices=[*SHOTS], default=[*SHOTS])
     options = parser.parse_args()
-    record = PICTURES / "took.json"
-    took = json.loads(record.read_text()) if record.is_file() else {"shots": {}}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if not all(shot.startswith("ball_") for shot in options.only):
             make_blind(folder)
+        sizes = None
         if any(shot.startswith("ball_") for shot in options.only):
-            took["sizes"] = ", ".join(make_coats(folder, options.halvings))
+            sizes = ", ".join(make_coats(folder, options.halvings))
         for shot in options.only:
-            took["shots"][shot] = shoot(shot, folder, options.size, options.samples)
-            print(shot, took["shots"][shot], flush=True)
-            record.write_text(json.dumps(took, indent=1) + "\n")
-            PAGE.write_text(page(took["shots"], took.get("sizes", "")))
+            told = shoot(shot, folder, options.size, options.samples)
+            print(shot, told, flush=True)
+            PAGE.write_text(page(*recorded(shot, told, sizes)))
+
+
+def recorded(
+    name: str, told: dict[str, object], sizes: str | None
+) -> tuple[dict[str, dict[str, object]], str]:
+    """Keep what a picture took beside it, and return that of all so far."""
+    record = PICTURES / "took.json"
+    took = json.loads(record.read_text()) if record.is_file() else {"shots": {}}
+    took["shots"][name] = told
+    took["sizes"] = sizes or took.get("sizes", "")
+    record.write_text(json.dumps(took, indent=1) + "\n")
+    return took["shots"], took["sizes"]
 
 
 if __name__ == "__main__":
