@@ -34,15 +34,7 @@ def read_eulumdat(path: str | Path) -> Luminaire:
     InputError : with file and line, where it is missing or no such file
     """
     lines = _Lines(read_text(path).splitlines(), path)
-    maker = lines.text()
-    lines.skip(1)
-    symmetry = lines.whole("the symmetry", 0, 4)
-    planes = lines.whole("the number of C planes", 1, _MOST_ANGLES)
-    lines.skip(1)
-    count = lines.whole("the number of intensities in a plane", 2, _MOST_ANGLES)
-    lines.skip(2)
-    name, model = lines.text(), lines.text()
-    lines.skip(2)
+    head = _head(lines)
     shape = _shape(lines)
     lines.skip(1)
     output = lines.real("the light output ratio")
@@ -50,14 +42,17 @@ def read_eulumdat(path: str | Path) -> Luminaire:
     lines.skip(1)
     lamps = _lamps(lines)
     lines.skip(_DIRECT_RATIOS)
-    angle = lines.several(planes, "an angle of a C plane")
-    vertical = lines.several(count, "an angle of an intensity")
-    chosen = _planes(symmetry, planes)
-    table = lines.several(len(chosen) * count, "an intensity").reshape(-1, count)
+    angle = lines.several(head.planes, "an angle of a C plane")
+    vertical = lines.several(head.angles, "an angle of an intensity")
+    chosen = _planes(head.symmetry, head.planes)
+    table = lines.several(len(chosen) * head.angles, "an intensity")
+    keywords = {"MANUFAC": head.maker, "LUMCAT": head.model, "LAMP": lamps.kind}
     try:
-        horizontal, intensity = _unfolded(symmetry, angle, chosen, table)
+        horizontal, intensity = _unfolded(
+            head.symmetry, angle, chosen, table.reshape(-1, head.angles)
+        )
         return Luminaire(
-            name or model or Path(path).name,
+            head.name or head.model or Path(path).name,
             "C",
             horizontal,
             vertical,
@@ -65,15 +60,34 @@ def read_eulumdat(path: str | Path) -> Luminaire:
             shape,
             lamp_lumens=lamps.lumens,
             watts=lamps.watts,
-            keywords={
-                "MANUFAC": maker,
-                "LUMCAT": model,
-                "LAMP": lamps.kind,
-                "LORL": f"{output:g}",
-            },
+            keywords=keywords | {"LORL": f"{output:g}"},
         )
     except InputError as error:
         raise InputError(error.message, file=path) from error
+
+
+@dataclass(frozen=True)
+class _Head:
+    # The first twelve lines, as far as they matter
+    maker: str
+    symmetry: int
+    planes: int
+    angles: int
+    name: str
+    model: str
+
+
+def _head(lines: "_Lines") -> _Head:
+    maker = lines.text()
+    lines.skip(1)
+    symmetry = lines.whole("the symmetry", 0, 4)
+    planes = lines.whole("the number of C planes", 1, _MOST_ANGLES)
+    lines.skip(1)
+    angles = lines.whole("the number of intensities in a plane", 2, _MOST_ANGLES)
+    lines.skip(2)
+    name, model = lines.text(), lines.text()
+    lines.skip(2)
+    return _Head(maker, symmetry, planes, angles, name, model)
 
 
 @dataclass
