@@ -119,16 +119,17 @@ def summarise(
     if zones is not None:
         members, zone_of = cut_along(members, zones.of_pixels(eye))
     sources = tabulate(members, luminance, eye, zone=zone_of)
-    average = reference_luminance(luminance, eye, None)
+    values = np.ascontiguousarray(luminance, dtype=float).ravel()
+    average = float(eye.solid_angle.ravel() @ values) / eye.total_solid_angle
     return Glare(
         sources=sources.larger_than(rules.smallest),
-        illuminance=float(np.vdot(eye.eye_weight, luminance)),
+        illuminance=float(eye.eye_weight.ravel() @ values),
         given_illuminance=given_illuminance,
         average=average,
         reference=(
             reference_luminance(luminance, eye, rules.task) if rules.task else average
         ),
-        brightest=float(luminance[eye.valid].max(initial=0)),
+        brightest=float((luminance * eye.valid).max()),
         solid_angle=eye.total_solid_angle,
         background_kind=background,
         low_light=low_light,

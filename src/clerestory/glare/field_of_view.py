@@ -50,10 +50,12 @@ def in_field(
     from_below = 180 - around
     if field == "binocular":
         limit = np.where(below, np.radians(_lower_binocular(from_below)), _BROW)
-        return np.asarray(sigma <= limit)
+        seen: np.ndarray = sigma <= limit
+        return seen
     upper = np.radians(_upper_total(around))
     lower = np.where(tau > _CHEEK, np.radians(_lower_total(from_below)), np.inf)
-    return np.asarray(sigma <= np.where(below, lower, upper))
+    inside: np.ndarray = np.less_equal(sigma, np.where(below, lower, upper))
+    return inside
 
 
 def _upper_total(tau: np.ndarray) -> np.ndarray:

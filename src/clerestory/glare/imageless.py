@@ -66,7 +66,8 @@ def imageless_dgp(
     level = np.maximum(np.asarray(illuminance, dtype=float), 1e-9)
     contrast = k.c2 * np.log10(1 + total / level**k.a3)
     dgp: np.ndarray = k.c1 * level**k.a5 + k.c3 + contrast
-    return np.asarray(np.minimum(dgp, 1.0))
+    limited: np.ndarray = np.minimum(dgp, 1.0)
+    return limited
 
 
 def position_of(

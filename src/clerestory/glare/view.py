@@ -103,7 +103,9 @@ class GlareView:
 
     def surely_within(self, angle: float) -> Float[np.ndarray, "row column"]:
         """Pixels to go from each pixel in any way and stay within an angle [rad]."""
-        return angle / self._pitch[1]
+        with np.errstate(divide="ignore"):
+            reach: np.ndarray = angle / self._pitch[1]
+        return reach
 
     def pixel_angle(self) -> float:
         """A tenth of the angle of ten pixels along the diagonal from the middle [rad].

@@ -5,6 +5,7 @@ product of time, sensitivity and aperture.
 """
 
 import math
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,19 @@ from jaxtyping import UInt8
 from PIL import ExifTags, Image
 
 from clerestory.errors import InputError
+
+# What Pillow raises on damaged files
+_BROKEN = (
+    OSError,
+    ValueError,
+    SyntaxError,
+    EOFError,
+    LookupError,
+    TypeError,
+    ArithmeticError,
+    struct.error,
+    Image.DecompressionBombError,
+)
 
 Photograph = UInt8[np.ndarray, "row column 3"]
 
@@ -70,7 +84,7 @@ def read_photograph(path: str | Path) -> Photograph:
                     file=path,
                 )
             return np.asarray(image.convert("RGB"))
-    except (OSError, ValueError, Image.DecompressionBombError, SyntaxError) as error:
+    except _BROKEN as error:
         raise InputError(f"no photograph: {error}", file=path) from error
 
 
@@ -84,7 +98,7 @@ def read_exposure(path: str | Path) -> Exposure:
     try:
         with Image.open(path) as image:
             data = image.getexif().get_ifd(ExifTags.IFD.Exif)
-    except (OSError, ValueError, SyntaxError) as error:
+    except _BROKEN as error:
         raise InputError(f"no photograph: {error}", file=path) from error
     tags = {
         "time": ExifTags.Base.ExposureTime,

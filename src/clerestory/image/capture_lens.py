@@ -65,7 +65,8 @@ class Lens:
     def radius(self, theta: _Angles) -> _Angles:
         """Radius of angles from the axis [rad], 1 at 90°."""
         plain = self._plain(np.asarray(theta, float))
-        return np.asarray(plain / self._plain(np.array(np.pi / 2)))
+        radius: np.ndarray = plain / self._plain(np.array(np.pi / 2))
+        return radius
 
     def _plain(self, theta: np.ndarray) -> np.ndarray:
         if self.mapping == "equisolid":

@@ -1,7 +1,12 @@
 """Pictures from photographs, where the truth is known because we made them."""
 
+import contextlib
+import warnings
+
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from PIL import Image
 
 from clerestory.errors import ClerestoryWarning, InputError
@@ -147,6 +152,46 @@ def test_photographs_tell_their_exposure(tmp_path):
     (tmp_path / "broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 nothing")
     with pytest.raises(InputError, match="no photograph"):
         read_photograph(tmp_path / "broken.jpg")
+
+
+@pytest.fixture(scope="module")
+def jpeg(tmp_path_factory):
+    path = tmp_path_factory.mktemp("shots") / "shot.jpg"
+    exif = Image.Exif()
+    exif.get_ifd(0x8769)[0x829A] = 0.01
+    Image.new("RGB", (8, 6), (10, 20, 30)).save(path, exif=exif)
+    return path.read_bytes()
+
+
+@settings(
+    deadline=None,
+    max_examples=60,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(data=st.data())
+def test_damaged_photographs_are_refused_or_read(jpeg, tmp_path, data):
+    spoilt = bytearray(jpeg[: data.draw(st.integers(0, len(jpeg)))])
+    for place in data.draw(st.lists(st.integers(0, len(jpeg)), max_size=6)):
+        if place < len(spoilt):
+            spoilt[place] = data.draw(st.integers(0, 255))
+    (tmp_path / "shot.jpg").write_bytes(spoilt)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for read in (read_photograph, read_exposure):
+            with contextlib.suppress(InputError):
+                read(tmp_path / "shot.jpg")
+
+
+@settings(
+    deadline=None,
+    max_examples=60,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(text=st.text("0123456789.,-e \nvaluredgnb", max_size=80))
+def test_damaged_responses_are_refused_or_read(tmp_path, text):
+    (tmp_path / "camera.rsp").write_text(text)
+    with contextlib.suppress(InputError):
+        read_response(tmp_path / "camera.rsp")
 
 
 @pytest.mark.parametrize(
