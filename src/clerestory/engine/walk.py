@@ -293,7 +293,8 @@ def walk(
         direction = si.to_world(sample.wo)
         ray = mi.Ray3f(offset(model, si, direction, active), direction)
         origin = dr.select(null, origin, si.p)
-        pdf = dr.select(null, pdf, dr.select(delta, 0, sample.pdf))
+        # What no connection was made for is not shared with any
+        pdf = dr.select(null, pdf, dr.select(delta | ~more, 0, sample.pdf))
         segment += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
         active &= (dr.max(weight) > 0) & (segment <= segments)
 
