@@ -247,7 +247,7 @@ def run_piece(first: int, count: int, folder: Path | None) -> Outcome:
 
 
 def run_pieces(count: int, folder: Path | None, state: Path | None) -> Outcome:
-    """Run pieces in processes of their own; what a state file holds is not run again."""
+    """Run pieces in processes of their own, but those that a state file holds."""
     done = json.loads(state.read_text()) if state and state.exists() else {}
     total = Outcome()
     for piece in done.values():

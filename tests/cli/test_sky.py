@@ -7,6 +7,7 @@ import pytest
 
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.radiance_format import read_matrix
+from clerestory.sky.conditions import daylight_steps
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 
@@ -51,6 +52,32 @@ def test_options_are_the_arguments_in_python(call, options, arguments):
     found = matrix(call, options)
     truth = sky_matrix(read_weather("two_days.wea"), subdivision=1, **arguments)
     np.testing.assert_array_equal(found, truth.values.astype(float))
+
+
+def test_the_average_of_daylight_is_one_column(call):
+    found = matrix(call, "--daylight-only --average")
+    day = daylight_steps(read_weather("two_days.wea"))
+    assert 10 < len(day.times) < 40
+    truth = sky_matrix(day, subdivision=1).values.mean(axis=2, keepdims=True)
+    np.testing.assert_allclose(found, truth, rtol=1e-5)
+
+
+def test_a_clock_that_is_wrong_is_told(call, room):
+    """A year of clear days whose light comes three hours late."""
+    hours = np.arange(8760)
+    day, hour = hours // 24, hours % 24 + 0.5
+    light = np.maximum(np.sin((hour - 9) / 12 * np.pi), 0) * 500
+    month = np.datetime64("2023-01-01") + day
+    rows = [
+        f"{m[5:7]} {m[8:10]} {h} {v:.0f} {v / 4:.0f}"
+        for m, h, v in zip(month.astype(str), hour, light, strict=True)
+    ]
+    head = "place late\nlatitude 40\nlongitude 0\ntime_zone 0\nsite_elevation 0\n"
+    head += "weather_data_file_units 1\n"
+    (room / "late.wea").write_text(head + "\n".join(rows) + "\n")
+    outcome = sky(call, "sun late.wea -o suns.csv")
+    assert outcome.status == 0
+    assert "h late against the sun: are time zone" in outcome.err
 
 
 def test_the_three_formats_and_netcdf_hold_the_same_sky(call):

@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("pyradiance")
 from gendaymtx import epw_to_wea, gendaymtx
 
+from clerestory.sky.conditions import daylight_steps
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.suns import sun_matrix
@@ -82,6 +83,15 @@ def test_options_mean_the_same(wea, options, arguments):
 def test_the_mean_sky_equals_gendaymtx(wea):
     sky = sky_matrix(read_weather(wea), subdivision=2, sun_formula="radiance").mean()
     assert_same_sky(sky.values, gendaymtx(wea, "-m", "2", "-A"))
+
+
+@pytest.mark.parametrize("options", [["-u"], ["-u", "-A"]])
+def test_the_sky_of_daylight_equals_gendaymtx(wea, options):
+    """-u leaves out the steps in which no part of the sun is up."""
+    weather = daylight_steps(read_weather(wea), sun_formula="radiance")
+    sky = sky_matrix(weather, subdivision=2, sun_formula="radiance")
+    sky = sky.mean() if "-A" in options else sky
+    assert_same_sky(sky.values, gendaymtx(wea, "-m", "2", *options))
 
 
 def test_exact_suns_equal_the_sources_of_gendaymtx(wea, tmp_path):

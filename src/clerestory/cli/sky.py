@@ -27,6 +27,7 @@ from clerestory.cli.sky_options import (
 )
 from clerestory.errors import InputError
 from clerestory.files import write_text
+from clerestory.sky.conditions import daylight_steps
 from clerestory.sky.describe import describe_weather
 from clerestory.sky.gensky import cie_sky
 from clerestory.sky.point import sky_vector
@@ -63,6 +64,12 @@ def matrix(
     first_day: FirstDay = None,
     last_day: LastDay = None,
     time: Moment = None,
+    daylight_only: Annotated[
+        bool, typer.Option("--daylight-only", help="Only steps with the sun up.")
+    ] = False,
+    average: Annotated[
+        bool, typer.Option("--average", help="One column, the mean of all steps.")
+    ] = False,
     encoding: Format = "float",
     quiet: Quiet = False,
 ) -> None:
@@ -74,8 +81,11 @@ def matrix(
     placement, diameter = placement_of(sun_size)
     with progress_display(quiet=quiet) as display:
         progress = display("sky matrix")
+        data = part_of(weather, first_day, last_day, time)
+        if daylight_only:
+            data = daylight_steps(data, sun_formula=sun_formula)
         sky = sky_matrix(
-            part_of(read_weather(weather), first_day, last_day, time),
+            data,
             subdivision=subdivision,
             include=include,
             sun=placement,
@@ -87,6 +97,7 @@ def matrix(
             spectrum="solar" if solar else "visible",
         )
         progress(0.2, "writing")
+        sky = sky.mean() if average else sky
         dense, command = sky.to_transfer_matrix(), "clerestory sky matrix"
         write_any_matrix(output, dense, encoding=encoding, command=command)
         progress(1.0, "done")
@@ -201,7 +212,7 @@ def sun(
     """
     if occurring and reinhart is not None:
         raise InputError("both --occurring and --reinhart; one of them expected")
-    data = part_of(read_weather(weather), first_day, last_day, None)
+    data = part_of(weather, first_day, last_day, None)
     if occurring or reinhart is not None:
         text = suns_table(
             patch_suns(
@@ -240,7 +251,7 @@ def plot(
     last_day: LastDay = None,
 ) -> None:
     """Heat map of sun and sky over the year; with --time, the dome in false colour."""
-    data = part_of(read_weather(weather), first_day, last_day, time)
+    data = part_of(weather, first_day, last_day, time)
 
     # Matplotlib takes half a second to load, which only plots should wait for
     plots = importlib.import_module("clerestory.report.sky_plots")

@@ -7,8 +7,10 @@ import typer
 
 from clerestory.errors import InputError
 from clerestory.sky.direct import SUN_DIAMETER_DEG, SunPlacement
+from clerestory.sky.doubts import warn_of_clock
 from clerestory.sky.gensky import CieSky
 from clerestory.sky.period import select_days, select_moment
+from clerestory.sky.read import read_weather
 from clerestory.sky.sun import SunFormula
 from clerestory.sky.weather import Weather
 
@@ -77,14 +79,16 @@ def placement_of(
 
 
 def part_of(
-    weather: Weather, first: str | None, last: str | None, moment: str | None
+    file: Path, first: str | None, last: str | None, moment: str | None
 ) -> Weather:
-    """Return the moment or the days asked for.
+    """Return the moment or the days asked for; warn of clocks that are wrong.
 
     Raises
     ------
     InputError : both were asked for, or the weather has none of them
     """
+    weather = read_weather(file)
+    warn_of_clock(weather)
     if moment is not None:
         if first or last:
             raise InputError("both --time and --from or --to; one of them expected")

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.constants import LUMINOUS_EFFICACY, SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.sky.sky_state import (
     DEFAULT_DEW_POINT_C,
@@ -139,6 +139,22 @@ def sun_over(
     if sun_formula == "spa":
         sun = _at_sunrise_and_sunset(weather, sun)
     return SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
+
+
+def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weather:
+    """Return the steps in which at least a part of the sun's disc is up.
+
+    Raises
+    ------
+    InputError : there are none
+    """
+    up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
+    if not up.any():
+        raise InputError(
+            "the sun is never up; weather with days expected",
+            file=weather.source or None,
+        )
+    return weather.select(up)
 
 
 def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:

@@ -6,11 +6,13 @@ light to follow the height of the sun best is known to a quarter of an hour in a
 year of any climate but a few; mornings with fog or afternoons with storms move it.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.errors import ClerestoryWarning
 from clerestory.sky.conditions import sun_over
 from clerestory.sky.sun import sun_position
 from clerestory.sky.weather import Weather
@@ -73,6 +75,17 @@ def clock_shift(weather: Weather) -> ClockShift | None:
 def weather_doubts(weather: Weather) -> tuple[str, ...]:
     """Return what is doubtful, a sentence each, with the size of the doubt."""
     return (*_missing_steps(weather), *_light_at_night(weather), *_clock(weather))
+
+
+def warn_of_clock(weather: Weather) -> None:
+    """Warn where the light comes too early or too late for the times of a file.
+
+    Warns
+    -----
+    ClerestoryWarning : with the shift
+    """
+    for doubt in _clock(weather):
+        warnings.warn(f"{weather.source}: {doubt}", ClerestoryWarning, stacklevel=2)
 
 
 def _missing_steps(weather: Weather) -> tuple[str, ...]:

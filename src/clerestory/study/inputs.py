@@ -19,6 +19,7 @@ from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors, read_sensors
 from clerestory.scene.view_text import read_view
 from clerestory.scene.window import Window, read_windows
+from clerestory.sky.doubts import warn_of_clock
 from clerestory.sky.period import select_days
 from clerestory.sky.read import read_weather
 from clerestory.sky.station import read_with
@@ -109,10 +110,14 @@ def _camera(table: ViewTable) -> Camera:
 def _weather(study: Study) -> Weather:
     # The days asked for, with at least one hour that counts
     table = study.weather
-    weather = select_days(
+    whole = (
         read_weather(table.file)
         if table.measured is None
-        else read_with(table.file, table.measured),
+        else read_with(table.file, table.measured)
+    )
+    warn_of_clock(whole)
+    weather = select_days(
+        whole,
         first=table.first_day or "01-01",
         last=table.last_day or "12-31",
     )
