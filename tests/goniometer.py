@@ -147,6 +147,7 @@ def _tangents(centre):
 
 def write_pabopto(measurement, folder, *, leave_out=()):
     """Write scans as Mountain would, up at φ = 90°, light from θ > 90°."""
+    reflected = measurement.function.startswith("reflection")
     files = []
     for k, scan in enumerate(measurement.scans):
         if k in leave_out:
@@ -161,6 +162,8 @@ def write_pabopto(measurement, folder, *, leave_out=()):
             "#upphi 90",
         ]
         out_theta, out_phi = _degrees(scan.leaving)
+        if reflected:
+            out_theta = 180 - out_theta
         lines += [
             f"{t:.4f} {p:.4f} {v:.6g}"
             for t, p, v in zip(out_theta, out_phi, scan.values, strict=True)

@@ -30,8 +30,8 @@ def upright(direction: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*bat
 
 
 def angle_between(
-    one: Float[np.ndarray, "*batch 3"], other: Float[np.ndarray, "*batch 3"]
-) -> Float[np.ndarray, "*batch"]:
+    one: Float[np.ndarray, "*one 3"], other: Float[np.ndarray, "*other 3"]
+) -> Float[np.ndarray, "*pair"]:
     """Angle between unit vectors [rad], exact also where it is small."""
     chord = np.linalg.norm(one - other, axis=-1)
     return np.asarray(2 * np.arcsin(np.minimum(chord / 2, 1)))

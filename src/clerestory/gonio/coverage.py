@@ -26,6 +26,9 @@ _GAP_PER_SPACING = 3.0
 # Points within this of the plane of incidence lie in it [°].
 _IN_PLANE_DEG = 2.0
 
+# Points through which a quadratic is laid to see noise, and most places where.
+_NEIGHBOURS, _MOST_SAMPLED = 16, 300
+
 # Grid of directions on which gaps are counted.
 _HALVINGS = 5
 
@@ -152,15 +155,23 @@ def _spacing(tree: cKDTree, scan: Scan) -> float:
 
 
 def _noise(tree: cKDTree, scan: Scan) -> float:
-    # Against the mean of the two nearest, so that a slope cancels in part, where most
-    # of the light is; 1.4826 medians are a standard deviation
-    bright = scan.values >= np.abs(scan.values).mean()
-    if not np.any(bright):
+    # Deviation of the neighbours of bright points from the quadratic that fits best
+    bright = np.flatnonzero(scan.values >= np.abs(scan.values).mean())
+    if len(scan.values) < _NEIGHBOURS or not len(bright):
         return 0.0
-    _, near = tree.query(scan.leaving[bright], k=3)
-    middle = scan.values[near[:, 1:]].mean(axis=1)
-    change = np.abs(scan.values[bright] / np.where(middle > 0, middle, np.inf) - 1)
-    return float(1.4826 * np.median(change) / np.sqrt(1.5))
+    bright = bright[:: max(1, len(bright) // _MOST_SAMPLED)]
+    _, near = tree.query(scan.leaving[bright], k=_NEIGHBOURS)
+    x, y = np.moveaxis(
+        (scan.leaving[near] - scan.leaving[bright, None])[..., :2], -1, 0
+    )
+    size = np.maximum(np.hypot(x, y).max(axis=1, keepdims=True), 1e-9)
+    x, y = x / size, y / size
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+    values = scan.values[near]
+    factors = np.linalg.pinv(terms) @ values[..., None]
+    rest = values - (terms @ factors)[..., 0]
+    spread = np.sqrt(np.sum(rest**2, axis=1) / (_NEIGHBOURS - 6))
+    return float(np.median(spread / np.maximum(np.abs(values.mean(axis=1)), 1e-12)))
 
 
 def _in_plane(scan: Scan) -> bool:

@@ -132,22 +132,20 @@ class Quadtree:
         return self._leaves(worth, every[low] if low < len(every) else np.inf)
 
     def _alive(
-        self, worth: list[Float[np.ndarray, " cells"]], threshold: float
-    ) -> list[Bool[np.ndarray, " cells"]]:
+        self, worth: list[Float[np.ndarray, " _"]], threshold: float
+    ) -> list[Bool[np.ndarray, " _"]]:
         # Cells all of whose ancestors are halved
         alive = [np.ones(len(self._levels[0].code), dtype=bool)]
         for k, level in enumerate(self._levels[1:]):
             alive.append((alive[k] & (worth[k] >= threshold))[level.parent])
         return alive
 
-    def _size(self, worth: list[Float[np.ndarray, " cells"]], threshold: float) -> int:
+    def _size(self, worth: list[Float[np.ndarray, " _"]], threshold: float) -> int:
         alive = self._alive(worth, threshold)
         halved = [a & (w >= threshold) for a, w in zip(alive, worth, strict=True)]
         return sum(int(a.sum() - h.sum()) for a, h in zip(alive, halved, strict=True))
 
-    def _leaves(
-        self, worth: list[Float[np.ndarray, " cells"]], threshold: float
-    ) -> Cells:
+    def _leaves(self, worth: list[Float[np.ndarray, " _"]], threshold: float) -> Cells:
         level, first = [], []
         for k, alive in enumerate(self._alive(worth, threshold)):
             leaf = alive & ~(worth[k] >= threshold)
@@ -172,7 +170,7 @@ def _levels(
     moments = np.stack([one, x, y, x * x, x * y, y * y, v, v * x, v * y, v * v], -1)
     floor = _FLOOR * max(float(np.abs(v).mean()), 1e-300)
     levels: list[_Level] = []
-    starts: list[Int[np.ndarray, " cells"]] = []
+    starts: list[Int[np.ndarray, " _"]] = []
     for k in range(FINEST + 1):
         here = code >> 2 * (FINEST - k)
         first = np.flatnonzero(np.diff(here, prepend=-1))

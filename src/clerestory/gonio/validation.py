@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
+from clerestory.gonio.beam import beam_direction
 from clerestory.gonio.earth_mover import earth_mover
 from clerestory.gonio.fit import DEFAULT, FitOptions, condense, fit_lobes, total_flux
 from clerestory.gonio.interpolant import Interpolant
@@ -38,7 +39,8 @@ class LeftOut:
     theta_deg, phi_deg : incident direction [°]
     inside : whether it lies among the others, or beyond the outermost
     measured, predicted : share of the light that is scattered in all
-    peak_deg : angle from the measured to the predicted peak [°]
+    peak_deg : angle from the measured to the predicted beam, the middle of what is
+        at least half as bright as the peak [°]
     earth_mover_deg : mean angle by which light has to be moved [°]
     misplaced : share of the light that is not where it was measured; noise of the
         measurement counts too
@@ -195,7 +197,7 @@ def _left_out(
         _inside(rest, symmetry, scan),
         total_flux(scan),
         lobes.total,
-        float(np.degrees(angle_between(lobes.strongest(), fit.strongest()))),
+        float(np.degrees(angle_between(beam_direction(lobes), beam_direction(fit)))),
         float(np.degrees(earth_mover(lobes, fit))),
         misplaced_light(scan, None, lobes),
         misplaced_light(scan, None, fit),

@@ -51,7 +51,8 @@ def fit_figure(measurement: Measurement, interpolant: Interpolant, scan: int) ->
     for panel in axes[:3]:
         _straight(panel, one.incident)
     draw_mesh(axes[3], interpolant.network.mesh)
-    _mark(axes[3], one.incident)
+    isotropic = interpolant.symmetry == "isotropic"
+    _mark(axes[3], from_degrees(one.theta_deg, 0.0) if isotropic else one.incident)
     _title(axes[3], f"{len(measurement.scans)} incident directions")
     _bar(figure, axes[:3], norm)
     return figure

@@ -38,13 +38,11 @@ _GRAZING_DEG = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class _File:
-    theta: float
-    phi: float
+    incident: Float[np.ndarray, "3"]
     function: Function
     name: str
     leaving: Float[np.ndarray, "points 3"]
     values: dict[str, Float[np.ndarray, " points"]]
-    path: Path
 
 
 @dataclass
@@ -76,7 +74,7 @@ def read_pabopto(
     for path in paths:
         file = _read(path, facing)
         name = file.name or name
-        incident = upright(from_degrees(file.theta, file.phi))
+        incident = upright(file.incident)
         for channel, values in file.values.items():
             scan = Scan(incident, upright(file.leaving), values, str(path))
             groups.setdefault((file.function, channel), []).append(scan)
@@ -101,18 +99,15 @@ def _read(path: Path, facing: Facing) -> _File:
     channels = _CHANNELS[header.colour]
     what = f"θ, φ [°] and {len(channels)} values"
     data = table(lines, columns=2 + len(channels), what=what, file=path)
-    theta, phi = data[:, 0], data[:, 1]
-    check_angles(np.array([header.theta]), most=180, file=path, what="incident θ")
-    check_angles(theta, most=180, file=path)
-    theta_in, phi_in = _turn(header.theta, header.phi, header.up, facing)
-    theta_out, phi_out = _turn(theta, phi, header.up, facing)
-    leaving = from_degrees(theta_out, phi_out)
-    function = _function(float(theta_in), leaving, path)
+    incident = np.array([[header.theta, header.phi]])
+    check_angles(incident[:, 0], most=180, file=path, what="incident θ")
+    check_angles(data[:, 0], most=180, file=path)
+    source = _turn(incident, header.up, facing)[0]
+    leaving = _turn(data[:, :2], header.up, facing)
+    function = _function(source, leaving, path)
     shade = np.maximum(np.abs(leaving[:, 2]), 1e-6) if header.kind == "dsf" else 1.0
     values = {c: data[:, 2 + k] / shade for k, c in enumerate(channels)}
-    return _File(
-        float(theta_in), float(phi_in), function, header.name, leaving, values, path
-    )
+    return _File(source, function, header.name, leaving, values)
 
 
 def _header(lines: list[tuple[int, str]], path: Path) -> _Header:
@@ -159,22 +154,19 @@ def _kind(word: str, path: Path, line: int) -> str:
 
 
 def _turn(
-    theta: float | Float[np.ndarray, "*points"],
-    phi: float | Float[np.ndarray, "*points"],
-    up: float,
-    facing: Facing,
-) -> tuple[Float[np.ndarray, "*points"], Float[np.ndarray, "*points"]]:
+    angles: Float[np.ndarray, "points 2"], up: float, facing: Facing
+) -> Float[np.ndarray, "points 3"]:
     # From the sample's angles to ours: up at φ = 90°, the normal into the room
-    theta, phi = np.asarray(theta, dtype=float), np.asarray(phi, dtype=float)
+    theta, phi = angles.T
     if facing == "sky":
-        return 180 - theta, 90 - (phi - up)
-    return theta, 90 + (phi - up)
+        return from_degrees(180 - theta, 90 - (phi - up))
+    return from_degrees(theta, 90 + (phi - up))
 
 
 def _function(
-    theta_in: float, leaving: Float[np.ndarray, "points 3"], path: Path
+    source: Float[np.ndarray, "3"], leaving: Float[np.ndarray, "points 3"], path: Path
 ) -> Function:
-    side = "back" if theta_in < 90 else "front"
+    side = "back" if source[2] > 0 else "front"
     grazing = np.sin(np.radians(_GRAZING_DEG))
     above, below = np.any(leaving[:, 2] > grazing), np.any(leaving[:, 2] < -grazing)
     if above and below:

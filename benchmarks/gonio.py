@@ -1,0 +1,298 @@
+"""Measurements to BSDFs: known truths, held-out scans, and Radiance on the same files.
+
+    python benchmarks/gonio.py truth
+    python benchmarks/gonio.py radiance --data ../shared/data/gonio
+    python benchmarks/gonio.py smoothing --data ../shared/data/gonio
+
+Each writes its part of docs/benchmarks and the figures of docs/gonio.md. Radiance is
+that of pyradiance: pabopto2bsdf, then bsdf2ttree -g 6, whose tree is read by us.
+"""
+
+import argparse
+import datetime
+import os
+import platform
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pyradiance
+
+REPOSITORY = Path(__file__).parents[1]
+sys.path.insert(0, str(REPOSITORY / "tests"))
+
+from clerestory.bsdf.xml import read_bsdf  # noqa: E402
+from clerestory.gonio.angles import angle_between, from_degrees  # noqa: E402
+from clerestory.gonio.beam import beam_direction  # noqa: E402
+from clerestory.gonio.fit import FitOptions, condense, total_flux  # noqa: E402
+from clerestory.gonio.fitted import fit_measurement  # noqa: E402
+from clerestory.gonio.measurement import Measurement  # noqa: E402
+from clerestory.gonio.raster import Raster  # noqa: E402
+from clerestory.gonio.read import read_measurement  # noqa: E402
+from clerestory.gonio.tree_export import to_tree  # noqa: E402
+from clerestory.gonio.validation import cross_validate, misplaced_light  # noqa: E402
+from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure  # noqa: E402
+from goniometer import (  # noqa: E402
+    Goniophotometer,
+    film,
+    half_circle,
+    louvre,
+    pane,
+    quarter_circle,
+    rings,
+    write_pabopto,
+)
+
+FIGURES = REPOSITORY / "docs" / "figures"
+FRONT = np.array([1.0, 1.0, -1.0])
+HALVINGS = 6
+MOST_HELD_OUT = 4
+
+
+def known_truths():
+    """Yield a row a layer: errors at 60 directions that were not measured."""
+    rng = np.random.default_rng(5)
+    sine = np.sqrt(rng.random(60)) * np.sin(np.radians(75))
+    directions = from_degrees(np.degrees(np.arcsin(sine)), rng.uniform(0, 360, 60))
+    for layer, incidents in (
+        (film, half_circle()),
+        (louvre, quarter_circle()),
+        (pane, rings(azimuths_deg=[0], step_deg=5.0)),
+    ):
+        measurement = Goniophotometer().measure(layer, incidents)
+        fitted = fit_measurement(measurement)
+        found = list(fitted.interpolant.lobes_of(directions * FRONT))
+        errors = [
+            compare(one, layer(d)) for one, d in zip(found, directions, strict=True)
+        ]
+        yield layer.__name__, len(incidents), np.array(errors), fitted, measurement
+
+
+def compare(found, truth):
+    """Errors of flux, of the beam [°], of ghosts, and share of misplaced light."""
+    grid = Raster.of(HALVINGS).directions[-1]
+    values, true = found.evaluate(grid), truth.evaluate(grid)
+    sharp = (truth.radius < 0.3) & (truth.flux > 0.05)
+    away = np.ones(len(grid), dtype=bool)
+    turns = [0.0]
+    for centre, radius in zip(truth.centre[sharp], truth.radius[sharp], strict=True):
+        away &= angle_between(grid, centre) > 4.5 * radius
+        one, other = (beam_direction(x, near=centre) for x in (found, truth))
+        turns.append(np.degrees(angle_between(one, other)))
+    ghost = (values - true)[away].max(initial=0) / true.max() if sharp.any() else 0.0
+    light = grid[:, 2] * 2 * np.pi / len(grid)
+    moved = light @ np.abs(values - true) / 2 / truth.total
+    return found.total - truth.total, max(turns), ghost, moved
+
+
+def data_sets(folder):
+    """Yield names and measurements in one plane, for trees of rank 3."""
+    layer = Goniophotometer().measure(pane, rings(azimuths_deg=[0], step_deg=10.0))
+    yield "rough pane (virtual)", layer
+    eds = sorted((folder / "viavi_eds10").glob("EDS10 *-0.txt"))
+    yield "EDS10", read_measurement(*eds)[0]
+    for name, file in (
+        ("AnoBlack EC1", "AnoBlackEC1onAlum.bsdf"),
+        ("NiTE on steel", "NiTE_on_steel_v1o0A_20250915.xls"),
+        ("BrownVinyl", "ValidationTest_of_TIS_via_BrownVinyl.bsdf"),
+    ):
+        yield name, read_measurement(folder / "rt300s" / file)[0]
+
+
+def radiance_tree(measurement, *, leave_out=()):
+    """Tree that Radiance makes of the scans, and the processor time it took [s]."""
+    home = Path(pyradiance.__file__).parent
+    path = f"{home / 'bin'}:{os.environ['PATH']}"
+    environment = {**os.environ, "PATH": path, "RAYPATH": f".:{home / 'lib'}"}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_pabopto(measurement, folder, leave_out=leave_out)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        command = (
+            f"pabopto2bsdf scan_*.txt > a.sir && bsdf2ttree -g {HALVINGS} a.sir > a.xml"
+        )
+        subprocess.run(
+            command,
+            shell=True,
+            cwd=folder,
+            env=environment,
+            check=True,
+            capture_output=True,
+        )
+        took = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        bsdf = read_bsdf(folder / "a.xml")
+    return bsdf.scattering(measurement.function), took
+
+
+def our_tree(measurement, *, options):
+    """Our tree of the scans, and the processor time it took [s]."""
+    before = time.process_time()
+    fitted = fit_measurement(measurement, symmetry="isotropic", options=options)
+    tree = to_tree(fitted.interpolant, halvings=HALVINGS)
+    return tree, time.process_time() - before
+
+
+def held_out(measurement, *, options):
+    """Yield errors of both programs for each scan that is left out."""
+    step = max(1, len(measurement.scans) // MOST_HELD_OUT)
+    for k, scan in list(enumerate(measurement.scans))[::-step]:
+        scans = tuple(s for n, s in enumerate(measurement.scans) if n != k)
+        rest = Measurement(scans, measurement.function)
+        points = condense(scan)
+        for tree in (
+            our_tree(rest, options=options)[0],
+            radiance_tree(measurement, leave_out=(k,))[0],
+        ):
+            source = np.broadcast_to(scan.incident, points.direction.shape)
+            values = tree.evaluate(source, points.direction)
+            flux = float(tree.hemispherical(scan.incident))
+            yield k, flux - total_flux(scan), misplaced_light(scan, values, None)
+
+
+def head(title):
+    """Lines at the top of a page."""
+    return [
+        f"# {title}",
+        "",
+        f"{datetime.datetime.now(datetime.UTC):%Y-%m-%d}, {platform.machine()}, Python"
+        f" {platform.python_version()}, POT {version('POT')}, pyradiance"
+        f" {version('pyradiance')}. Made by `benchmarks/gonio.py`.",
+        "",
+    ]
+
+
+def truth_lines():
+    """Yield the page of layers that are known."""
+    yield from head("Measurements to BSDFs: known truth")
+    yield (
+        "Virtual goniophotometer: 2 % noise, aperture of 0.3°, an arm that hides a"
+        " sector, nothing beyond 87°. Errors at 60 directions that were not measured,"
+        " up to 75° from the normal: median / 9th decile / largest. Flux is a share of"
+        " the incident light; a ghost is light where the truth has no peak, relative to"
+        " its highest."
+    )
+    yield ""
+    yield "| layer | scans | flux | beam [°] | ghost | light elsewhere |"
+    yield "|---|---|---|---|---|---|"
+    for name, count, errors, fitted, measurement in known_truths():
+        cells = [
+            " / ".join(f"{np.quantile(np.abs(c), q):.{d}f}" for q in (0.5, 0.9, 1))
+            for c, d in zip(errors.T, (4, 2, 3, 3), strict=True)
+        ]
+        yield f"| {name} | {count} | {' | '.join(cells)} |"
+        if name == "film":
+            save(fit_figure(measurement, fitted.interpolant, 34), "gonio-film-fit")
+            ends = from_degrees(np.array([40.0, 50]), np.array([45.0, 67.5]))
+            save(between_figure(fitted.interpolant, *ends), "gonio-film-between")
+
+
+def radiance_lines(folder):
+    """Yield the page of comparisons with Radiance."""
+    yield from head("Measurements to BSDFs: held-out scans, ours and Radiance's")
+    yield (
+        "Scans are left out one by one, at most four a data set; a tree of rank 3 of 2⁶"
+        " cells is made of the others and compared with the scan: mean error of the"
+        " flux, and mean share of the light that is not where it was measured (noise of"
+        " the measurement counts too), among the others \\| beyond the outermost."
+        " Processor time for all scans, one core, from files or values to the tree."
+    )
+    yield ""
+    yield (
+        "| data | scans | flux, ours | Radiance | elsewhere, ours | Radiance |"
+        " time, ours [s] | Radiance [s] | ratio |"
+    )
+    yield "|---|---|---|---|---|---|---|---|---|"
+    for name, measurement in data_sets(folder):
+        yield row(name, measurement)
+
+
+def main():
+    """Write one page."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("part", choices=("truth", "radiance", "smoothing"))
+    parser.add_argument("--data", type=Path)
+    wanted = parser.parse_args()
+    FIGURES.mkdir(exist_ok=True)
+    lines = {
+        "truth": truth_lines,
+        "radiance": lambda: radiance_lines(wanted.data),
+        "smoothing": lambda: smoothing_lines(wanted.data),
+    }[wanted.part]()
+    written = []
+    for line in lines:
+        print(line, flush=True)
+        written.append(line)
+    page = REPOSITORY / "docs" / "benchmarks" / f"gonio-{wanted.part}.md"
+    page.write_text("\n".join(written) + "\n", encoding="utf-8")
+
+
+def row(name, measurement):
+    """Line of the table of one data set."""
+    options = FitOptions()
+    errors = np.array(list(held_out(measurement, options=options)))
+    outermost = int(np.argmax([scan.theta_deg for scan in measurement.scans]))
+    beyond = errors[::2, 0] == outermost
+    ours, theirs = errors[::2], errors[1::2]
+    _, our_time = our_tree(measurement, options=options)
+    _, their_time = radiance_tree(measurement)
+
+    def both(table, column, digits):
+        inside = np.abs(table[~beyond, column]).mean()
+        return (
+            f"{inside:.{digits}f} \\| {np.abs(table[beyond, column]).mean():.{digits}f}"
+        )
+
+    cells = [
+        name,
+        str(len(measurement.scans)),
+        both(ours, 1, 4),
+        both(theirs, 1, 4),
+        both(ours, 2, 3),
+        both(theirs, 2, 3),
+        f"{our_time:.2f}",
+        f"{their_time:.2f}",
+        f"{their_time / our_time:.1f}",
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def smoothing_lines(folder):
+    """Yield the page of leave-one-out errors for several smoothing factors."""
+    yield from head("Measurements to BSDFs: the smoothing factor")
+    yield "Medians over the scans that are left out among the others."
+    yield ""
+    yield "| data | smoothing | flux | beam [°] | EMD [°] | elsewhere | own fit |"
+    yield "|---|---|---|---|---|---|---|"
+    for name, measurement in data_sets(folder):
+        for factor in (0.6, 1.0, 1.6):
+            result = cross_validate(
+                measurement,
+                symmetry="isotropic",
+                options=FitOptions(smoothing=factor),
+            )
+            names = ("flux_error", "peak_deg", "earth_mover_deg", "misplaced", "fitted")
+            values = [result.median(n) for n in names]
+            line = " | ".join(
+                f"{v:.{d}f}" for v, d in zip(values, (4, 2, 2, 3, 3), strict=True)
+            )
+            yield f"| {name} | {factor:g} | {line} |"
+            if factor == 1.0:
+                key = name.split()[0].lower()
+                scan = len(measurement.scans) // 2
+                fitted = fit_measurement(measurement, symmetry="isotropic")
+                save(fit_figure(measurement, fitted.interpolant, scan), f"gonio-{key}")
+                save(error_figure(result), f"gonio-{key}-errors")
+
+
+def save(figure, name):
+    """Write a figure, small."""
+    figure.savefig(FIGURES / f"{name}.png", dpi=62)
+
+
+if __name__ == "__main__":
+    main()
