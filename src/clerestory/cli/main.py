@@ -14,7 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from clerestory import __version__
-from clerestory.cli import bsdf, glazing, gonio, picture, sky, trace
+from clerestory.cli import bsdf, glazing, gonio, luminaire, picture, sky, trace
 from clerestory.cli.doctor import doctor
 from clerestory.cli.glare import glare
 from clerestory.cli.metrics import metrics
@@ -48,6 +48,7 @@ app.add_typer(sky.app, name="sky")
 app.add_typer(bsdf.app, name="bsdf")
 app.add_typer(glazing.app, name="glazing")
 app.add_typer(gonio.app, name="gonio")
+app.add_typer(luminaire.app, name="luminaire")
 app.add_typer(picture.app, name="picture")
 picture.app.command(
     epilog="Example: clerestory picture merge bracket_*.jpg -o scene.hdr"

@@ -1,11 +1,13 @@
 """Luminaires: what files say, how much light that is, and the surfaces that send it."""
 
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.scene.model import Cone, Polygon, Ring, Sphere
 from clerestory.scene.photometry.luminaire import Luminaire, LuminousShape
 from clerestory.scene.photometry.luminaire_scene import luminaire_scene, panel_scene
@@ -257,6 +259,11 @@ def test_eulumdat_has_five_symmetries(tmp_path, symmetry, rows, expected):
     assert lamp.lamp_lumens == 2000
 
 
+def test_more_light_than_the_lamps_have_is_doubted(ies):
+    with pytest.warns(ClerestoryWarning, match=r"628 lm, 6283% of the 10 lm"):
+        ies(lamps="1 10", table=[100, 100, 100])
+
+
 def test_the_length_of_eulumdat_lies_along_y(tmp_path):
     (tmp_path / "a.ldt").write_text(ldt(1, 1, [1, 1, 1]))
     shape = read_luminaire(tmp_path / "a.ldt").shape
@@ -375,7 +382,9 @@ def test_any_numbers_are_read_or_refused(tmp_path_factory, name, words):
     file = tmp_path_factory.getbasetemp() / name
     file.write_text("TILT=NONE\n" * (name == "any.ies") + "\n".join(words))
     try:
-        read_luminaire(file).flux()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ClerestoryWarning)
+            read_luminaire(file).flux()
     except InputError as error:
         message = str(error)
     else:

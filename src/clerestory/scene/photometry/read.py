@@ -1,12 +1,17 @@
 """Luminaires from files of either format."""
 
+import warnings
 from pathlib import Path
 
+from clerestory.errors import ClerestoryWarning
 from clerestory.scene.photometry.eulumdat import read_eulumdat
 from clerestory.scene.photometry.ies import read_ies
 from clerestory.scene.photometry.luminaire import Luminaire
 
 LUMINAIRE_SUFFIXES = (".ies", ".ldt")
+
+# Share of the lamps' flux above which a file contradicts itself
+_MOST_OUTPUT = 1.02
 
 
 def read_luminaire(path: str | Path) -> Luminaire:
@@ -15,6 +20,10 @@ def read_luminaire(path: str | Path) -> Luminaire:
     Raises
     ------
     InputError : with file and line, where it is missing or malformed
+
+    Warns
+    -----
+    ClerestoryWarning : more light leaves than the lamps have
 
     Examples
     --------
@@ -28,6 +37,18 @@ def read_luminaire(path: str | Path) -> Luminaire:
     >>> lamp.shape.kind, round(lamp.flux())
     ('cylinder', 328)
     """
-    if Path(path).suffix.lower() == ".ldt":
-        return read_eulumdat(path)
-    return read_ies(path)
+    eulumdat = Path(path).suffix.lower() == ".ldt"
+    luminaire = read_eulumdat(path) if eulumdat else read_ies(path)
+    _doubt_flux(luminaire, path)
+    return luminaire
+
+
+def _doubt_flux(luminaire: Luminaire, path: str | Path) -> None:
+    lamps, flux = luminaire.lamp_lumens, luminaire.flux()
+    if lamps and flux > _MOST_OUTPUT * lamps:
+        warnings.warn(
+            f"{path}: its intensities send {flux:.0f} lm, {flux / lamps:.0%} of the"
+            f" {lamps:.0f} lm of its lamps; less than 100 % expected",
+            ClerestoryWarning,
+            stacklevel=3,
+        )

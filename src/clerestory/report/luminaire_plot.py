@@ -1,0 +1,82 @@
+"""Polar diagram of a luminaire: intensity in two or more planes through its nadir.
+
+Down is down, as the luminaire hangs. Each curve is one plane, its right half at the
+horizontal angle named and its left half opposite.
+"""
+
+from collections.abc import Sequence
+from textwrap import shorten
+from typing import cast
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import MaxNLocator
+
+from clerestory.errors import InputError
+from clerestory.scene.photometry.luminaire import Luminaire
+
+# Steps along a curve [°]
+_STEP_DEG = 0.5
+_COLOURS = ("#c1440e", "#1f4e79", "#5f8d4e", "#8064a2")
+
+# Letters of a name that fit above the diagram
+_TITLE = 44
+
+MOST_PLANES = len(_COLOURS)
+
+
+def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure:
+    """Return the polar diagram of a luminaire [cd].
+
+    Parameters
+    ----------
+    planes_deg : horizontal angle of each plane, from +x towards +y
+
+    Raises
+    ------
+    InputError : no plane, or more than four
+
+    Examples
+    --------
+    >>> from clerestory.scene.photometry.luminaire import LuminousShape
+    >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
+    >>> angles, table = np.array([0.0, 90.0]), np.array([[100.0, 0.0]])
+    >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, table, disc)
+    >>> len(polar_figure(lamp, planes_deg=(0.0, 90.0)).axes[0].lines)
+    2
+    """
+    if not 1 <= len(planes_deg) <= MOST_PLANES:
+        raise InputError(f"{len(planes_deg)} planes; 1 to {MOST_PLANES} expected")
+    figure = Figure(figsize=(5.2, 5.6), layout="constrained")
+    axes = cast(PolarAxes, figure.add_subplot(projection="polar"))
+    axes.set_theta_zero_location("S")
+    angle = np.radians(np.arange(-180, 180 + _STEP_DEG, _STEP_DEG))
+    for plane, colour in zip(planes_deg, _COLOURS, strict=False):
+        value = luminaire.candela(_directions(angle, plane))
+        label = f"{plane:g}° – {(plane + 180) % 360:g}°"
+        axes.plot(angle, value, color=colour, linewidth=1.8, label=label)
+    axes.set_thetagrids(range(0, 360, 30), [_from_nadir(a) for a in range(0, 360, 30)])
+    axes.set_ylim(bottom=0)
+    axes.set_rlabel_position(15)
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=4, prune="lower"))
+    axes.tick_params(labelsize=8, colors="#555555")
+    axes.grid(color="#d5d5d5", linewidth=0.6)
+    name = shorten(luminaire.name, _TITLE, placeholder=" …")
+    axes.set_title(f"{name}\n{luminaire.flux():.0f} lm; intensity in cd")
+    figure.legend(loc="outside lower center", ncols=len(planes_deg), frameon=False)
+    return figure
+
+
+def _directions(
+    angle: Float[np.ndarray, " n"], plane_deg: float
+) -> Float[np.ndarray, "n 3"]:
+    # From the nadir, to the named side of the plane if positive
+    turn = np.radians(plane_deg)
+    side = np.sin(angle)
+    return np.stack([side * np.cos(turn), side * np.sin(turn), -np.cos(angle)], axis=1)
+
+
+def _from_nadir(angle_deg: int) -> str:
+    return f"{min(angle_deg, 360 - angle_deg)}°"
