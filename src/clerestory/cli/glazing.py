@@ -100,6 +100,7 @@ def stack(
             standard=averages,
             method="bands" if bands else "wavelengths",
             name=system.name,
+            gap_thickness=sum(space.thickness for space in system.gaps),
             report=display("layers"),
         )
         bsdf = stacked.bsdf

@@ -18,10 +18,17 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glazing.layer import Layer, mirrored_patches
 from clerestory.glazing.optics import Optics
-from clerestory.glazing.pane import invisible, is_visible, two_band_wavelengths
+from clerestory.glazing.pane import (
+    GLASS_EMISSIVITY,
+    invisible,
+    is_visible,
+    two_band_wavelengths,
+)
 from clerestory.glazing.standard import Channel
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
+
+_UNKNOWN_THICKNESS = 1e-3
 
 _OPPOSITE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
@@ -82,6 +89,19 @@ class BsdfLayer(Layer):
     def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
         """Ends of the solar range, and steps at the ends of the visible one."""
         return two_band_wavelengths()
+
+    @property
+    def thickness(self) -> float:
+        """Thickness in the file, 1 mm if it does not say [m]."""
+        return self.bsdf.product.thickness or _UNKNOWN_THICKNESS
+
+    @property
+    def emissivities(self) -> tuple[float, float]:
+        """Emissivities in the file, 0.84 where it does not say."""
+        product = self.bsdf.product
+        known = (product.emissivity_front, product.emissivity_back)
+        front, back = (GLASS_EMISSIVITY if e is None else e for e in known)
+        return front, back
 
     def matrices(
         self,

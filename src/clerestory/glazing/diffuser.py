@@ -34,6 +34,16 @@ class Diffuser(Layer):
         """Where the material was measured."""
         return self.material.wavelength_nm
 
+    @property
+    def thickness(self) -> float:
+        """Thickness of the material [m]."""
+        return self.material.thickness
+
+    @property
+    def emissivities(self) -> tuple[float, float]:
+        """Emissivities of the material."""
+        return self.material.emissivity_front, self.material.emissivity_back
+
     def matrices(
         self,
         wavelength_nm: Float[np.ndarray, " wavelength"],

@@ -33,6 +33,16 @@ class Layer(ABC):
     def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
         """Where the layer is known."""
 
+    @property
+    @abstractmethod
+    def thickness(self) -> float:
+        """From its side of the sky to that of the room [m]."""
+
+    @property
+    @abstractmethod
+    def emissivities(self) -> tuple[float, float]:
+        """In the far infrared, of its sides to the sky and to the room, 0…1."""
+
     @abstractmethod
     def matrices(
         self,
@@ -94,6 +104,16 @@ class Glass(Layer):
     def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
         """Where the pane was measured."""
         return self.pane.wavelength_nm
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the pane [m]."""
+        return self.pane.thickness
+
+    @property
+    def emissivities(self) -> tuple[float, float]:
+        """Emissivities of the pane."""
+        return self.pane.emissivity_front, self.pane.emissivity_back
 
     def matrices(
         self,

@@ -79,6 +79,16 @@ class PerforatedScreen(Layer):
         """Where the material was measured."""
         return self.material.wavelength_nm
 
+    @property
+    def thickness(self) -> float:
+        """Thickness of the material [m]."""
+        return self.material.thickness
+
+    @property
+    def emissivities(self) -> tuple[float, float]:
+        """Emissivities of the material."""
+        return self.material.emissivity_front, self.material.emissivity_back
+
     def openness(
         self, direction: Float[np.ndarray, "direction 3"]
     ) -> Float[np.ndarray, " direction"]:
@@ -157,6 +167,16 @@ class WovenShade(Layer):
     def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
         """Where the material was measured."""
         return self.material.wavelength_nm
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the material [m]."""
+        return self.material.thickness
+
+    @property
+    def emissivities(self) -> tuple[float, float]:
+        """Emissivities of the material."""
+        return self.material.emissivity_front, self.material.emissivity_back
 
     def openness(
         self, direction: Float[np.ndarray, "direction 3"]

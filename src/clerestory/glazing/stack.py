@@ -78,6 +78,7 @@ def stack_layers(
     standard: Standard | None = None,
     method: Method = "wavelengths",
     name: str = "",
+    gap_thickness: float = 0.0,
     report: Report = lambda _share, _note: None,
 ) -> StackedLayers:
     """Return what layers behind each other do to light.
@@ -91,6 +92,7 @@ def stack_layers(
         known at; "bands" combines the solar and the visible averages of the layers,
         which is quicker. A single BSDF keeps its own averages.
     name : of the system
+    gap_thickness : of all gaps together, for the file that is written of it [m]
     report : is told the share done, and a note
 
     Raises
@@ -131,8 +133,19 @@ def stack_layers(
         for channel in CHANNELS
         for side in SIDES
     }
-    bsdf = Bsdf(functions, Product(name=name or " | ".join(names)))
+    bsdf = Bsdf(functions, _product(layers, gap_thickness, name))
     return StackedLayers(bsdf, absorptance, names, standard.name, partition)
+
+
+def _product(layers: Sequence[Layer], gap_thickness: float, name: str) -> Product:
+    # WINDOW and pywincalc refuse files without a maker or a thickness
+    return Product(
+        name=name or " | ".join(layer.name for layer in layers),
+        manufacturer="stack of layers",
+        thickness=sum(layer.thickness for layer in layers) + gap_thickness,
+        emissivity_front=layers[0].emissivities[0],
+        emissivity_back=layers[-1].emissivities[1],
+    )
 
 
 def _by_wavelength(

@@ -22,7 +22,7 @@ from clerestory.glazing.diffuser import Diffuser
 from clerestory.glazing.gap import Gap
 from clerestory.glazing.layer import Glass, Layer
 from clerestory.glazing.optics import Optics
-from clerestory.glazing.pane import GLASS_EMISSIVITY, Pane
+from clerestory.glazing.pane import Pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade
 from clerestory.glazing.venetian import VenetianBlind
 from clerestory.hemisphere.klems import klems
@@ -30,8 +30,6 @@ from clerestory.hemisphere.partition import RingPartition
 
 Basis = Literal["full", "half", "quarter"]
 Wavelengths = Literal["full", "condensed"]
-
-_DEFAULT_THICKNESS = 1e-3
 
 
 @final
@@ -270,8 +268,7 @@ def _shade(
 
 
 def _matrices(engine: ModuleType, layer: BsdfLayer, partition: RingPartition) -> Any:
-    product = layer.bsdf.product
-    thickness = product.thickness or _DEFAULT_THICKNESS
+    thickness, emissivities = layer.thickness, layer.emissivities
     optical = engine.ProductDataOpticalDualBandBSDF(
         *_lists(layer.band("solar", partition)),
         *_lists(layer.band("visible", partition)),
@@ -279,8 +276,7 @@ def _matrices(engine: ModuleType, layer: BsdfLayer, partition: RingPartition) ->
         thickness,
         layer.infrared_transmittance,
         layer.infrared_transmittance,
-        _or(product.emissivity_front, GLASS_EMISSIVITY),
-        _or(product.emissivity_back, GLASS_EMISSIVITY),
+        *emissivities,
         layer.permeability,
     )
     thermal = engine.ProductDataThermal(layer.conductivity, thickness)
@@ -309,10 +305,6 @@ def _even(engine: ModuleType, layer: Diffuser, partition: RingPartition) -> Any:
 
 def _lists(optics: Optics) -> list[list[list[float]]]:
     return [optics.of(name).tolist() for name in FUNCTIONS]
-
-
-def _or(value: float | None, default: float) -> float:
-    return default if value is None else value
 
 
 def _pairs(temperatures: list[float]) -> Float[np.ndarray, "layer 2"]:

@@ -75,6 +75,16 @@ class VenetianBlind(Layer):
         """Where the material was measured."""
         return self.material.wavelength_nm
 
+    @property
+    def thickness(self) -> float:
+        """Room that the slats take up [m]."""
+        return float(np.ptp(self.slats.polyline()[:, 0])) + self.material.thickness
+
+    @property
+    def emissivities(self) -> tuple[float, float]:
+        """Emissivities of the material."""
+        return self.material.emissivity_front, self.material.emissivity_back
+
     def matrices(
         self,
         wavelength_nm: Float[np.ndarray, " wavelength"],

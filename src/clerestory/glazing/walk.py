@@ -119,7 +119,12 @@ def walk_layers(
                 diffuse[channel, function] = _diffuse(counts, halvings)
             report((part + 1) / (2 * len(channels)), f"{channel}")
     title = name or " | ".join(layer.name for layer in layers)
-    return WalkedLayers(Bsdf(functions, Product(name=title)), diffuse)
+    product = Product(
+        name=title,
+        manufacturer="stack of layers",
+        thickness=sum(layer.thickness for layer in layers),
+    )
+    return WalkedLayers(Bsdf(functions, product), diffuse)
 
 
 _NAMES: dict[bool, dict[bool, Function]] = {

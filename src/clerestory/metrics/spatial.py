@@ -120,7 +120,7 @@ def hours_above(
 
 
 def area_share(
-    good: Bool[np.ndarray, " sensor"], area: Float[np.ndarray, " sensor"] | None
+    good: Bool[np.ndarray, " sensor"], area: Float[np.ndarray, " area"] | None
 ) -> float:
     """Share of the area, or of the sensors, that is good, 0…1.
 

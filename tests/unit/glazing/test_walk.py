@@ -56,19 +56,18 @@ def test_straight_light_stays_in_its_cell():
     assert np.allclose(straight, 64 / np.pi)  # one cell of π/64 holds it all
 
 
-@pytest.mark.parametrize("vertical", [False, True])
-def test_the_walk_agrees_with_matrices_where_nothing_is_specular(vertical):
+def test_the_walk_agrees_with_matrices_where_nothing_is_specular():
     """Diffuse light through diffuser and blind; both count the same flux."""
     slats = SlatGeometry(width=0.05, spacing=0.04, tilt=0.6)
     layers = [
         Diffuser(grey_pane(0.6, 0.3)),
-        VenetianBlind(grey_pane(0, 0.6), slats, vertical=vertical),
+        VenetianBlind(grey_pane(0, 0.6), slats),
     ]
-    walked = walk_layers(layers, halvings=2, walkers=2048, channels=["visible"], seed=5)
+    walked = walk_layers(layers, halvings=2, walkers=1024, channels=["visible"], seed=5)
     stacked = stack_layers(layers, method="bands")
     for name in FUNCTIONS:
         share, error = walked.diffuse["visible", name]
-        assert error < 0.009
+        assert error < 0.013
         # Patches of Klems see the blind from their middles alone: 0.004
         assert abs(share - stacked.diffuse(name)) < 4 * error + 0.004
 
@@ -84,7 +83,7 @@ def test_errors_are_kept_and_shrink_with_walkers():
         towards = klems("quarter").centres()
         return tree.evaluate(-towards, towards).mean()
 
-    assert mean_error(16 * 256) == pytest.approx(mean_error(256) / 4, rel=0.15)
+    assert mean_error(16 * 64) == pytest.approx(mean_error(64) / 4, rel=0.2)
 
 
 def test_the_same_seed_gives_the_same_tree():

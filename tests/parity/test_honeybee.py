@@ -1,0 +1,92 @@
+"""Annual metrics against honeybee-radiance-postprocess's own reference values."""
+
+import json
+
+import numpy as np
+import pytest
+
+from clerestory.errors import InputError
+from clerestory.metrics.autonomy import continuous_autonomy, daylight_autonomy
+from clerestory.metrics.honeybee import read_honeybee, write_honeybee
+from clerestory.metrics.hours import occupied_hours
+from clerestory.metrics.useful import useful_illuminance
+
+
+@pytest.fixture(scope="module")
+def folder(shared_data):
+    """Results of two rooms with dynamic window groups."""
+    return shared_data / "metrics" / "results_folders" / "results_sample"
+
+
+def reference(shared_data, metric, grid):
+    name = f"{grid}.{metric.split('_')[0]}"
+    return np.loadtxt(shared_data / "metrics" / "sample_metrics" / metric / name)
+
+
+@pytest.mark.parametrize("grid", ["TestRoom_1", "TestRoom_2"])
+def test_metrics_equal_the_reference_to_the_last_digit(shared_data, folder, grid):
+    """All groups in state 0, every day from 8 to 18 h; two decimals are kept."""
+    lux = read_honeybee(folder).illuminance(grid)
+    hours = occupied_hours(lux["time"].values)
+    bands = useful_illuminance(lux, hours)
+    found = {
+        "da": daylight_autonomy(lux, hours),
+        "cda": continuous_autonomy(lux, hours),
+        "udi": bands[1] + bands[2],
+        "udi_lower": bands[0],
+        "udi_upper": bands[3],
+    }
+    for metric, share in found.items():
+        expected = reference(shared_data, metric, grid)
+        assert np.allclose(100 * share.values, expected, atol=0.005 + 1e-6)
+
+
+def test_states_choose_among_the_arrays(folder):
+    """A state for half of the year, darkness for the other."""
+    results = read_honeybee(folder)
+    state = np.where(np.arange(8760) < 4380, 1, -1)
+    paths = [p for p in results.paths["TestRoom_1"] if not p.startswith("__")]
+    lux = results.illuminance("TestRoom_1", states={p: state for p in paths}).values
+    hours = results.sun_up_hours.astype(int)
+    arrays = [
+        np.load(folder / p / f"1_{p}" / "total" / "TestRoom_1.npy") for p in paths
+    ]
+    static = np.load(
+        folder / "__static_apertures__" / "default" / "total" / "TestRoom_1.npy"
+    )
+    early = hours < 4380
+    assert np.allclose(
+        lux[:, hours[early]], (sum(arrays) + static)[:, early], rtol=1e-5
+    )
+    assert np.allclose(lux[:, hours[~early]], static[:, ~early])
+    night = np.setdiff1d(np.arange(8760), hours)
+    assert not lux[:, night].any()
+
+
+def test_a_written_folder_reads_the_same(folder, tmp_path):
+    results = read_honeybee(folder)
+    total = {grid: results.illuminance(grid) for grid in results.paths}
+    times = total["TestRoom_1"]["time"].values
+    write_honeybee(tmp_path / "ours", {g: a.values for g, a in total.items()}, times)
+    back = read_honeybee(tmp_path / "ours")
+    assert set(back.sun_up_hours) <= set(results.sun_up_hours)
+    for grid, lux in total.items():
+        assert np.allclose(back.illuminance(grid).values, lux.values)
+        assert not back.illuminance(grid, light="direct").any()
+
+
+def test_a_damaged_folder_is_told_in_one_line(folder, tmp_path):
+    results = read_honeybee(folder)
+    lux = {"room": results.illuminance("TestRoom_1").values}
+    times = results.illuminance("TestRoom_1")["time"].values
+    write_honeybee(tmp_path, lux, times)
+    array = tmp_path / "__static_apertures__" / "default" / "total" / "room.npy"
+    array.write_bytes(array.read_bytes()[:200])
+    with pytest.raises(InputError, match=r"room\.npy: cannot be read"):
+        read_honeybee(tmp_path).illuminance("room")
+    (tmp_path / "grids_info.json").write_text(json.dumps([{"name": "x"}]))
+    with pytest.raises(InputError, match=r"grids_info\.json: grids with"):
+        read_honeybee(tmp_path)
+    (tmp_path / "grids_info.json").write_text("{")
+    with pytest.raises(InputError, match="not JSON"):
+        read_honeybee(tmp_path)

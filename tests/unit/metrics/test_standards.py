@@ -1,0 +1,196 @@
+"""Shares of rooms and standards, on cases that can be counted by hand."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from clerestory.errors import InputError
+from clerestory.metrics.breeam import factor_criterion, illuminance_criterion
+from clerestory.metrics.daylight_factor import daylight_factor, room_factors
+from clerestory.metrics.en17037 import (
+    daylight_hours,
+    daylight_provision,
+    glare_level,
+    sunlight_level,
+    target_factors,
+)
+from clerestory.metrics.exposure import light_exposure
+from clerestory.metrics.leed import clear_sky_illuminance, simulated_daylight
+from clerestory.metrics.lighting import LightingZone, lighting_saving, lighting_use
+from clerestory.metrics.spatial import spatial_autonomy, sunlight_exposure
+
+ALL = np.ones(10, bool)
+
+
+def sensors(*rows):
+    return xr.DataArray(np.array(rows, dtype=float), dims=("sensor", "time"))
+
+
+def test_half_of_the_hours_is_enough_for_sda():
+    lux = sensors([300] * 5 + [0] * 5, [300] * 4 + [0] * 6)
+    assert spatial_autonomy(lux, ALL).value == 0.5
+    area = np.array([3.0, 1.0])
+    assert spatial_autonomy(lux, ALL, area=area).value == 0.75
+
+
+def test_the_error_of_sda_is_what_sensors_at_the_limit_may_do():
+    lux = sensors([290] * 10, [310] * 10, [900] * 10, [10] * 10)
+    error = xr.full_like(lux, 20.0)
+    share = spatial_autonomy(lux, ALL, standard_error=error)
+    assert share.value == 0.5
+    assert share.error == pytest.approx(0.25)
+
+
+def test_ase_counts_more_than_250_hours():
+    hours = np.ones(300, bool)
+    lux = sensors([1001] * 251 + [0] * 49, [1001] * 250 + [0] * 50, [1000] * 300)
+    assert sunlight_exposure(lux, hours).value == pytest.approx(1 / 3)
+    half_hours = sunlight_exposure(lux, hours, step_hours=0.5)
+    assert half_hours.value == 0
+
+
+def test_the_brightest_half_of_a_year_has_4380_hours():
+    rng = np.random.default_rng(1)
+    sky = np.maximum(rng.normal(0, 1, 8760), 0)
+    hours = daylight_hours(sky)
+    assert hours.sum() == 4380
+    assert sky[hours].min() >= sky[~hours].max()
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "target", "minimum"),
+    [
+        (800, 520, 3, 3),
+        (800, 310, 2, 2),
+        (520, 110, 1, 1),
+        (310, 90, 1, 0),
+        (90, 90, 0, 0),
+    ],
+)
+def test_provision_asks_for_target_on_half_and_minimum_on_nearly_all(
+    near, far, target, minimum
+):
+    """Ten sensors, four of them near the window, one in between."""
+    middle = (near + far) / 2
+    lux = sensors(*[[near] * 10] * 4, [middle] * 10, *[[far] * 10] * 5)
+    found = daylight_provision(lux, ALL)
+    reached = (near, near, near, near, middle)
+    assert found.target_level == sum(min(reached) >= limit for limit in (300, 500, 750))
+    assert found.minimum_level == minimum
+    assert found.level == min(found.target_level, found.minimum_level)
+    assert found.target_level <= target
+
+
+def test_a_roof_light_has_to_reach_the_target_nearly_everywhere():
+    lux = sensors(*[[800] * 10] * 6, *[[310] * 10] * 4)
+    assert daylight_provision(lux, ALL).target_level == 3
+    assert daylight_provision(lux, ALL, roof=True).target_level == 1
+
+
+def test_daylight_factors_of_oslo():
+    """EN 17037, table A.3: Oslo, 12,400 lux, asks for 2.4, 4.0 and 6.0 %."""
+    target, minimum = target_factors(12_400.0)
+    assert [round(100 * d, 1) for d in target] == [2.4, 4.0, 6.0]
+    assert [round(100 * d, 1) for d in minimum] == [0.8, 2.4, 4.0]
+
+
+def test_levels_of_sun_and_glare():
+    assert [sunlight_level(h) for h in (1.4, 2.9, 3.0, 4.5)] == [0, 1, 2, 3]
+    dgp = np.concatenate([np.full(6, 0.46), np.full(94, 0.2)])
+    assert glare_level(dgp, np.ones(100, bool)) == 0
+    assert glare_level(dgp, np.arange(100) >= 2) == 3
+    with pytest.raises(InputError, match="nobody"):
+        glare_level(dgp, np.zeros(100, bool))
+
+
+@pytest.mark.parametrize(
+    ("version", "autonomy", "exposure", "points"),
+    [
+        ("v4", 0.54, 0.0, 0),
+        ("v4", 0.55, 0.1, 2),
+        ("v4", 0.80, 0.0, 3),
+        ("v4", 0.80, 0.11, 0),
+        ("v4.1", 0.39, 0.0, 0),
+        ("v4.1", 0.40, 0.0, 1),
+        ("v4.1", 0.56, 0.3, 2),
+        ("v4.1", 0.75, 0.0, 3),
+    ],
+)
+def test_points_of_leed_option_1(version, autonomy, exposure, points):
+    credit = simulated_daylight(autonomy, exposure, version=version)
+    assert credit.points == points
+    assert bool(credit.note) == (exposure > 0.1)
+
+
+def test_points_of_leed_option_2():
+    morning = np.array([299.0] + [1000.0] * 18 + [3001.0])
+    noon = np.full(20, 500.0)
+    assert clear_sky_illuminance([morning, noon]).points == 3
+    assert clear_sky_illuminance([morning, noon], version="v4").points == 2
+    kept = clear_sky_illuminance([morning, noon], view_preserving_blinds=True)
+    assert kept.share == 0.95
+    with pytest.raises(InputError, match="v4"):
+        clear_sky_illuminance([noon], version="v3")
+
+
+def test_breeam_asks_for_the_mean_and_the_worst_point():
+    hours = np.arange(3000)
+    lux = sensors(np.where(hours < 2100, 600, 0), np.where(hours < 2000, 90, 0))
+    found = illuminance_criterion(lux)
+    assert (found.mean_hours, found.worst_hours, found.passed) == (2100, 2000, True)
+    assert not illuminance_criterion(lux, worst_lux=91).passed
+
+
+def test_daylight_factors_of_a_room():
+    factor = daylight_factor(np.array([100.0, 200.0, 600.0]), outdoor_lux=1e4)
+    room = room_factors(factor)
+    assert room == pytest.approx((0.03, 0.02, 0.01, 1 / 3))
+    assert factor_criterion(factor)
+    assert not factor_criterion(factor, mean=0.05)
+    with pytest.raises(InputError, match="more than 0"):
+        daylight_factor(factor, outdoor_lux=0)
+
+
+def test_light_exposure_counts_lux_hours():
+    lux = sensors([100] * 10)
+    assert float(light_exposure(lux, ALL, step_hours=0.25)[0]) == 250
+
+
+def test_dimmed_light_reaches_the_setpoint_and_no_more():
+    zone = LightingZone(power=80, full_lux=600, setpoint_lux=500)
+    daylight = np.linspace(0, 1500, 31)
+    use = lighting_use(zone, daylight, np.ones(31, bool))
+    dim = use.output > zone.least_output + 1e-12
+    assert np.allclose(use.illuminance[dim], 500)
+    assert np.all(use.illuminance[~dim] >= 500)
+    assert use.power.min() == pytest.approx(80 * 0.2)
+    assert use.power[0] == pytest.approx(80 * (0.2 + 0.8 / 0.9 * (500 / 600 - 0.1)))
+
+
+@pytest.mark.parametrize(
+    ("control", "power"),
+    [("none", [100, 100, 100, 2]), ("on-off", [100, 100, 2, 2])],
+)
+def test_switched_light_is_full_or_off(control, power):
+    zone = LightingZone(power=100, full_lux=500, control=control, standby=2)
+    daylight = np.array([0.0, 400.0, 600.0, 0.0])
+    occupied = np.array([True, True, True, False])
+    use = lighting_use(zone, daylight, occupied)
+    assert use.power.tolist() == power
+
+
+def test_savings_and_their_error():
+    zone = LightingZone(power=100, full_lux=500, least_output=0, least_power=0)
+    daylight = np.full(10, 250.0)
+    error = np.full(10, 25.0)
+    use = lighting_use(zone, daylight, ALL, standard_error=error)
+    always = lighting_use(
+        LightingZone(power=100, full_lux=500, control="none"), daylight, ALL
+    )
+    assert lighting_saving(use, always) == pytest.approx(0.5)
+    assert use.error == pytest.approx(50.0)  # 25 of 500 lux is 5 % of 1000 Wh
+
+
+def test_areas_have_to_fit_the_sensors():
+    with pytest.raises(InputError, match="one of 0 or more each"):
+        spatial_autonomy(sensors([1] * 10), ALL, area=np.array([1.0, 2.0]))
