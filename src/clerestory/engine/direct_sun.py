@@ -20,13 +20,14 @@ from jaxtyping import Float
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import points as sampling
 from clerestory.engine.bsdf_file import forward_table
+from clerestory.engine.estimate import Progress
+from clerestory.engine.look import Draw
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.peak import PeakTable
-from clerestory.engine.pixels import Progress
 from clerestory.engine.points import Points, points
+from clerestory.engine.upload import launching, vectors
 from clerestory.engine.walk import towards
 from clerestory.engine.windows import WindowTable, window_shapes
-from clerestory.errors import DeviceError
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
@@ -246,9 +247,7 @@ def sunlight_at(
             window,
             place,
             on_disc(sun, a, b),
-            lambda purpose: sampling.coordinate(
-                sequence, seed, index, mi.UInt32(0), purpose
-            ),
+            Draw(sequence, seed, index, mi.UInt32(0)).number,
             active,
         )
         index += 1
@@ -282,12 +281,12 @@ def trace_sun(
     seed: int,
     progress: Progress | None,
 ) -> SunEstimate:
-    """Trace direct sun through one window to sensors; the scene's surfaces are black."""
+    """Trace direct sun through one window to sensors, in a black scene."""
     origin = np.mean(sensors.position, axis=0)
     window = SunWindow.of(scene, windows, number, bsdf, peak=peak, origin=origin)
     sequence = points(0, max(1, -(-samples // BATCHES)))
-    position = _upload(mi.Point3f, sensors.position - origin)
-    normal = _upload(mi.Vector3f, sensors.direction)
+    position = vectors(mi.Point3f, sensors.position - origin)
+    normal = vectors(mi.Vector3f, sensors.direction)
     rows, count = len(sensors.position), len(suns)
     grey = window.table.colours == 1
     channels = 1 if grey else 3
@@ -334,22 +333,15 @@ def _launch(
         lambda direction, active: point,
         lambda direction: mi.Color3f(dr.maximum(dr.dot(upwards, direction), 0)),
     )
-    try:
+    with launching():
         light = sunlight_at(
             window,
             sequence,
             place,
-            dr.gather(mi.Vector3f, _upload(mi.Vector3f, suns), sun),
+            dr.gather(mi.Vector3f, vectors(mi.Vector3f, suns), sun),
             key,
             mi.Bool(True),
         )
         dr.eval(light)
         values = light.numpy()
-    except RuntimeError as error:
-        reason = str(error).strip().splitlines()[-1]
-        raise DeviceError(f"the trace failed on {mi.variant()}: {reason}") from error
     return values.T.reshape(rows, count, BATCHES, 3).astype(float)
-
-
-def _upload(kind: type, values: Float[np.ndarray, "n 3"]):
-    return kind(np.ascontiguousarray(values.T.astype(np.float32)))

@@ -21,6 +21,7 @@ from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.points import points
 from clerestory.engine.starts import lanes, trace_sensors, trace_window_patches
+from clerestory.engine.upload import launching
 from clerestory.engine.walk import FIXED_POINT, Target
 from clerestory.engine.windows import window_shapes
 from clerestory.errors import DeviceError
@@ -109,6 +110,7 @@ class Sums:
     count: Int[np.ndarray, " row"]
 
     def means(self) -> Float[np.ndarray, "row batch column channel"]:
+        """Mean weight of each batch's paths."""
         return self.total / (FIXED_POINT * self.count[:, None, None, None])
 
 
@@ -192,11 +194,12 @@ def _segments(bounces: int | None, *, first: int) -> int:
 
 
 def matrix_target(model: LoweredScene, sky: SkyTable | None, columns: int) -> Target:
+    """Return the target of a matrix's paths; each launch gives it its sums."""
     return Target(model, sky, mi.UInt64(), columns, 1 if model.grey else 3)
 
 
 def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
-    # Of the mean of independent batches
+    """Variance of the mean of independent batches."""
     return np.var(values, axis=axis, ddof=1) / values.shape[axis]
 
 
@@ -222,7 +225,15 @@ def estimate(
     *,
     together: bool = False,
 ) -> Estimate:
-    # Trace block after block of rows, each to its end
+    """Trace block after block of rows, each to its end.
+
+    Parameters
+    ----------
+    launch : traces some rows along a stretch of the sequence
+    rows : of the matrix
+    unfinished : which rows need more paths, and how far the worst is from its aim
+    together : whether all rows are judged as one
+    """
     row_bytes = effort.batches * target.columns * target.channels * 8
     block = rows if together else max(1, min(rows, _SUMS // row_bytes))
     values, components, paths, reached = [], [], 0, True
@@ -333,12 +344,9 @@ def _launch(
     # Run one unit of work and fetch what it scored
     size = len(rows) * batches * target.columns * target.channels
     target.sums = dr.zeros(mi.UInt64, size + 1)
-    try:
+    with launching():
         launch(target, rows, first, count)
         added = target.sums.numpy()
-    except RuntimeError as error:
-        reason = str(error).strip().splitlines()[-1]
-        raise DeviceError(f"the trace failed on {mi.variant()}: {reason}") from error
     if added[-1]:
         raise DeviceError(
             f"{added[-1]} paths carry more than a path can: a fault of the tracer"

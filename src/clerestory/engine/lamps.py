@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.dome import Dome, dome_directions
+from clerestory.engine.upload import some, vectors
 from clerestory.errors import InputError
 from clerestory.scene.model import Glow, Illum, Light, Spotlight
 from clerestory.scene.tessellate import Mesh
@@ -102,19 +103,19 @@ class Lamps:
             aimed[np.unique(owner)] = mean[np.unique(owner)] / power.sum()
         made = cls(
             count=len(owner),
-            radiance=_vectors(mi.Color3f, radiance),
-            table=mi.UInt32(_some(np.array(number, dtype=np.uint32))),
-            shy=mi.Bool(_some(np.array([_is_shy(m.material) for m in shining], bool))),
+            radiance=vectors(mi.Color3f, radiance),
+            table=mi.UInt32(some(np.array(number, dtype=np.uint32))),
+            shy=mi.Bool(some(np.array([_is_shy(m.material) for m in shining], bool))),
             veiled=mi.Bool(
-                _some(np.array([isinstance(m.material, Illum) for m in shining], bool))
+                some(np.array([isinstance(m.material, Illum) for m in shining], bool))
             ),
             patterns=Dome(np.array(tables), _EDGE) if tables else None,
-            corner=_vectors(mi.Point3f, corner[:, 0]),
-            edge_u=_vectors(mi.Vector3f, u),
-            edge_v=_vectors(mi.Vector3f, v),
-            lamp=mi.UInt32(_some(owner.astype(np.uint32))),
-            cumulative=mi.Float(_some(cumulative.astype(np.float32))),
-            aimed=mi.Float(_some(aimed.astype(np.float32))),
+            corner=vectors(mi.Point3f, corner[:, 0]),
+            edge_u=vectors(mi.Vector3f, u),
+            edge_v=vectors(mi.Vector3f, v),
+            lamp=mi.UInt32(some(owner.astype(np.uint32))),
+            cumulative=mi.Float(some(cumulative.astype(np.float32))),
+            aimed=mi.Float(some(aimed.astype(np.float32))),
         )
         dr.make_opaque(made.radiance, made.table, made.cumulative, made.aimed)
         return made
@@ -195,12 +196,3 @@ def _normal(mesh: Mesh) -> Float[np.ndarray, "3"]:
             " normal; a flat surface expected"
         )
     return total / max(length, 1e-30)
-
-
-def _vectors(kind: type, values: Float[np.ndarray, "n 3"]):
-    return kind(np.ascontiguousarray(_some(values).T.astype(np.float32)))
-
-
-def _some(values: np.ndarray) -> np.ndarray:
-    # Kernels take no empty tables: one entry that is never read
-    return values if len(values) else np.zeros((1, *values.shape[1:]), values.dtype)

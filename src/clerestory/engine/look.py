@@ -103,6 +103,28 @@ def aims(lit: LitScene, point, smooth):
     return dr.select(smooth, _AIMED * dr.minimum(worth / _GOOD, 1), 0), worth
 
 
+def at_surface(model: LoweredScene, si, context, depth, active, portals) -> Vertex:
+    """Return the vertex at a hit.
+
+    Parameters
+    ----------
+    context : which parts of the material scatter light that is aimed at
+    depth : of the geometry that the surface stands for; light leaves on its far side
+    portals : chance of aiming at portals, and their worth
+    """
+    bsdf, behind = si.bsdf(), si.n * depth
+
+    def leave(direction, lit):
+        through = dr.dot(direction, si.n) * si.wi.z < 0
+        moved = offset(model, si, direction, lit)
+        return dr.select(through, moved - behind, moved)
+
+    def scatter(direction):
+        return bsdf.eval_pdf(context, si, si.to_local(direction), active)
+
+    return Vertex(si.p, leave, scatter, *portals)
+
+
 def sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     """Return the light of the suns that a vertex scatters, aimed at directly."""
     if lit.sky.suns == 0:
@@ -265,17 +287,7 @@ def look(
         opaque &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
         draw = Draw(points, seed, index, vertex)
         aimed, worth = aims(lit, si.p, works & smooth & opaque)
-        behind = si.n * depth
-        place = Vertex(
-            si.p,
-            lambda d, a: (
-                dr.select(dr.dot(d, si.n) * cosine < 0, si.p - behind, si.p)
-                + (offset(model, si, d, a) - si.p)
-            ),
-            lambda d: bsdf.eval_pdf(straight, si, si.to_local(d), works),
-            aimed,
-            worth,
-        )
+        place = at_surface(model, si, straight, depth, works, (aimed, worth))
 
         # Aim at suns and lamps
         near = works & smooth & (segment <= segments)
@@ -309,7 +321,7 @@ def look(
         origin = dr.select(null, origin, si.p)
         leave = offset(model, si, direction, active)
         through = ~null & (dr.dot(direction, si.n) * cosine < 0)
-        leave = dr.select(through, leave - behind, leave)
+        leave = dr.select(through, leave - si.n * depth, leave)
         ray = mi.Ray3f(leave, direction)
         density = dr.select(spread, mixed, sample.pdf)
         pdf = dr.select(null, pdf, dr.select(delta, 0, density))

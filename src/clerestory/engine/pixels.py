@@ -14,13 +14,14 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine import points as sampling
+from clerestory.engine.estimate import Effort
 from clerestory.engine.look import Draw, LitScene, gather_at_sensor, look
 from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
 from clerestory.engine.points import Points, points
 from clerestory.engine.portals import Portals
 from clerestory.engine.sky_light import SkyLight
-from clerestory.errors import DeviceError
+from clerestory.engine.upload import launching, vectors
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -38,19 +39,6 @@ _PILOT = 8
 
 # Rows darker than this share of the mean need not reach the relative error.
 _DARK = 0.01
-
-Progress = Callable[[float, str], None]
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How long to trace; see `estimate.Effort`."""
-
-    samples: int | None = None
-    relative_error: float | None = None
-    bounces: int | None = None
-    seed: int = 0
-    progress: Progress | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +95,8 @@ def trace_irradiance(scene: Scene, sensors: Sensors, effort: Effort) -> Lit:
     """Return the irradiance of sensors; every one reaches the relative error."""
     origin = np.mean(sensors.position, axis=0)
     lit = _lit(scene, origin)
-    position = _upload(mi.Point3f, sensors.position - origin)
-    normal = _upload(mi.Vector3f, sensors.direction)
+    position = vectors(mi.Point3f, sensors.position - origin)
+    normal = vectors(mi.Vector3f, sensors.direction)
     # Radiance counts a sensor's own gather as a bounce
     limit = (1 << 30) if effort.bounces is None else effort.bounces
 
@@ -142,7 +130,8 @@ def _segments(bounces: int | None) -> int:
 
 @dataclass
 class PixelRays:
-    # Rays through the middles of pixels, and how they change across a pixel
+    """Rays through the middles of pixels, and how they change across a pixel."""
+
     origin: mi.Point3f
     direction: mi.Vector3f
     across: mi.Vector3f
@@ -153,6 +142,8 @@ class PixelRays:
 
     @classmethod
     def of(cls, view: View, columns: int, rows: int) -> "PixelRays":
+        """Return the rays of a view's pixels, row by row from the top."""
+
         def at(x: float, y: float):
             return view.rays(columns, rows, np.full((rows, columns, 2), [x, y]))
 
@@ -192,11 +183,7 @@ class PixelRays:
 
 
 def _rays(kind: type, values: Float[np.ndarray, "row column 3"]):
-    return _upload(kind, values.reshape(-1, 3))
-
-
-def _upload(kind: type, values: Float[np.ndarray, "n 3"]):
-    return kind(np.ascontiguousarray(values.T.astype(np.float32)))
+    return vectors(kind, values.reshape(-1, 3))
 
 
 @dataclass
@@ -282,11 +269,8 @@ def _launch(
     row = absolute // dr.opaque(mi.UInt32, batches)
     key = mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[0]
     draw = Draw(sequence, key, index, mi.UInt32(0))
-    try:
+    with launching():
         light = launch(draw, row)
         dr.eval(light)
         total = dr.block_reduce(dr.ReduceOp.Add, light, count).numpy()
-    except RuntimeError as error:
-        reason = str(error).strip().splitlines()[-1]
-        raise DeviceError(f"the trace failed on {mi.variant()}: {reason}") from error
     return total.T.reshape(len(rows), batches, 3).transpose(1, 0, 2).astype(float)

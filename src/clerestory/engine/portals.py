@@ -14,6 +14,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.engine.upload import vectors
 from clerestory.engine.windows import RectangleView
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
 
@@ -54,14 +55,14 @@ class Portals:
         largest = sorted(range(len(found)), key=lambda i: -area[i])[:MOST]
         kept = [found[i] for i in largest if area[i] >= _SMALLEST * max(area)]
         count = len(kept)
-        # Kernels take no empty tables: without portals, one that is never aimed at
+        # Without portals, one that is never aimed at
         kept = kept or [(np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))]
         corner = np.array([c for c, _, _ in kept]) - origin
         portals = cls(
             count,
-            _vectors(mi.Point3f, corner),
-            _vectors(mi.Vector3f, np.array([u for _, u, _ in kept])),
-            _vectors(mi.Vector3f, np.array([v for _, _, v in kept])),
+            vectors(mi.Point3f, corner),
+            vectors(mi.Vector3f, np.array([u for _, u, _ in kept])),
+            vectors(mi.Vector3f, np.array([v for _, _, v in kept])),
         )
         dr.make_opaque(portals.corner, portals.edge_u, portals.edge_v)
         return portals
@@ -155,7 +156,3 @@ def _rectangle(vertices: Float[np.ndarray, "n 3"]):
     x, y = (vertices - vertices[0]) @ right, (vertices - vertices[0]) @ up
     corner = vertices[0] + x.min() * right + y.min() * up
     return corner, np.ptp(x) * right, np.ptp(y) * up
-
-
-def _vectors(kind: type, values: Float[np.ndarray, "n 3"]):
-    return kind(np.ascontiguousarray(values.T.astype(np.float32)))

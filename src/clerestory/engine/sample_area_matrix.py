@@ -7,7 +7,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.estimate import BATCHES, Effort, Estimate, Sums, estimate
+from clerestory.engine.estimate import Effort, Estimate, Sums, estimate, variance
 from clerestory.engine.patches import PatchTable
 from clerestory.engine.points import points
 from clerestory.engine.sample_area import follow, lower_slab, start

@@ -125,10 +125,8 @@ def _dome(scene: Scene, sources: list[DistantSource]) -> Dome:
     total = np.zeros_like(direction)
     for source in sources:
         material = scene.materials[source.material]
-        inside = (
-            direction @ source.direction
-            >= np.cos(np.radians(source.angle_deg / 2)) - 1e-9
-        )
+        least = np.cos(np.radians(source.angle_deg / 2)) - 1e-9
+        inside = direction @ source.direction >= least
         radiance = np.broadcast_to(material.radiance, (int(inside.sum()), 3))
         if material.pattern is not None:
             radiance = radiance * material.pattern.value(direction[inside])

@@ -12,6 +12,7 @@ import numpy as np
 
 from clerestory.engine import points as sampling
 from clerestory.engine.points import Points
+from clerestory.engine.upload import vectors
 from clerestory.engine.walk import (
     CONNECTIONS,
     Target,
@@ -83,8 +84,8 @@ def trace_sensors(
     position, normal : (rows, 3) in the device's frame [m]
     segments : most segments of a path, the first from the sensor included
     """
-    o = dr.gather(mi.Point3f, _upload(mi.Point3f, position), paths.row)
-    n = dr.gather(mi.Vector3f, _upload(mi.Vector3f, normal), paths.row)
+    o = dr.gather(mi.Point3f, vectors(mi.Point3f, position), paths.row)
+    n = dr.gather(mi.Vector3f, vectors(mi.Vector3f, normal), paths.row)
     first = mi.UInt32(0)
     seed, index = paths.seed, paths.index
     limit = dr.opaque(mi.UInt32, segments)
@@ -140,7 +141,3 @@ def trace_window_patches(
     weight, pdf = mi.Color3f(1), mi.Float(0)
     limit = dr.opaque(mi.UInt32, segments)
     walk(target, points, ray, weight, pdf, paths.slot, seed, index, active, limit)
-
-
-def _upload(kind: type, values: np.ndarray):
-    return kind(np.ascontiguousarray(values.T.astype(np.float32)))

@@ -15,10 +15,11 @@ from jaxtyping import Float, Int
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import points as sampling
 from clerestory.engine.direct_sun import Place, SunWindow, on_disc, sunlight
-from clerestory.engine.pixels import PixelRays, Progress
+from clerestory.engine.estimate import Progress
+from clerestory.engine.pixels import PixelRays
 from clerestory.engine.points import points
+from clerestory.engine.upload import launching, vectors
 from clerestory.engine.walk import offset
-from clerestory.errors import DeviceError
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
@@ -111,17 +112,12 @@ class PixelSuns:
         x, y = draw(sampling.DIRECTION_U, 0), draw(sampling.DIRECTION_V, 0)
         ray, valid = self.rays.through(pixel, x, y, self.centre)
         a, b = draw(sampling.CONNECT_U, 0), draw(sampling.CONNECT_V, 0)
-        middle = dr.gather(mi.Vector3f, _upload(suns), sun)
-        try:
+        middle = dr.gather(mi.Vector3f, vectors(mi.Vector3f, suns), sun)
+        with launching():
             place = on_disc(middle, a, b)
             light = _seen(self.window, ray, middle, place, draw, valid)
             dr.eval(light)
             total = dr.block_reduce(dr.ReduceOp.Add, light, samples).numpy()
-        except RuntimeError as error:
-            reason = str(error).strip().splitlines()[-1]
-            raise DeviceError(
-                f"the trace failed on {mi.variant()}: {reason}"
-            ) from error
         return (total / samples).reshape(3, pixels, count)
 
 
@@ -157,7 +153,3 @@ def _seen(window: SunWindow, ray, middle, sun, draw, active):
         lambda direction: bsdf.eval(context, si, si.to_local(direction), surface),
     )
     return light + sunlight(window, place, sun, draw, surface)
-
-
-def _upload(values: Float[np.ndarray, "n 3"]):
-    return mi.Vector3f(np.ascontiguousarray(values.T.astype(np.float32)))

@@ -8,7 +8,6 @@ them and is reflected to the eye by all of the surface's material.
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.engine import points as sampling
 from clerestory.engine.estimate import (

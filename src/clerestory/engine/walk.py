@@ -123,7 +123,7 @@ def spread(u, v, number: int):
 
 
 def towards(origin, point) -> mi.Ray3f:
-    # A ray that ends just before a point, also from an origin moved off its surface
+    """Return a ray that ends just before a point, also from a moved start."""
     across = point - origin
     distance = dr.norm(across)
     ray = mi.Ray3f(origin, across / distance)

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.patches import PatchTable
+from clerestory.engine.upload import vectors
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
 
@@ -289,9 +290,9 @@ def _table(
         ]
         tables.append(tables[like[0]] if like else PatchTable.of(window.partition))
     table = WindowTable(
-        corner=_vectors(mi.Point3f, np.array([e.corner for e in flat]) - origin),
-        edge_u=_vectors(mi.Vector3f, edge_u),
-        edge_v=_vectors(mi.Vector3f, edge_v),
+        corner=vectors(mi.Point3f, np.array([e.corner for e in flat]) - origin),
+        edge_u=vectors(mi.Vector3f, edge_u),
+        edge_v=vectors(mi.Vector3f, edge_v),
         rectangle=mi.Bool(rectangle),
         cumulative=mi.Float(cumulative.astype(np.float32)),
         area=mi.Float(float(area.sum())),
@@ -299,9 +300,9 @@ def _table(
             np.repeat(np.arange(len(windows)), per_window).astype(np.uint32)
         ),
         first_element=mi.UInt32((np.cumsum(per_window) - per_window).astype(np.uint32)),
-        right=_vectors(mi.Vector3f, np.array([w.frame.right for w in windows])),
-        up=_vectors(mi.Vector3f, np.array([w.frame.up for w in windows])),
-        normal=_vectors(mi.Vector3f, np.array([w.frame.normal for w in windows])),
+        right=vectors(mi.Vector3f, np.array([w.frame.right for w in windows])),
+        up=vectors(mi.Vector3f, np.array([w.frame.up for w in windows])),
+        normal=vectors(mi.Vector3f, np.array([w.frame.normal for w in windows])),
         first=mi.UInt32((np.cumsum(count) - count).astype(np.uint32)),
         tables=tables,
         columns=int(count.sum()),
@@ -310,7 +311,3 @@ def _table(
         table.area, table.cumulative, table.corner, table.edge_u, table.edge_v
     )
     return table
-
-
-def _vectors(kind: type, values: Float[np.ndarray, "n 3"]):
-    return kind(np.ascontiguousarray(values.T.astype(np.float32)))

@@ -4,7 +4,6 @@ The scene holds everything: surfaces, lamps, and a sky and sun as sources at inf
 as `gensky` and `gendaylit` describe them. Every pixel and sensor has a standard error.
 """
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -16,8 +15,9 @@ from clerestory import __version__
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.engine import device as devices
 from clerestory.engine.device import Device
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import InputError
 from clerestory.image.picture import Picture
+from clerestory.phases.trace import matrix_effort, warn_if_short
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -103,9 +103,10 @@ def render(
             f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected"
         )
     _check_light(scene)
-    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
+    effort = _effort(samples, relative_error, bounces, seed, device, progress)
+    engine = devices.load(device, "pixels")
     lit = engine.trace_picture(scene, view, columns, rows, effort)
-    _warn_if_short(lit, "picture", relative_error)
+    warn_if_short(lit, "picture", relative_error)
     picture = Picture(
         lit.value.reshape(rows, columns, 3).astype(np.float32),
         view=view,
@@ -137,9 +138,10 @@ def irradiance(
             "bounces = 0; the first gather of a sensor counts: 1 or more expected"
         )
     _check_light(scene)
-    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
+    effort = _effort(samples, relative_error, bounces, seed, device, progress)
+    engine = devices.load(device, "pixels")
     lit = engine.trace_irradiance(scene, sensors, effort)
-    _warn_if_short(lit, "irradiance", relative_error)
+    warn_if_short(lit, "irradiance", relative_error)
     return Gathered(lit.value, lit.error, lit.paths)
 
 
@@ -155,42 +157,21 @@ def _check_light(scene: Scene) -> None:
         )
 
 
-def _engine(
+def _effort(
     samples: int | None,
     relative_error: float | None,
     bounces: int | None,
     seed: int,
     device: Device,
     progress: Progress | None,
-) -> tuple[Any, Any]:
-    if samples is not None and relative_error is not None:
-        raise InputError("both samples and relative_error given; one of them expected")
-    if samples is not None and not 1 <= samples <= 1 << 22:
-        raise InputError(f"samples = {samples}; a whole number from 1 to 2^22 expected")
+) -> Any:
     if samples is None and relative_error is None:
         relative_error = DEFAULT_RELATIVE_ERROR
-    if relative_error is not None and not 1e-5 <= relative_error < 1:
-        raise InputError(f"relative_error = {relative_error}; 0.00001 to 1 expected")
-    if bounces is not None and bounces < 0:
-        raise InputError(f"bounces = {bounces}; 0 or more expected")
-    if not 0 <= seed < 1 << 26:
-        raise InputError(f"seed = {seed}; a whole number from 0 to 2^26 - 1 expected")
-    engine = devices.load(device, "pixels")
-    effort = engine.Effort(
+    return matrix_effort(
         samples=samples,
         relative_error=relative_error,
         bounces=bounces,
         seed=seed,
+        device=device,
         progress=progress,
     )
-    return engine, effort
-
-
-def _warn_if_short(lit: Any, what: str, relative_error: float | None) -> None:
-    if not lit.reached:
-        warnings.warn(
-            f"{what}: the relative error {relative_error} was not reached"
-            f" after {lit.paths:,} paths; look at the standard errors",
-            ClerestoryWarning,
-            stacklevel=3,
-        )
