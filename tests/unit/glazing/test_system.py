@@ -3,7 +3,7 @@
 import pytest
 
 from clerestory.errors import ClerestoryError, InputError
-from clerestory.glazing import thermal
+from clerestory.glazing import wincalc
 from clerestory.glazing.gap import Gap
 from clerestory.glazing.layer import Glass
 from clerestory.glazing.system import GlazingSystem, read_system
@@ -75,7 +75,7 @@ def test_heat_without_its_engine_says_what_to_install(clear, monkeypatch):
     def missing(name):
         raise ImportError(name)
 
-    monkeypatch.setattr(thermal.importlib, "import_module", missing)
+    monkeypatch.setattr(wincalc.importlib, "import_module", missing)
     with pytest.raises(ClerestoryError, match=r"clerestory\[thermal\]"):
         thermal_figures([Glass(clear)])
 
