@@ -72,10 +72,10 @@ def annual_glare(
     Examples
     --------
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
-    >>> year = np.full((3, 64, 64), 100.0)
-    >>> year[1, 20:30, 20:30] = 20_000.0
+    >>> year = np.full((3, 160, 160), 100.0)
+    >>> year[1, 50:75, 50:75] = 20_000.0
     >>> annual_glare(year, eye).dgp.values.round(2).tolist()
-    [0.18, 0.4, 0.18]
+    [0.18, 0.47, 0.18]
     """
     rules = rules or SourceRules()
     results = []
@@ -166,7 +166,7 @@ def glare_of_steps(
     Examples
     --------
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
-    >>> next(glare_of_steps(np.full((1, 64, 64), 100.0), eye)).sources.count
+    >>> next(glare_of_steps(np.full((1, 160, 160), 100.0), eye)).sources.count
     0
     """
     rules = rules or SourceRules()

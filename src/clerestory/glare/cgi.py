@@ -24,7 +24,7 @@ def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
     ...     luminance=[3000.0], solid_angle=[0.02], position_index=[2.0]
     ... )
     >>> round(cgi(lamp, illuminance=190.0, direct=52.0), 2)
-    21.63
+    21.75
     """
     if not sources.count:
         return 0.0

@@ -54,7 +54,7 @@ def exceeded_dgp(
 
     Examples
     --------
-    >>> float(exceeded_dgp(np.linspace(0, 1, 101)))
+    >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
     0.95
     """
     steps = dgp.shape[-1]
@@ -63,8 +63,7 @@ def exceeded_dgp(
     if not 0 <= share < 1:
         raise InputError(f"share {share:g}; 0 to 1 expected")
     above = int(np.floor(share * steps + 1e-9))
-    highest: np.ndarray = np.sort(dgp, axis=-1)[..., steps - 1 - above]
-    return highest
+    return np.asarray(np.sort(dgp, axis=-1)[..., steps - 1 - above])
 
 
 def protection_level(exceeded: float) -> Protection:
@@ -97,8 +96,7 @@ def glare_autonomy(
     >>> float(glare_autonomy(np.array([0.2, 0.3, 0.39, 0.6])))
     0.75
     """
-    free: np.ndarray = (np.asarray(dgp) < limit).mean(axis=-1)
-    return free
+    return np.asarray((dgp < limit).mean(axis=-1))
 
 
 def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:

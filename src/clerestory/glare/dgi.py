@@ -26,7 +26,7 @@ def dgi(sources: GlareSources, *, background: float) -> float:
     ...     luminance=[5000.0], solid_angle=[0.5], position_index=[2.0]
     ... )
     >>> round(dgi(window, background=300.0), 1)
-    22.9
+    21.4
     """
     return _index(sources, background)
 
@@ -49,7 +49,7 @@ def modified_dgi(sources: GlareSources, *, average: float) -> float:
     ...     luminance=[5000.0], solid_angle=[0.5], position_index=[2.0]
     ... )
     >>> round(modified_dgi(window, average=800.0), 1)
-    23.1
+    21.4
     """
     return _index(sources, average**0.85 if average > 0 else average)
 

@@ -62,7 +62,7 @@ def dgp(
     ...     luminance=[1e6], solid_angle=[6.8e-5], position_index=[3.0]
     ... )
     >>> round(dgp(sun, illuminance=3000.0), 3)
-    0.433
+    0.384
     """
     k = coefficients
     if illuminance <= 0:

@@ -53,11 +53,11 @@ def evaluate_glare(
     Examples
     --------
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
-    >>> pixels = np.full((64, 64, 3), 2.0, dtype=np.float32)
-    >>> pixels[20:24, 30:34] = 60.0
+    >>> pixels = np.full((160, 160, 3), 2.0, dtype=np.float32)
+    >>> pixels[50:60, 75:85] = 60.0
     >>> result = evaluate_glare(Picture(pixels, view=eye))
     >>> round(result.illuminance), round(result.dgp, 3), result.sources.count
-    (1328, 0.3, 1)
+    (1462, 0.263, 1)
     """
     rules = rules or SourceRules()
     eye = eye_of(picture, view=view, position_model=position_model, trust=trust)

@@ -52,7 +52,7 @@ def imageless_dgp(
     ...     index=3 * one,
     ... )
     >>> dgp.round(3).tolist()
-    [0.433]
+    [0.384]
     """
     if luminance.shape != (len(solid_angle), len(illuminance)):
         raise InputError(

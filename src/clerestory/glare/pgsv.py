@@ -26,7 +26,7 @@ def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -
     >>> round(
     ...     contrast_pgsv(window=3000.0, window_solid_angle=0.5, average=600.0), 2
     ... )
-    0.89
+    0.92
     """
     rest = surround_luminance(
         window=window, window_solid_angle=window_solid_angle, average=average
@@ -65,6 +65,6 @@ def saturation_pgsv(illuminance: float) -> float:
     """Vote by the illuminance of the eye [lux] when the window fills the view.
 
     >>> round(saturation_pgsv(5000.0), 2)
-    0.78
+    1.76
     """
     return 3.3 - 3.87 / (1 + math.pow(illuminance / math.pi / 1250, 1.7))

@@ -46,12 +46,15 @@ def position_index(
     --------
     >>> sigma = np.radians([0.0, 30.0, 30.0])
     >>> position_index(sigma, np.zeros(3), np.array([False, False, True])).round(2)
-    array([1.  , 3.35, 1.65])
+    array([1.  , 3.35, 1.58])
     """
     if model == "kim":
         return _kim(np.degrees(sigma), np.degrees(tau))
-    above = _guth(np.degrees(sigma), np.degrees(tau))
-    return np.minimum(np.where(below, _iwata(sigma, tau), above), LARGEST)
+    index = np.empty(np.shape(sigma))
+    above = ~below
+    index[above] = _guth(np.degrees(sigma[above]), np.degrees(tau[above]))
+    index[below] = _iwata(sigma[below], tau[below])
+    return np.minimum(index, LARGEST)
 
 
 def _guth(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:

@@ -103,9 +103,9 @@ def find_sources(
     --------
     >>> from clerestory.glare.view import glare_view
     >>> from clerestory.scene.view import View
-    >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
-    >>> room = np.full((64, 64), 100.0)
-    >>> room[20:24, 30:34] = 8000.0
+    >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 160, 160)
+    >>> room = np.full((160, 160), 100.0)
+    >>> room[50:54, 75:79] = 8000.0
     >>> np.bincount(find_sources(room, eye).label).tolist()
     [0, 16]
     """

@@ -23,7 +23,7 @@ def ugp(sources: GlareSources, *, background: float) -> float:
     ...     luminance=[3000.0], solid_angle=[0.2], position_index=[2.0]
     ... )
     >>> round(ugp(window, background=300.0), 3)
-    0.667
+    0.669
     """
     if not sources.count:
         return 0.0
@@ -45,7 +45,7 @@ def logistic_ugp(sources: GlareSources, *, background: float) -> float:
     ...     luminance=[3000.0], solid_angle=[0.2], position_index=[2.0]
     ... )
     >>> round(logistic_ugp(window, background=300.0), 3)
-    0.53
+    0.527
     """
     if not sources.count:
         return 0.0

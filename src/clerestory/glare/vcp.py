@@ -26,7 +26,7 @@ def dgr(sources: GlareSources, *, average: float) -> float:
     ...     luminance=[3000.0], solid_angle=[0.02], position_index=[2.0]
     ... )
     >>> round(dgr(lamp, average=60.0), 1)
-    128.3
+    127.3
     """
     if not sources.count:
         return 0.0

@@ -196,8 +196,8 @@ def _glare_view(key: _Key, columns: int, rows: int, model: PositionModel) -> Gla
 def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     # Angle from the view's up vector, as evalglare takes it: in a tilted view the up
     # vector is not turned into the picture's plane
+    ahead = float(view.direction @ view.up)
     with np.errstate(divide="ignore", invalid="ignore"):
-        aside = direction / cosine[..., None] - view.direction
-        aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
-        angle: np.ndarray = np.arccos(np.clip(aside @ view.up, -1, 1))
+        across = (direction @ view.up - cosine * ahead) / np.sqrt(1 - cosine * cosine)
+        angle: np.ndarray = np.arccos(np.clip(across, -1, 1))
     return np.where(np.isfinite(angle), angle, np.pi / 2)
