@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from physics_scenes import quad, sensor
+from physics_scenes import quad, sensor, window
 
+import clerestory as cl
 from clerestory.phases.render import irradiance
 from clerestory.scene.model import (
     DistantSource,
@@ -123,3 +124,27 @@ def test_a_mirror_shows_the_sun_to_a_sensor(device):
     turned = quad(*wall.vertices[::-1], material="mirror")
     black = Scene(scene.materials, (turned,), (source,))
     assert_reads(black, 0.0, precision=1e-3, where=where, samples=256, device=device)
+
+
+def test_highlights_do_not_count_as_bounces(device):
+    """All light of a surface without diffuse part comes with the first gather."""
+    wall = quad((-5, 3, -5), (-5, 3, 5), (5, 3, 5), (5, 3, -5), material="shiny")
+    shiny = Plastic("shiny", np.ones(3), specularity=1.0, roughness=0.2)
+    opening = window(quad((-1, -2, -1), (-1, -2, 1), (1, -2, 1), (1, -2, -1)))
+    once, always = (
+        cl.view_matrix(
+            Scene({"shiny": shiny}, (wall,)),
+            opening,
+            sensors=sensor((0, 0, 0), (0, 1, 0)),
+            samples=1 << 19,
+            bounces=bounces,
+            seed=seed,
+            device=device,
+        )
+        for bounces, seed in ((1, 1), (None, 2))
+    )
+    sums = [m.values[0].sum() for m in (once, always)]
+    errors = [m.components[:, 0].sum(axis=(1, 2)) for m in (once, always)]
+    error = np.sqrt(sum(np.square(e).sum() for e in errors))
+    assert error < 0.01 * sums[1]
+    assert abs(sums[0] - sums[1]) < 4 * error

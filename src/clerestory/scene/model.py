@@ -124,7 +124,7 @@ class Scene:
                     f'surface "{item.name}" is made of "{item.material}",'
                     " which is not a material of the scene"
                 )
-            if isinstance(item, Polygon):
+            if isinstance(item, Polygon | Ring):
                 _check_up(item, self.materials[item.material])
 
     def __add__(self, other: "Scene") -> "Scene":
@@ -147,22 +147,36 @@ class Scene:
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
-def _check_up(polygon: Polygon, material: Material) -> None:
-    # The up vector of a BSDF, laid into the polygon, must point somewhere
-    if not isinstance(material, BsdfSurface):
-        return
-    around = polygon.vertices - polygon.vertices[0]
-    normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
-    up = material.up @ material.transform
-    across = np.linalg.norm(np.cross(up, normal))
-    if across < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
-        source = polygon.source
-        raise InputError(
-            f'polygon "{polygon.name}": the up vector of BSDF "{material.name}" is'
-            " along its normal; a vector that points up along the polygon expected",
-            file=source.file if source else None,
-            line=source.line if source else None,
-        )
+def _check_up(surface: Polygon | Ring, material: Material) -> None:
+    # The up vector of a BSDF, laid into the surface, must point somewhere
+    match material:
+        case Mixture():
+            _check_up(surface, material.foreground)
+            _check_up(surface, material.background)
+        case Mirror(alternate=other) | Illum(alternate=other) if other is not None:
+            _check_up(surface, other)
+        case BsdfSurface():
+            normal = _normal(surface)
+            up = material.up @ material.transform
+            across = np.linalg.norm(np.cross(up, normal))
+            if across < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
+                source = surface.source
+                raise InputError(
+                    f'"{surface.name}": the up vector of BSDF "{material.name}" is'
+                    " along its normal; a vector that points up along the surface"
+                    " expected",
+                    file=source.file if source else None,
+                    line=source.line if source else None,
+                )
+
+
+def _normal(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
+    # Normal, of any length
+    if isinstance(surface, Ring):
+        return surface.normal
+    around = surface.vertices - surface.vertices[0]
+    normal: np.ndarray = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
+    return normal
 
 
 _Item = TypeVar("_Item", bound=Surface | DistantSource)

@@ -289,5 +289,10 @@ def test_the_up_vector_of_a_bsdf_must_lie_along_its_polygon(read):
     """Radiance: "Illegal orientation vector"."""
     text = "void BSDF x 6 0 blind.xml 0 0 1 . 0 0\nx polygon pane 0 0 9 "
     assert read(text + "0 0 0 1 0 0 1 0 1")
-    with pytest.raises(InputError, match=r'rad:2: polygon "pane": the up vector of'):
+    with pytest.raises(InputError, match=r'rad:2: "pane": the up vector of'):
         read(text + "0 0 0 1 0 0 1 1 0")
+    with pytest.raises(InputError, match=r'rad:3: "disc": the up vector of'):
+        read(
+            "void BSDF x 6 0 blind.xml 0 0 1 . 0 0\nvoid mixfunc m 4 x void .5 . 0 0\n"
+            "m ring disc 0 0 8 0 0 0 0 0 2 0 1"
+        )
