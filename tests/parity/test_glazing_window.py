@@ -200,9 +200,17 @@ def quarter(engine):
 
 
 def as_file(layer):
-    """A layer as a BSDF file would hold it: two bands on the 41 patches."""
+    """A layer as a file that has the same matrices for all light.
+
+    Files with two different bands cannot be compared: pywincalc 3.3.1 draws a straight
+    line from the visible to the far end of the solar range, so that a file of solar
+    transmittance 0.49 passes 0.87 in a stack.
+    """
     bsdf = stack_layers([layer], partition=QUARTER).bsdf
-    return BsdfLayer(Bsdf(bsdf.functions))
+    visible = {name: bsdf.functions["visible", name] for name in FUNCTIONS}
+    return BsdfLayer(
+        Bsdf({(c, n): f for c in ("visible", "solar") for n, f in visible.items()})
+    )
 
 
 STACKS = {
@@ -253,7 +261,7 @@ def test_spectral_stacks_equal_pywincalc(wincalc, engine, names):
 @pytest.mark.slow
 def test_a_bsdf_file_behind_glass_equals_pywincalc(wincalc, shared_data, engine):
     glass = product(wincalc, "CLEAR_3.json")
-    blind = read_layer(shared_data / "bsdf" / "frads" / "2011-SA1.xml")
+    blind = as_file(read_layer(shared_data / "bsdf" / "frads" / "2011-SA1.xml"))
     theirs = engine.GlazingSystem(
         [their_layer(engine, glass), two_band(engine, blind)],
         [engine.Layers.gap(thickness=0.0127)],
@@ -268,7 +276,7 @@ def test_pywincalc_reads_what_we_write(wincalc, engine, tmp_path):
     stacked = stack_layers(layers, name="double", gap_thickness=0.0127)
     write_bsdf(tmp_path / "double.xml", stacked.bsdf)
     parsed = engine.parse_bsdf_xml_file(str(tmp_path / "double.xml"))
-    assert parsed.thickness == pytest.approx(2 * 0.003048 + 0.0127)
+    assert parsed.thickness == pytest.approx(2 * 3.048 + 12.7)  # mm
     optical = engine.convert_to_solid_layer(parsed).optical_data
     ours = stacked.bsdf.function("transmission_front", channel="solar").values
     assert np.allclose(np.array(optical.solar_transmittance_front), ours, atol=1e-9)
