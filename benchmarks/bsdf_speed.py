@@ -7,51 +7,47 @@ import argparse
 import platform
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 
-from clerestory.bsdf.analytic import thin_pane
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.resample import to_matrices, to_trees
+from clerestory.bsdf.resample import tree_from
+from clerestory.bsdf.scattering import FUNCTIONS, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_text import parse_tree
-from clerestory.bsdf.xml import read_bsdf
 from clerestory.hemisphere.klems import klems
 
 PAIRS = 1_000_000
-RUNS = 7
-DEMO = Path(__file__).parents[1] / "src" / "clerestory" / "demo"
+RUNS = 5
 
 
-def isotropic(halvings: int) -> Bsdf:
-    """A tree of rank 3 with a grid of random values."""
+def isotropic(halvings: int) -> ScatteringTree:
+    """Return a tree of rank 3 with a grid of random values."""
     values = np.random.default_rng(1).random(1 << 3 * halvings)
     text = "{ " + " ".join(f"{v:.4f}" for v in values) + " }"
     table = parse_tree(text.encode(), rank=3)
-    tree = ScatteringTree(table.slots, 3, table.depth)
-    names = read_bsdf(DEMO / "venetian_blind.xml").functions
-    return Bsdf(dict.fromkeys(names, tree))
+    return ScatteringTree(table.slots, 3, table.depth)
 
 
-def layers() -> dict[str, Bsdf]:
-    """Return a layer of every kind."""
-    blind = read_bsdf(DEMO / "venetian_blind.xml")
-    noise = np.random.default_rng(2)
-    pane = thin_pane(0.9, klems("full"))
-    noisy = {
-        key: replace(part, values=part.values + 0.01 * noise.random(part.values.shape))
-        for key, part in pane.functions.items()
-    }
-    rough = replace(pane, functions=noisy)
+def noisy(basis: str) -> ScatteringMatrix:
+    """Return a matrix of which no two values are equal."""
+    patches = klems(basis)
+    values = np.random.default_rng(2).random((len(patches), len(patches)))
+    return ScatteringMatrix(values, patches, patches)
+
+
+def functions() -> dict[str, ScatteringFunction]:
+    """Return a scattering function of every kind, without a cell that was joined."""
+    full = noisy("full")
     return {
-        "matrix, 145 × 145": to_matrices(blind, klems("full")),
-        "matrix, 77 × 77": to_matrices(blind, klems("half")),
+        "matrix, 145 × 145": full,
+        "matrix, 77 × 77": noisy("half"),
         "tree of rank 3, 2⁵ cells along an axis": isotropic(5),
-        "tree of rank 4, 2⁴": to_trees(rough, halvings=4),
-        "tree of rank 4, 2⁶": to_trees(rough, halvings=6),
+        "tree of rank 4, 2⁴": tree_from(full, 4),
+        "tree of rank 4, 2⁶": tree_from(full, 6),
     }
 
 
@@ -74,8 +70,8 @@ def main() -> None:
     pairs = np.random.default_rng(3).normal(size=(2, PAIRS, 3))
     incident, leaving = pairs / np.linalg.norm(pairs, axis=-1, keepdims=True)
     rows = []
-    for name, layer in layers().items():
-        part = layer.functions["visible", "transmission_front"]
+    for name, part in functions().items():
+        layer = Bsdf(dict.fromkeys([("visible", f) for f in FUNCTIONS], part))
         one = speed(lambda part=part: part.evaluate(incident, leaving))
         whole = speed(lambda layer=layer: layer.evaluate(incident, leaving))
         rows.append(f"| {name} | {one / 1e6:.1f} | {whole / 1e6:.1f} |")

@@ -1,15 +1,6 @@
-"""The command line: `clerestory …`.
+"""The whole command line: `clerestory …` with all its groups and commands."""
 
-Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings
-are one line each on the error stream.
-"""
-
-import os
-import sys
-import traceback
-import warnings
-from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -22,27 +13,11 @@ from clerestory.cli.multiply import multiply
 from clerestory.cli.picture_capture import calibrate, merge, reproject
 from clerestory.cli.render import render
 from clerestory.cli.run import demo, report, run
-from clerestory.errors import ClerestoryError, ClerestoryWarning
+from clerestory.cli.start import main, new_app
 
-TRACEBACK = "CLERESTORY_TRACEBACK"
-INTERRUPTED = 130
+__all__ = ["app", "main"]
 
-# Options that take every word up to the next option
-_GREEDY = ("--scene", "--window")
-
-# Typer's base of usage errors, which it does not export
-_UsageError: type[Exception] = next(
-    cls for cls in typer.BadParameter.__mro__ if cls.__name__ == "ClickException"
-)
-
-app = typer.Typer(
-    name="clerestory",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode="markdown",  # else units in brackets vanish from the help
-    help="Annual daylight behind complex fenestration.",
-)
+app = new_app()
 app.add_typer(trace.app, name="trace")
 app.add_typer(sky.app, name="sky")
 app.add_typer(bsdf.app, name="bsdf")
@@ -97,76 +72,3 @@ def clerestory(
     ] = None,
 ) -> None:
     """Annual daylight behind complex fenestration: BSDFs, matrices, error bars."""
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit status.
-
-    Parameters
-    ----------
-    arguments : those after the program's name; of this process if not given
-    """
-    words = spread(list(sys.argv[1:] if arguments is None else arguments))
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", ClerestoryWarning)
-        warnings.showwarning = _show_warning
-        try:
-            status = app(words, prog_name="clerestory", standalone_mode=False)
-            return _interrupted() if status == INTERRUPTED else int(status or 0)
-        except ClerestoryError as error:
-            return _fail(str(error), error.exit_status, error)
-        except (KeyboardInterrupt, typer.Abort):
-            return _interrupted()
-        except _UsageError as error:
-            return _usage(error)
-        except Exception as error:  # the last line of defence
-            kind = type(error).__name__
-            text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 to see where"
-            return _fail(text, 1, error)
-
-
-def spread(words: list[str]) -> list[str]:
-    """Repeat an option that takes several files before each of them.
-
-    >>> spread(["--scene", "a.rad", "b.rad", "-o", "V.mtx"])
-    ['--scene', 'a.rad', '--scene', 'b.rad', '-o', 'V.mtx']
-    """
-    result: list[str] = []
-    option = ""
-    for word in words:
-        if word.startswith("-"):
-            option = word if word in _GREEDY else ""
-            result += [] if option else [word]
-        else:
-            result += [option, word] if option else [word]
-    return result
-
-
-def _show_warning(message: Warning | str, *_place: Any, **_more: Any) -> None:
-    typer.echo(f"warning: {_one_line(str(message))}", err=True)
-
-
-def _usage(error: Any) -> int:
-    # Typer's own complaints: one line, and where help is found
-    if type(error).__name__ == "NoArgsIsHelpError":
-        error.show()
-        return int(error.exit_code)
-    path = error.ctx.command_path if getattr(error, "ctx", None) else "clerestory"
-    text = f"{_one_line(error.format_message())} (see {path} --help)"
-    return _fail(text, int(error.exit_code), error)
-
-
-def _fail(text: str, status: int, error: BaseException) -> int:
-    if os.environ.get(TRACEBACK):
-        traceback.print_exception(error)
-    typer.echo(_one_line(text), err=True)
-    return status
-
-
-def _interrupted() -> int:
-    typer.echo("interrupted; run again to resume", err=True)
-    return INTERRUPTED
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split())

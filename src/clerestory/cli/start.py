@@ -1,0 +1,133 @@
+"""Where `clerestory …` starts: run one command, and turn what goes wrong into words.
+
+Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings are one
+line each on the error stream. A command of a group named below loads that group alone;
+all the others together take seconds.
+"""
+
+import importlib
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import typer
+
+from clerestory.errors import ClerestoryError, ClerestoryWarning
+
+TRACEBACK = "CLERESTORY_TRACEBACK"
+INTERRUPTED = 130
+
+# Options that take every word up to the next option
+_GREEDY = ("--scene", "--window")
+
+# Groups that are whole in a module of their own
+_GROUPS = {
+    name: f"clerestory.cli.{name}"
+    for name in ("trace", "sky", "bsdf", "glazing", "gonio")
+}
+
+# Typer's base of usage errors, which it does not export
+_UsageError: type[Exception] = next(
+    cls for cls in typer.BadParameter.__mro__ if cls.__name__ == "ClickException"
+)
+
+
+def new_app() -> typer.Typer:
+    """Return the program without any command."""
+    return typer.Typer(
+        name="clerestory",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        rich_markup_mode="markdown",  # else units in brackets vanish from the help
+        help="Annual daylight behind complex fenestration.",
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status.
+
+    Parameters
+    ----------
+    arguments : those after the program's name; of this process if not given
+    """
+    words = spread(list(sys.argv[1:] if arguments is None else arguments))
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", ClerestoryWarning)
+        warnings.showwarning = _show_warning
+        try:
+            status = _app_for(words)(
+                words, prog_name="clerestory", standalone_mode=False
+            )
+            return _interrupted() if status == INTERRUPTED else int(status or 0)
+        except ClerestoryError as error:
+            return _fail(str(error), error.exit_status, error)
+        except (KeyboardInterrupt, typer.Abort):
+            return _interrupted()
+        except _UsageError as error:
+            return _usage(error)
+        except Exception as error:  # the last line of defence
+            kind = type(error).__name__
+            text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 to see where"
+            return _fail(text, 1, error)
+
+
+def _app_for(words: list[str]) -> typer.Typer:
+    # The group that the first word names, or the whole program
+    if not words or words[0] not in _GROUPS:
+        whole: typer.Typer = importlib.import_module("clerestory.cli.main").app
+        return whole
+    app = new_app()
+    group = importlib.import_module(_GROUPS[words[0]])
+    app.add_typer(group.app, name=words[0])
+    return app
+
+
+def spread(words: list[str]) -> list[str]:
+    """Repeat an option that takes several files before each of them.
+
+    >>> spread(["--scene", "a.rad", "b.rad", "-o", "V.mtx"])
+    ['--scene', 'a.rad', '--scene', 'b.rad', '-o', 'V.mtx']
+    """
+    result: list[str] = []
+    option = ""
+    for word in words:
+        if word.startswith("-"):
+            option = word if word in _GREEDY else ""
+            result += [] if option else [word]
+        else:
+            result += [option, word] if option else [word]
+    return result
+
+
+def _show_warning(message: Warning | str, *_place: Any, **_more: Any) -> None:
+    typer.echo(f"warning: {_one_line(str(message))}", err=True)
+
+
+def _usage(error: Any) -> int:
+    # Typer's own complaints: one line, and where help is found
+    if type(error).__name__ == "NoArgsIsHelpError":
+        error.show()
+        return int(error.exit_code)
+    path = error.ctx.command_path if getattr(error, "ctx", None) else "clerestory"
+    text = f"{_one_line(error.format_message())} (see {path} --help)"
+    return _fail(text, int(error.exit_code), error)
+
+
+def _fail(text: str, status: int, error: BaseException) -> int:
+    if os.environ.get(TRACEBACK):
+        traceback.print_exception(error)
+    typer.echo(_one_line(text), err=True)
+    return status
+
+
+def _interrupted() -> int:
+    typer.echo("interrupted; run again to resume", err=True)
+    return INTERRUPTED
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
