@@ -5,14 +5,12 @@ glazing industry use micrometres as often; their readers convert.
 """
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import final
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
-from clerestory.files import read_text
 
 # Nanometres in the units that files name, by the first letters of their names.
 _UNITS_NM = {"nm": 1.0, "nano": 1.0, "um": 1000.0, "µm": 1000.0, "micro": 1000.0}
@@ -126,35 +124,3 @@ def wavelength_unit_nm(name: str) -> float | None:
     """
     word = name.strip().lower()
     return next((nm for key, nm in _UNITS_NM.items() if word.startswith(key)), None)
-
-
-def read_spectrum(path: str | Path) -> Spectrum:
-    """Read a table of two columns, wavelength and value.
-
-    Lines with other text are comments. A comment "Wavelength Units: microns" (as in
-    LBNL's .ssp and .dsp files) names the unit; without it, wavelengths are taken as
-    nanometres, and as micrometres if all of them are below 100.
-
-    Raises
-    ------
-    InputError : no rows, or wavelengths that do not grow
-    """
-    rows: list[tuple[float, float]] = []
-    unit = None
-    for line in read_text(path).splitlines():
-        words = line.replace(",", " ").replace(";", " ").split()
-        try:
-            rows.append((float(words[0]), float(words[1])))
-        except (ValueError, IndexError):
-            key, _, name = line.partition(":")
-            if "wavelength unit" in key.lower():
-                unit = wavelength_unit_nm(name)
-    if not rows:
-        raise InputError("no rows of wavelength and value found", file=path)
-    wavelength, value = np.array(rows).T
-    if unit is None:
-        unit = 1000.0 if wavelength.max() < 100 else 1.0
-    try:
-        return Spectrum(wavelength * unit, value)
-    except InputError as error:
-        raise InputError(error.message, file=path) from error

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
+from clerestory.glazing.spectrum_file import read_spectrum
 from clerestory.glazing.standard import en410, nfrc, standard, trapezoidal_band
 from clerestory.spectra import (
     Spectrum,
     common_wavelengths,
     interpolation_matrix,
-    read_spectrum,
 )
 
 
