@@ -10,6 +10,7 @@ that of pyradiance: pabopto2bsdf, then bsdf2ttree -g 6, whose tree is read by us
 
 import argparse
 import datetime
+import io
 import os
 import platform
 import resource
@@ -22,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 import pyradiance
+from PIL import Image
 
 REPOSITORY = Path(__file__).parents[1]
 sys.path.insert(0, str(REPOSITORY / "tests"))
@@ -36,7 +38,7 @@ from clerestory.gonio.raster import Raster  # noqa: E402
 from clerestory.gonio.read import read_measurement  # noqa: E402
 from clerestory.gonio.tree_export import to_tree  # noqa: E402
 from clerestory.gonio.validation import cross_validate, misplaced_light  # noqa: E402
-from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure  # noqa: E402
+from clerestory.report.gonio_plots import between_figure, fit_figure  # noqa: E402
 from goniometer import (  # noqa: E402
     Goniophotometer,
     film,
@@ -52,6 +54,7 @@ FIGURES = REPOSITORY / "docs" / "figures"
 FRONT = np.array([1.0, 1.0, -1.0])
 HALVINGS = 6
 MOST_HELD_OUT = 4
+_COLOURS = 96
 
 
 def known_truths():
@@ -286,12 +289,14 @@ def smoothing_lines(folder):
                 scan = len(measurement.scans) // 2
                 fitted = fit_measurement(measurement, symmetry="isotropic")
                 save(fit_figure(measurement, fitted.interpolant, scan), f"gonio-{key}")
-                save(error_figure(result), f"gonio-{key}-errors")
 
 
 def save(figure, name):
-    """Write a figure, small."""
-    figure.savefig(FIGURES / f"{name}.png", dpi=62)
+    """Write a figure, small: few colours are enough for it."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=62)
+    few = Image.open(buffer).convert("RGB").quantize(_COLOURS)
+    few.save(FIGURES / f"{name}.png", optimize=True)
 
 
 if __name__ == "__main__":

@@ -34,6 +34,11 @@ COMMANDS = [
     "bsdf reduce",
     "glazing stack",
     "glazing info",
+    "gonio info",
+    "gonio fit",
+    "gonio check",
+    "gonio export",
+    "gonio plot",
 ]
 
 

@@ -11,6 +11,20 @@ from clerestory.bsdf.plausibility import check as check_bsdf
 from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.scattering import Function
 from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.cli.gonio_options import (
+    Blank,
+    FacingChoice,
+    Files,
+    Fits,
+    Form,
+    FunctionChoice,
+    Merge,
+    MostLobes,
+    Picture,
+    Processes,
+    Smoothing,
+    SymmetryChoice,
+)
 from clerestory.cli.gonio_text import (
     fit_lines,
     measurement_lines,
@@ -30,7 +44,6 @@ from clerestory.gonio.formats.pabopto import Facing
 from clerestory.gonio.measurement import Measurement
 from clerestory.gonio.read import Format, read_measurement
 from clerestory.gonio.storage import read_fits, write_fits
-from clerestory.gonio.symmetry import Symmetry
 from clerestory.gonio.validation import smoothing_study
 from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure
 
@@ -38,48 +51,6 @@ app = typer.Typer(no_args_is_help=True, help="Goniophotometer measurements.")
 
 _DIGITS = 6
 _PICTURES = (".png", ".svg", ".pdf")
-
-Files = Annotated[
-    list[Path],
-    typer.Argument(
-        metavar="FILE…", help="Files of one sample: pab-opto, VIAVI, RT-300S, …"
-    ),
-]
-Fits = Annotated[
-    list[Path], typer.Argument(metavar="FIT…", help="Files of clerestory gonio fit.")
-]
-Form = Annotated[
-    Format | None, typer.Option("--format", help="Of the files; told from the first.")
-]
-FunctionChoice = Annotated[
-    Function | None,
-    typer.Option("--function", help="Which light was measured, if files do not say."),
-]
-FacingChoice = Annotated[
-    Facing, typer.Option("--facing", help="Where the normal of the sample looks.")
-]
-Blank = Annotated[
-    Path | None, typer.Option("--blank", help="Readings without sample (RT-300S).")
-]
-Merge = Annotated[
-    bool, typer.Option("--merge", help="Join scans of the same incident direction.")
-]
-SymmetryChoice = Annotated[
-    Symmetry | None,
-    typer.Option("--symmetry", help="Of the layer; told from the directions."),
-]
-MostLobes = Annotated[
-    int, typer.Option("--lobes", help="Most lobes an incident direction.")
-]
-Smoothing = Annotated[
-    float, typer.Option("--smoothing", help="Width of lobes; 1 is an even sum.")
-]
-Processes = Annotated[
-    int, typer.Option("--processes", "-n", help="That share the work.", min=1)
-]
-Picture = Annotated[
-    Path, typer.Option("--output", "-o", help="Picture to write: .png, .svg or .pdf.")
-]
 
 
 @app.command(epilog="Example: clerestory gonio info scans/*.txt")

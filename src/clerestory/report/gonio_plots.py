@@ -98,7 +98,7 @@ def error_figure(validation: CrossValidation) -> Figure:
     x, y = np.array([_disc(from_degrees(s.theta_deg, s.phi_deg)) for s in scans]).T
     quantities = (
         ("error of the total flux", [abs(s.flux_error) for s in scans]),
-        ("angle between the peaks [°]", [s.peak_deg for s in scans]),
+        ("angle between the beams [°]", [s.peak_deg for s in scans]),
         ("earth mover's distance [°]", [s.earth_mover_deg for s in scans]),
         ("share of the light elsewhere", [s.misplaced for s in scans]),
     )
