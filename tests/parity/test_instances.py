@@ -122,7 +122,7 @@ def test_what_is_not_compiled_is_refused(folder):
         scene(folder, "void instance i 1 command.oct 0 0\n")
 
 
-@settings(max_examples=100, suppress_health_check=list(HealthCheck), deadline=None)
+@settings(max_examples=60, suppress_health_check=list(HealthCheck), deadline=None)
 @given(
     st.sampled_from(["frozen.oct", "wave.rtm"]),
     st.lists(st.tuples(st.integers(0, 20_000), st.integers(0, 255)), max_size=8),

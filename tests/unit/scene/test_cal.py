@@ -150,7 +150,7 @@ WORDS = "a f x 1 .5 2e3 ( ) ( ) , ; = : + - * / ^ if select A1 arg { } ` $1 é"
 PIECES = st.sampled_from(WORDS.split(" "))
 
 
-@settings(max_examples=300, suppress_health_check=list(HealthCheck), deadline=None)
+@settings(max_examples=200, suppress_health_check=list(HealthCheck), deadline=None)
 @given(st.lists(PIECES, max_size=40).map(" ".join))
 def test_any_text_is_read_or_refused(text):
     """Whatever stands in a file, it ends, in a value or in one line."""

@@ -112,7 +112,7 @@ STARTS = {
 }
 
 
-@settings(max_examples=400, suppress_health_check=list(HealthCheck), deadline=None)
+@settings(max_examples=200, suppress_health_check=list(HealthCheck), deadline=None)
 @given(PROGRAMS, st.booleans(), st.lists(PIECES, max_size=14))
 def test_any_words_are_run_or_refused(program, started, words):
     begin = STARTS[program].split() if started else []

@@ -146,7 +146,7 @@ WORDS = "v f g usemtl mtllib 0 1 2 3 -1 1/2 1//2 / # \\ nan 1e400 x \n \n \n é"
 PIECES = st.sampled_from(WORDS.split(" "))
 
 
-@settings(max_examples=300, suppress_health_check=list(HealthCheck), deadline=None)
+@settings(max_examples=200, suppress_health_check=list(HealthCheck), deadline=None)
 @given(st.lists(PIECES, max_size=60))
 def test_any_text_is_read_or_refused(tmp_path_factory, words):
     file = tmp_path_factory.getbasetemp() / "any.obj"
