@@ -21,7 +21,7 @@ from PIL import Image
 
 import clerestory as cl
 from clerestory.image.colour_scale import linear_scale, logarithmic_scale
-from clerestory.image.display import to_srgb, write_display
+from clerestory.image.display import to_srgb
 from clerestory.image.false_colour import false_colour
 from clerestory.image.human_vision import human_vision
 from clerestory.image.tone import filmic, linear
@@ -139,7 +139,7 @@ def beside(path: Path, pictures: list[np.ndarray]) -> None:
     for picture in pictures:
         sheet.paste(Image.fromarray(picture), (left, 0))
         left += picture.shape[1] + 6
-    write_display(np.asarray(sheet), path)
+    sheet.save(path, quality=78, optimize=True)
 
 
 def main() -> None:
