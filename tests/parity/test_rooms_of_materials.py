@@ -1,41 +1,24 @@
 """Rooms of every material: sensors read what rtrace reads.
 
-A box open to the south has a west wall and a roof of the material. Light of a sky or a
-sun reaches the sensors through and by way of it; or that of a window in the south, in
-which case the rows of a view matrix say how much.
+Light of a sky or a sun reaches the sensors through and by way of the material; or that
+of a window in the south, in which case the rows of a view matrix say how much.
 """
 
 import numpy as np
 import pytest
+from material_rooms import (
+    BOX,
+    DIRECTION,
+    LIGHT,
+    POSITION,
+    WINDOW,
+    seen_by_radiance,
+)
 from material_texts import SHEETS
-from radiance import run
 
 import clerestory as cl
 from clerestory.phases.render import irradiance
 from clerestory.scene.sensors import Sensors
-
-BOX = """
-void plastic w 0 0 5 .5 .5 .5 0 0
-w polygon floor 0 0 12 0 0 0 3 0 0 3 4 0 0 4 0
-w polygon east 0 0 12 3 0 0 3 0 3 3 4 3 3 4 0
-m polygon west 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3
-w polygon north 0 0 12 0 4 0 3 4 0 3 4 3 0 4 3
-m polygon roof 0 0 12 0 0 3 0 4 3 3 4 3 3 0 3
-"""
-LIGHT = {
-    "sky": (
-        "void glow sky 0 0 4 3 2 1 0\nsky source sky 0 0 4 0 0 1 180\n"
-        "void glow ground 0 0 4 .5 .5 .5 0\nground source ground 0 0 4 0 0 -1 180\n"
-    ),
-    "sun": "void light sun 0 0 3 2e5 2e5 2e5\nsun source sun 0 0 4 .3 -.5 .6 .533\n",
-}
-WINDOW = """#@rfluxmtx h=kf u=Z
-void glow pane 0 0 4 1 1 1 0
-pane polygon pane 0 0 12 0 0 0 0 0 3 3 0 3 3 0 0
-"""
-POSITION = np.array([[1, 1, 0.8], [2, 3, 0.8], [1.5, 2, 1.5], [1, 3.5, 1.5]])
-DIRECTION = np.array([[0, 0, 1], [0, 0, 1], [-1, 0, 0], [0, -1, 0.0]])
-AGAIN = 32
 
 
 @pytest.mark.slow
@@ -98,16 +81,3 @@ def test_views_of_a_window_sum_to_what_rtrace_reads(tmp_path, name):
     assert np.median(error / truth) < 0.01
     assert np.all(np.abs(found - truth) < 4 * error + 0.02 * truth)
     assert abs(found.sum() / truth.sum() - 1) < 0.02
-
-
-def seen_by_radiance(folder, files, *, bounces, highlight=32):
-    """Mean irradiance of the sensors and its standard error, by rtrace."""
-    rays = np.repeat(np.concatenate([POSITION, DIRECTION], axis=1), AGAIN, axis=0)
-    seen = run(
-        f"oconv {files} > room.oct; rtrace -h -w -I -ab {bounces} -aa 0 -ad 1024 -as 0"
-        f" -st 0 -ss {highlight} -lw 1e-9 -lr 12 -dj 0 -ds 0 -dc 1 -dt 0 room.oct",
-        folder=folder,
-        stdin="\n".join(" ".join(map(str, ray)) for ray in rays),
-    )
-    found = np.fromstring(seen, sep=" ").reshape(-1, AGAIN, 3)
-    return found.mean(axis=1), found.std(axis=1, ddof=1) / np.sqrt(AGAIN)
