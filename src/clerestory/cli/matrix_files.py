@@ -1,14 +1,12 @@
-"""Matrix files by their suffix: .nc, .xml, and Radiance's format for all others."""
+"""Matrices read by the suffix of their file, and written as sets of pictures."""
 
 from pathlib import Path
-
-import numpy as np
 
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import InputError
 from clerestory.image.write import write_picture
-from clerestory.matrix.netcdf import read_netcdf, write_netcdf
-from clerestory.matrix.radiance_format import Encoding, read_matrix, write_matrix
+from clerestory.matrix.netcdf import read_netcdf
+from clerestory.matrix.radiance_format import read_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.pictures import Camera
 
@@ -22,21 +20,6 @@ def read_any_matrix(path: Path) -> TransferMatrix:
             return read_bsdf(path).transmission_matrix()
         case _:
             return read_matrix(path)
-
-
-def write_any_matrix(
-    path: Path, matrix: TransferMatrix, *, encoding: Encoding, command: str
-) -> None:
-    """Write a matrix; `.nc` keeps labels and errors, Radiance's format does not.
-
-    Radiance's programs expect three channels, so a grey matrix is written three times.
-    """
-    if path.suffix.lower() == ".nc":
-        write_netcdf(path, matrix)
-        return
-    values = np.broadcast_to(matrix.values, (3, *matrix.values.shape[1:]))
-    colour = TransferMatrix(values, matrix.rows, matrix.columns)
-    write_matrix(path, colour, encoding=encoding, command=command)
 
 
 def write_pictures(path: Path, matrix: TransferMatrix, camera: Camera) -> None:

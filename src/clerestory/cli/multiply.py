@@ -9,7 +9,8 @@ from typing import Annotated
 
 import typer
 
-from clerestory.cli.matrix_files import read_any_matrix, write_any_matrix
+from clerestory.cli.matrix_files import read_any_matrix
+from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.options import Format, Output, Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError, MatrixError

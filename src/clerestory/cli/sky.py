@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 import typer
 
-from clerestory.cli.matrix_files import write_any_matrix
+from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.options import Format, Output, Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.cli.sky_options import (

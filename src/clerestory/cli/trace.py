@@ -10,7 +10,8 @@ import numpy as np
 import typer
 
 from clerestory.bsdf.xml import read_bsdf
-from clerestory.cli.matrix_files import write_any_matrix, write_pictures
+from clerestory.cli.matrix_files import write_pictures
+from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.options import (
     Bounces,
     DeviceOption,
