@@ -17,6 +17,7 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.scene.cal.program import Computed, Program
 from clerestory.scene.cal.syntax import Call, Name, Node
 from clerestory.scene.data_array import DataArray
+from clerestory.scene.material import Source
 from clerestory.scene.pattern import Pattern, Product
 from clerestory.scene.xform import Transform
 
@@ -44,7 +45,7 @@ class FunctionPattern:
     expressions : one for all channels, or one each
     arguments : real arguments
     transform : from the function's coordinates to the scene's
-    label : file, line and name, for warnings
+    source : where it stands
 
     Examples
     --------
@@ -58,7 +59,7 @@ class FunctionPattern:
     expressions: tuple[Node, ...]
     arguments: tuple[float, ...] = ()
     transform: Transform = field(default_factory=Transform)
-    label: str = ""
+    source: Source | None = None
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -84,7 +85,7 @@ class FunctionPattern:
         """Multiplier of radiance; see `Pattern.value`. 1 where there is no value."""
         inputs = _inputs(self.transform, direction, normal, point)
         computed = self.program.values(self.expressions, inputs, self.arguments)
-        return _multipliers(computed, self.label)
+        return _multipliers(computed, self.source)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +100,7 @@ class DataPattern:
     coordinates : expressions for the place in the tables
     arguments : real arguments
     transform : from the function's coordinates to the scene's
-    label : file, line and name, for warnings
+    source : where it stands
     """
 
     program: Program
@@ -108,7 +109,7 @@ class DataPattern:
     coordinates: tuple[Node, ...]
     arguments: tuple[float, ...] = ()
     transform: Transform = field(default_factory=Transform)
-    label: str = ""
+    source: Source | None = None
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -142,7 +143,7 @@ class DataPattern:
         calls = tuple(self._call(i) for i in range(len(self.functions)))
         shaded = self.program.values(calls, inputs | read, self.arguments)
         valid = place.valid & shaded.valid
-        return _multipliers(Computed(shaded.value, valid), self.label)
+        return _multipliers(Computed(shaded.value, valid), self.source)
 
     def _call(self, channel: int) -> Call:
         # A function of three arguments gets all channels, another its own
@@ -201,13 +202,17 @@ def _inputs(
     return given | {number: given[name] for number, name in _NUMBERED.items()}
 
 
-def _multipliers(computed: Computed, label: str) -> Float[np.ndarray, "rays 3"]:
+def _multipliers(
+    computed: Computed, source: Source | None
+) -> Float[np.ndarray, "rays 3"]:
     # Where nothing can be computed Radiance leaves the pattern out, and says so
     bad = int(np.count_nonzero(~computed.valid))
     if bad:
+        place = "" if source is None else f"{source.file}:{source.line}: "
         warnings.warn(
-            f"{label}: no value for {bad} of {len(computed.valid)} directions (division"
-            " by zero or the like); the pattern is left out there, as in Radiance",
+            f"{place}a pattern has no value for {bad} of {len(computed.valid)}"
+            " directions (division by zero or the like); it is left out there, as in"
+            " Radiance",
             ClerestoryWarning,
             stacklevel=3,
         )

@@ -14,10 +14,8 @@ import numpy as np
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.scene.arguments import Arguments
-from clerestory.scene.cal.library import Native
-from clerestory.scene.cal.luminaires import SOURCE
+from clerestory.scene.cal.files import NATIVE_FILES
 from clerestory.scene.cal.program import Program
-from clerestory.scene.cal.skies import PEREZLUM, SKYBRIGHT
 from clerestory.scene.cal.syntax import (
     Definition,
     Name,
@@ -41,12 +39,6 @@ from clerestory.scene.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
 from clerestory.scene.photometry.table import intensity_table
 from clerestory.scene.statements import Primitive
 from clerestory.scene.xform import Transform
-
-_NATIVE: Mapping[str, Mapping[str, Native]] = {
-    "skybright.cal": SKYBRIGHT,
-    "perezlum.cal": PEREZLUM,
-    "source.cal": SOURCE,
-}
 
 
 def read_pattern(item: Primitive, *, file: str, placed: Transform) -> Pattern:
@@ -119,7 +111,7 @@ def _function(given: Arguments, placed: Transform) -> Pattern:
         expressions,
         given.item.reals,
         _transform(given, count + 1, placed),
-        _label(given),
+        given.source,
     )
     _check(given, program, expressions)
     return pattern
@@ -146,7 +138,7 @@ def _data(given: Arguments, placed: Transform) -> Pattern:
         places,
         given.item.reals,
         _transform(given, at + axes, placed),
-        _label(given),
+        given.source,
     )
     _check(given, program, (*places, *(Name(name) for name in functions)))
     return pattern
@@ -183,10 +175,6 @@ def _transform(given: Arguments, at: int, placed: Transform) -> Transform:
     return given.transform(at).then(placed)
 
 
-def _label(given: Arguments) -> str:
-    return f'{given.file}:{given.item.line}: {given.item.kind} "{given.item.name}"'
-
-
 def _expression(given: Arguments, text: str) -> Node:
     try:
         return parse_expression(text)
@@ -199,10 +187,10 @@ def _program(given: Arguments, at: int) -> Program:
     name = given.item.strings[at]
     if name == ".":
         return Program()
-    natives = _NATIVE.get(Path(name).name)
+    native = Path(name).name
     beside = (Path(given.file).parent / name, Path(name))
-    if natives is not None and not any(path.is_file() for path in beside):
-        return Program(natives=natives)
+    if native in NATIVE_FILES and not any(path.is_file() for path in beside):
+        return Program(native_file=native)
     path = library_file(name, beside=given.file, line=given.item.line)
     definitions: dict[str, Definition] = parse_definitions(
         read_text(path), file=str(path)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.phases.fingerprint import fingerprint
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.rad import read_rad
 
@@ -103,6 +104,17 @@ def test_directions_without_a_value_are_told(read):
     with pytest.warns(ClerestoryWarning, match=r"main.rad:1: .*no value for 1 of 2"):
         value = pattern.value(np.concatenate([UP, SLANT]))
     np.testing.assert_allclose(value[:, 0], [1, 5 / 0.6])
+
+
+def test_patterns_are_known_again(tmp_path):
+    """What a traced matrix depends on: the same file twice, and another function."""
+    text = "# {0}\n!gensky 6 21 12 +s\nskyfunc glow g 0 0 4 1 1 1 0\n"
+    text += "void brightfunc p 2 {1} . 0 0\np light x 0 0 3 1 1 1\n"
+    prints = []
+    for note, function in (("one", "Rdot"), ("two\n", "Rdot"), ("one", "2*Rdot")):
+        (tmp_path / "sky.rad").write_text(text.format(note, function))
+        prints.append(fingerprint(read_rad(tmp_path / "sky.rad")))
+    assert prints[0] == prints[1] != prints[2]
 
 
 def test_no_pattern_takes_light_away_from_darkness(read):

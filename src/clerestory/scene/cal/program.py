@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.scene.cal.files import NATIVE_FILES
 from clerestory.scene.cal.library import LIBRARY, PRELUDE, Native
 from clerestory.scene.cal.run import SPECIAL, Run
 from clerestory.scene.cal.syntax import (
@@ -30,7 +31,7 @@ class Program:
     Attributes
     ----------
     definitions : of the file itself
-    natives : of the file, written in Python; they hide the library's
+    native_file : a file of Radiance whose functions are written in Python, or none
 
     Examples
     --------
@@ -41,11 +42,12 @@ class Program:
     """
 
     definitions: Mapping[str, Definition] = field(default_factory=dict)
-    natives: Mapping[str, Native] = field(default_factory=dict)
+    native_file: str = ""
 
     def definition(self, name: str) -> Definition | Native | None:
         """Return what a name stands for in this program, None if nothing."""
-        for names in (self.definitions, self.natives, _PRELUDE, LIBRARY):
+        natives = NATIVE_FILES.get(self.native_file, {})
+        for names in (self.definitions, natives, _PRELUDE, LIBRARY):
             if name in names:
                 return names[name]
         return None

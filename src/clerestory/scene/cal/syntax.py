@@ -79,7 +79,6 @@ class Definition:
     name: str
     parameters: tuple[str, ...] | None
     body: Node
-    line: int
 
 
 def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Definition]:
@@ -183,7 +182,6 @@ class _Cursor:
 
 
 def _definition(cursor: _Cursor) -> Definition:
-    line = cursor.line
     if cursor.kind != "name":
         raise cursor.error(f'"{cursor.text}" stands where a name is expected')
     name, parameters = plain_name(cursor.take()), None
@@ -194,7 +192,7 @@ def _definition(cursor: _Cursor) -> Definition:
         found = f'"{cursor.text}"' if cursor.text else "the end"
         raise cursor.error(f'{found} stands where "=" or ":" is expected')
     cursor.advance()
-    return Definition(name, parameters, _expression(cursor), line)
+    return Definition(name, parameters, _expression(cursor))
 
 
 def _parameters(cursor: _Cursor) -> tuple[str, ...]:
