@@ -78,6 +78,8 @@ def test_a_mask_marks_the_window(call, desk):
     write_picture(Picture(mask, view=FISHEYE), "mask.hdr")
     record = json.loads(call("glare", desk, "-A", "mask.hdr", "--format", "json").out)
     assert record[0]["mask"]["pixels"] == 300
+    assert record[0]["pgsv"] in (record[0]["pgsv_con"], record[0]["pgsv_sat"])
+    assert "pgsv_con,pgsv_sat,pgsv: " in call("glare", desk, "-A", "mask.hdr").out
     write_picture(Picture(mask[:60], view=FISHEYE), "small.hdr")
     outcome = call("glare", desk, "-A", "small.hdr")
     assert outcome.status == 2

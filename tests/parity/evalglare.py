@@ -33,11 +33,13 @@ class Verdict(NamedTuple):
     count : number of sources
     sources : rows of its table
     summary : its last line, by its own names
+    lines : other lines of names and numbers
     """
 
     count: int
     sources: list[list[float]]
     summary: dict[str, float]
+    lines: dict[str, float]
 
 
 def evalglare(path, *options):
@@ -48,7 +50,7 @@ def evalglare(path, *options):
         text=True,
         check=True,
     )
-    count, sources, summary = 0, [], {}
+    count, sources, summary, lines = 0, [], {}, {}
     for line in done.stdout.splitlines():
         if line.startswith("dgp,"):
             names, values = line.split(": ")
@@ -59,4 +61,8 @@ def evalglare(path, *options):
             count = int(line.split()[0])
         elif line[:1].isdigit():
             sources.append([float(word) for word in line.split()])
-    return Verdict(count, sources, summary)
+        elif ": " in line:
+            names, values = line.split(": ")
+            words = names.split(":")[-1].split(",")
+            lines |= dict(zip(words, map(float, values.split()), strict=True))
+    return Verdict(count, sources, summary, lines)

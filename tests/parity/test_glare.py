@@ -1,5 +1,7 @@
 """Glare against evalglare 3.06, picture by picture, and against Radiance's glarendx."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from evalglare import INDICES, evalglare
@@ -10,6 +12,7 @@ from clerestory.glare.adaptation import field_luminances
 from clerestory.glare.cgi import cgi
 from clerestory.glare.evaluate import evaluate_glare, eye_of
 from clerestory.glare.imageless import position_of
+from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
 from clerestory.glare.position_index import LARGEST
 from clerestory.glare.region import band, region_statistics
 from clerestory.glare.rules import SourceRules, Zone
@@ -146,6 +149,40 @@ def test_a_band_is_that_of_radiances_own_test(shared_data):
     ours = (found.solid_angle, found.average, found.median, found.deviation)
     ours += (found.percentile_75, found.percentile_95, found.least, found.most)
     assert ours == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_window_gets_the_same_votes(tmp_path, shared_data):
+    path = shared_data / "hdr" / "evalglare_testimage_ISE2003.hdr"
+    picture = read_picture(path)
+    marked = np.zeros(picture.radiance.shape, np.float32)
+    marked[250:420, 60:200] = 1
+    write_picture(replace(picture, radiance=marked), tmp_path / "mask.hdr")
+    theirs = evalglare(path, "-A", tmp_path / "mask.hdr", "-t", "400", "200", "0.5")
+    task = SourceRules(
+        threshold=5,
+        threshold_kind="times_task",
+        task=Zone(picture.rows - 1 - 200, 400, 0.5),
+    )
+    result = evaluate_glare(picture, rules=task)
+    window = region_statistics(
+        picture.luminance(), eye_of(picture), marked[..., 0] > 0.5
+    )
+    seen = {
+        "window": window.average,
+        "window_solid_angle": window.solid_angle,
+        "average": result.average,
+    }
+    level = result.illuminance
+    ours = {
+        "av_lum": window.average,
+        "perc_95": window.percentile_95,
+        "Ev_mask": window.illuminance,
+        "pgsv_con": contrast_pgsv(**seen),
+        "pgsv_sat": saturation_pgsv(level),
+        "pgsv": pgsv(**seen, illuminance=level, task=result.reference),
+    }
+    for name, value in ours.items():
+        assert value == pytest.approx(theirs.lines[name], rel=1e-3), name
 
 
 def test_luminances_of_the_field_are_the_same(shared_data):

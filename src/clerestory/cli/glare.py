@@ -12,7 +12,7 @@ import numpy as np
 import typer
 
 from clerestory.cli import glare_options as options
-from clerestory.cli.glare_job import Evaluation, Job, evaluate
+from clerestory.cli.glare_job import Evaluation, Job, evaluate, window_votes
 from clerestory.cli.glare_text import (
     long_line,
     region_line,
@@ -116,6 +116,10 @@ def _print_text(found: Evaluation, *, detail: bool, alone: bool) -> None:
         return
     for name, part in found.regions.items():
         typer.echo(region_line(name, part))
+        if name == "mask":
+            votes = window_votes(found.result, part)
+            numbers = " ".join(f"{vote:.6f}" for vote in votes.values())
+            typer.echo(f"{','.join(votes)}: {numbers}")
     if not detail:
         typer.echo(short_line(found.result))
         return
@@ -130,6 +134,11 @@ def _record(found: Evaluation) -> dict[str, Any]:
         **{name: _finite(value) for name, value in found.result.values().items()},
         **{f"{name}_luminance": value for name, value in field._asdict().items()},
         **{name: asdict(part) for name, part in found.regions.items()},
+        **(
+            window_votes(found.result, found.regions["mask"])
+            if "mask" in found.regions
+            else {}
+        ),
         "sources": source_rows(found.result.sources),
     }
 

@@ -11,6 +11,7 @@ from clerestory.glare.check_picture import Colour, check_picture
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.evaluate import eye_of, summarise
 from clerestory.glare.field_of_view import FieldOfView
+from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
 from clerestory.glare.position_index import PositionModel
 from clerestory.glare.region import (
     MASK_LUMINANCE,
@@ -119,6 +120,21 @@ class Job:
             "age": self.age,
             "coefficients": self.coefficients(),
         }
+
+
+def window_votes(result: Glare, window: RegionStatistics) -> dict[str, float]:
+    """Return the glare sensation votes of a window that a mask marks."""
+    seen = {
+        "window": window.average,
+        "window_solid_angle": window.solid_angle,
+        "average": result.average,
+    }
+    level = result.illuminance
+    return {
+        "pgsv_con": contrast_pgsv(**seen),
+        "pgsv_sat": saturation_pgsv(level),
+        "pgsv": pgsv(**seen, illuminance=level, task=result.reference),
+    }
 
 
 @dataclass(frozen=True, eq=False)

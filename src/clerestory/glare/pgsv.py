@@ -68,3 +68,43 @@ def saturation_pgsv(illuminance: float) -> float:
     1.76
     """
     return 3.3 - 3.87 / (1 + math.pow(illuminance / math.pi / 1250, 1.7))
+
+
+def pgsv(
+    *,
+    window: float,
+    window_solid_angle: float,
+    average: float,
+    illuminance: float,
+    task: float,
+) -> float:
+    """Vote by contrast where the window stands out more than the task, else saturation.
+
+    Parameters
+    ----------
+    window, window_solid_angle, average : as for `contrast_pgsv`
+    illuminance : on the eye [lux]
+    task : luminance of the task [cd/m²]
+
+    Examples
+    --------
+    >>> round(
+    ...     pgsv(
+    ...         window=3000.0,
+    ...         window_solid_angle=0.5,
+    ...         average=600.0,
+    ...         illuminance=1900.0,
+    ...         task=200.0,
+    ...     ),
+    ...     2,
+    ... )
+    0.92
+    """
+    rest = surround_luminance(
+        window=window, window_solid_angle=window_solid_angle, average=average
+    )
+    if window / rest > illuminance / (math.pi * task):
+        return contrast_pgsv(
+            window=window, window_solid_angle=window_solid_angle, average=average
+        )
+    return saturation_pgsv(illuminance)
