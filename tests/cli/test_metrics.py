@@ -40,11 +40,13 @@ def test_sensors_go_to_a_table_and_a_folder(call, room, folder):
     ("words", "message"),
     [
         (["nothing"], "cannot be read"),
+        (["year", "--states", "short.csv"], "2 steps; one for each of 8760 hours"),
         (["year", "--grid", "attic"], "no grid called attic"),
         (["year", "--from", "18", "--to", "8"], "schedule from 18 to 8"),
     ],
 )
-def test_bad_input_is_one_line(call, folder, words, message):
+def test_bad_input_is_one_line(call, room, folder, words, message):
+    (room / "short.csv").write_text("time,a\n2023-01-01T00:30,0\n2023-01-01T01:30,1\n")
     outcome = call("metrics", *words)
     assert outcome.status == 2
     assert message in outcome.err

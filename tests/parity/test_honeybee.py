@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from clerestory.control.direct_sun import operate_by_direct_sun
 from clerestory.errors import InputError
 from clerestory.metrics.autonomy import continuous_autonomy, daylight_autonomy
 from clerestory.metrics.honeybee import read_honeybee, write_honeybee
@@ -90,3 +91,22 @@ def test_a_damaged_folder_is_told_in_one_line(folder, tmp_path):
     (tmp_path / "grids_info.json").write_text("{")
     with pytest.raises(InputError, match="not JSON"):
         read_honeybee(tmp_path)
+
+
+def test_lm83_closes_blinds_only_where_the_sun_is(folder):
+    """With the rule kept, at most 2 % of the sensors have 1000 lux of direct sun."""
+    results = read_honeybee(folder)
+    groups = results.dynamic_paths("TestRoom_1")
+    direct = {p: results.by_state("TestRoom_1", p, light="direct") for p in groups}
+    static = results.by_state("TestRoom_1", "__static_apertures__", light="direct")[0]
+    operation = operate_by_direct_sun(direct, static=static)
+    left = results.illuminance("TestRoom_1", states=operation.states, light="direct")
+    share = (left.values >= 1000).mean(axis=0)
+    assert np.all(share[operation.kept] <= 0.02)
+    open_share = (
+        results.illuminance("TestRoom_1", light="direct").values >= 1000
+    ).mean(axis=0)
+    idle = open_share <= 0.02
+    assert all(not state[idle].any() for state in operation.states.values())
+    assert idle.any()
+    assert not idle.all()

@@ -11,12 +11,18 @@ import typer
 import xarray as xr
 
 from clerestory.cli.options import Quiet
+from clerestory.control.direct_sun import operate_by_direct_sun
+from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.metrics.autonomy import continuous_autonomy, daylight_autonomy
 from clerestory.metrics.en17037 import LEVELS, daylight_hours, daylight_provision
 from clerestory.metrics.exposure import light_exposure
-from clerestory.metrics.honeybee import read_honeybee, write_honeybee
+from clerestory.metrics.honeybee import (
+    HoneybeeFolder,
+    read_honeybee,
+    write_honeybee,
+)
 from clerestory.metrics.hours import occupied_hours
 from clerestory.metrics.leed import simulated_daylight
 from clerestory.metrics.spatial import (
@@ -28,6 +34,8 @@ from clerestory.metrics.spatial import (
 from clerestory.metrics.useful import BANDS, useful_illuminance
 from clerestory.sky.read import read_weather
 from clerestory.study.results import read_results
+
+_HOURS_A_YEAR = 8760
 
 
 class Leed(StrEnum):
@@ -70,6 +78,14 @@ def metrics(
         Path | None,
         typer.Option("--weather", help="Year whose brightest half EN 17037 counts."),
     ] = None,
+    states: Annotated[
+        Path | None,
+        typer.Option("--states", help="CSV of states over the year (honeybee)."),
+    ] = None,
+    operate: Annotated[
+        bool,
+        typer.Option("--lm83", help="Operate blinds by LM-83's rule (honeybee)."),
+    ] = False,
     leed: Annotated[
         Leed, typer.Option("--leed", help="Version whose points are told.")
     ] = Leed.v41,
@@ -83,7 +99,9 @@ def metrics(
     quiet: Quiet = False,
 ) -> None:
     """Tell daylight autonomy, useful illuminance, sDA, ASE, EN 17037, LEED per grid."""
-    grids = [one for one in _grids(results) if not grid or one.name in grid]
+    grids = [
+        one for one in _grids(results, states, operate) if not grid or one.name in grid
+    ]
     if not grids:
         raise InputError(f"no grid called {' or '.join(grid or [])}", file=results)
     hours = occupied_hours(
@@ -117,17 +135,48 @@ _HEAD = (
 )
 
 
-def _grids(path: Path) -> Iterator[_Grid]:
+def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
     if path.is_dir() and (path / "grids_info.json").is_file():
         folder = read_honeybee(path)
         for name in folder.paths:
-            direct = folder.illuminance(name, light="direct")
-            yield _Grid(name, folder.illuminance(name), None, direct)
+            chosen = _operated(folder, name) if operate else _scheduled(states)
+            lux = folder.illuminance(name, states=chosen)
+            yield _Grid(name, lux, None, folder.illuminance(name, light="direct"))
         return
+    if states is not None or operate:
+        raise InputError(
+            "results without states; a honeybee folder expected with --states, --lm83",
+            file=path,
+        )
     found = read_results(path)
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
         yield _Grid(name, part["illuminance"], part["standard_error"], None)
+
+
+def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
+    if path is None:
+        return {}
+    schedule = read_schedule(path)
+    if len(schedule.times) != _HOURS_A_YEAR:
+        raise InputError(
+            f"{len(schedule.times)} steps; one for each of {_HOURS_A_YEAR} hours"
+            " expected",
+            file=path,
+        )
+    return dict(schedule.states)
+
+
+def _operated(folder: HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
+    # Direct light per group and state; what has no states cannot be shaded
+    groups = folder.dynamic_paths(name)
+    if not groups:
+        return {}
+    fixed = [path for path in folder.paths[name] if path not in groups]
+    static = sum(folder.by_state(name, path, light="direct")[0] for path in fixed)
+    direct = {path: folder.by_state(name, path, light="direct") for path in groups}
+    given = static if isinstance(static, np.ndarray) else None
+    return operate_by_direct_sun(direct, static=given).states
 
 
 def _brightest_half(path: Path, lux: xr.DataArray) -> np.ndarray:

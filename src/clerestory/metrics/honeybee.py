@@ -91,6 +91,24 @@ class HoneybeeFolder:
             attrs={"units": "lux"},
         )
 
+    def by_state(
+        self, grid: str, path: str, *, light: Light = "total"
+    ) -> Float[np.ndarray, "state sensor time"]:
+        """Illuminance that one light path gives in each of its states [lux].
+
+        Over (state, sensor, hour of the year); the path without states has one.
+        """
+        hours = self.sun_up_hours.astype(int)
+        count = 1 if path == STATIC else len(self.states.get(path, ()))
+        year = np.zeros((count, self.counts[grid], _HOURS_A_YEAR), dtype=np.float32)
+        for state in range(count):
+            year[state][:, hours] = self._load(grid, path, state, light)
+        return year
+
+    def dynamic_paths(self, grid: str) -> tuple[str, ...]:
+        """Light paths of a grid that have several states."""
+        return tuple(p for p in self.paths[grid] if len(self.states.get(p, ())) > 1)
+
     def _load(
         self, grid: str, path: str, state: int, light: Light
     ) -> Float[np.ndarray, "sensor hour"]:
