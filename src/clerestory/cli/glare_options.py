@@ -127,9 +127,7 @@ OneZone = Annotated[
 ]
 TwoZones = Annotated[
     tuple[int, int, float, float] | None,
-    typer.Option(
-        "--zones", "-L", help="… at two circles.", metavar="X Y ANGLE ANGLE"
-    ),
+    typer.Option("--zones", "-L", help="… at two circles.", metavar="X Y ANGLE ANGLE"),
 ]
 Check = Annotated[
     Path | None,
@@ -152,7 +150,9 @@ OnlyIlluminance = Annotated[
 ]
 Trust = Annotated[
     bool,
-    typer.Option("--trust", "-f", help="Evaluate in spite of doubts about the picture."),
+    typer.Option(
+        "--trust", "-f", help="Evaluate in spite of doubts about the picture."
+    ),
 ]
 Annual = Annotated[
     Path | None,
