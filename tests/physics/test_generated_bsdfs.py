@@ -301,3 +301,38 @@ def test_coloured_matrices_keep_their_colour(device):
         np.dot([0.0241, 0.1229, 0.8530], rgb) / np.dot([0.2651, 0.6701, 0.0648], rgb),
         rel=1e-3,
     )
+
+
+@pytest.mark.parametrize("kind", ["venetian", "prismatic", "microlouvre"])
+def test_trees_keep_the_light_of_matrices(device, kind):
+    """In all, a tree scatters what the matrix does, to half a percent."""
+    system = SYSTEMS.get(kind) or microlouvre()
+    matrix = cl.generate_bsdf(system, samples=2048, sides="back", device=device)
+    tree = cl.generate_bsdf(
+        system, basis="tree4", halvings=4, samples=1024, sides="back", device=device
+    )
+    for name in ("transmission_back", "reflection_back"):
+        one, other = (b.diffuse(name) for b in (matrix, tree))
+        assert other == pytest.approx(one, rel=0.005, abs=0.001)
+        cells = part(tree, name)
+        error = cells.standard_error.extrema()[1]
+        assert 0 < error < cells.extrema()[1]
+
+
+def test_straight_light_keeps_its_energy_in_trees(device):
+    """All light of an empty area passes, and fills the cell that goes straight on."""
+    bsdf = cl.generate_bsdf(
+        Scene(),
+        area=SampleArea(BOX, periodic=True),
+        basis="tree4",
+        halvings=4,
+        samples=256,
+        geometry=False,
+        device=device,
+    )
+    direction = np.array([[0.2, 0.3, -0.93], [-0.5, 0.1, -0.86], [0.0, 0.02, -1.0]])
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    share = bsdf.hemispherical(direction, function="transmission_front")
+    assert share == pytest.approx(1, rel=1e-5)
+    straight = bsdf.evaluate(direction, -direction)
+    assert straight == pytest.approx(4**4 / np.pi, rel=1e-5)
