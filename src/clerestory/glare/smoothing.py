@@ -2,7 +2,7 @@
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.signal import fftconvolve
+from scipy import fft
 
 # Share of the solid angle around a pixel that must belong to a source
 _SHARE = 0.2
@@ -44,12 +44,23 @@ def surrounded(
             if not here.any():
                 continue
             disc = _disc(radius)
-            held = fftconvolve((weight * mine)[wide], disc, mode="same")
-            total = fftconvolve(weight[wide], disc, mode="same")
+            held = _around((weight * mine)[wide], disc)
+            total = _around(weight[wide], disc)
             inside[wide] |= here & (held > _SHARE * total) & (total > 0)
     keep = np.zeros_like(inside)
     keep[top:bottom, left:right] = True
     return inside & keep
+
+
+def _around(weight: np.ndarray, disc: np.ndarray) -> np.ndarray:
+    # Sum of the weights within the disc around each pixel. scipy.signal does the same,
+    # but takes a second to import
+    rows, columns = weight.shape
+    reach = disc.shape[0] // 2
+    size = [fft.next_fast_len(n + 2 * reach, real=True) for n in weight.shape]
+    product = fft.rfft2(weight, size) * fft.rfft2(disc, size)
+    total: np.ndarray = fft.irfft2(product, size)
+    return total[reach : reach + rows, reach : reach + columns]
 
 
 def _box(mine: np.ndarray, reach: int) -> tuple[int, int, int, int]:
