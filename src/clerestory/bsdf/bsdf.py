@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from clerestory.bsdf.colour import rgb_from_xyz
 from clerestory.bsdf.product import Product
@@ -22,6 +22,7 @@ from clerestory.bsdf.scattering import (
     TOGETHER,
     Function,
     ScatteringFunction,
+    by_function,
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree_colour import xyz_functions
@@ -262,7 +263,7 @@ class Bsdf:
         parts: dict[Function, ScatteringFunction] = {}
         for start in range(0, len(flat), 4 * TOGETHER):
             part = slice(start, start + 4 * TOGETHER)
-            for name, pairs in _by_function(i[part], o[part]).items():
+            for name, pairs in by_function(i[part], o[part]).items():
                 if len(pairs) and self.has(name, channel=channel):
                     if name not in parts:
                         parts[name] = self.scattering(name, channel=channel)
@@ -285,16 +286,3 @@ class Bsdf:
             return x, y, z
         u, v = (self.scattering(name, channel=c) for c in ("cie-u", "cie-v"))
         return xyz_functions(y, u, v)
-
-
-def _by_function(
-    incident: Float[np.ndarray, "pair 3"], leaving: Float[np.ndarray, "pair 3"]
-) -> dict[Function, Int[np.ndarray, " some"]]:
-    # Which pairs each function is for
-    from_sky, to_room = incident[:, 2] < 0, leaving[:, 2] > 0
-    return {
-        "transmission_front": np.flatnonzero(from_sky & to_room),
-        "transmission_back": np.flatnonzero(~from_sky & ~to_room),
-        "reflection_front": np.flatnonzero(from_sky & ~to_room),
-        "reflection_back": np.flatnonzero(~from_sky & to_room),
-    }

@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.hemisphere.partition import RingPartition
 
@@ -26,6 +26,30 @@ OTHER_SIDE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
     "transmission_back": "transmission_front",
 }
+
+
+def by_function(
+    incident: Float[np.ndarray, "pair 3"], leaving: Float[np.ndarray, "pair 3"]
+) -> dict[Function, Int[np.ndarray, " some"]]:
+    """Numbers of the pairs that each of the four functions is for.
+
+    Parameters
+    ----------
+    incident, leaving : away from the layer; z points into the room
+
+    Examples
+    --------
+    >>> up, down = np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 0.0, -1.0]])
+    >>> by_function(down, up)["transmission_front"].tolist()
+    [0]
+    """
+    from_sky, to_room = incident[:, 2] < 0, leaving[:, 2] > 0
+    return {
+        "transmission_front": np.flatnonzero(from_sky & to_room),
+        "transmission_back": np.flatnonzero(~from_sky & ~to_room),
+        "reflection_front": np.flatnonzero(from_sky & ~to_room),
+        "reflection_back": np.flatnonzero(~from_sky & to_room),
+    }
 
 
 class ScatteringFunction(ABC):

@@ -114,7 +114,7 @@ def _statements(text: str, line: int) -> Iterator[tuple[int, list[str]]]:
     # Lines with their numbers; a backslash at the end continues a line
     pending: list[str] = []
     start = line
-    for number_of_line, row in enumerate(text.split("\n"), line):
+    for number_of_line, row in enumerate([*text.split("\n"), ""], line):
         if not pending:
             start = number_of_line
         continued = row.rstrip("\r").endswith("\\")
@@ -123,8 +123,6 @@ def _statements(text: str, line: int) -> Iterator[tuple[int, list[str]]]:
             if pending and not pending[0].startswith("#"):
                 yield start, pending
             pending = []
-    if pending and not pending[0].startswith("#"):
-        yield start, pending
 
 
 @dataclass
@@ -204,16 +202,15 @@ class _Reading:
         """Make a sphere, a ring or a torus."""
         radii = numbers(keyword, words[1:], 1 if keyword == "sph" else 2)
         vertex = self.defined.vertices[words[0]]
-        centre = self.place.transform.points(np.array(vertex.point))
-        scale = self.place.transform.scale
         if keyword == "sph":
             if radii[0] == 0:
                 raise InputError("a sphere of radius 0; a radius expected")
-            size = scale * abs(radii[0])
-            name = self.name("s")
-            self.surfaces.append(
-                Sphere(centre, size, radii[0] < 0, self.key(), name, self.source())
+            centre = self.place.transform.points(np.array(vertex.point))
+            size, inward = self.place.transform.scale * abs(radii[0]), radii[0] < 0
+            ball = Sphere(
+                centre, size, inward, self.key(), self.name("s"), self.source()
             )
+            self.surfaces.append(ball)
         elif keyword == "ring":
             self.add_ring(vertex, *radii)
         else:
