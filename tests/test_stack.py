@@ -13,8 +13,8 @@ import clerestory
 
 STACK = (
     ("errors", "constants"),
-    ("files", "directions", "spectra"),
-    ("hemisphere",),
+    ("files", "directions"),
+    ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),
     ("gonio", "glazing"),
