@@ -84,7 +84,7 @@ def woven(
     Examples
     --------
     >>> round(woven(spacing=1e-3, thread=0.25e-3).area.thickness * 1e3, 6)
-    0.505
+    0.5025
     """
     positive(spacing=spacing, thread=thread)
     if thread >= spacing:
