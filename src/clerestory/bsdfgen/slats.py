@@ -6,6 +6,7 @@ the left one, seen from the room.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -25,6 +26,8 @@ _THIN = 1e-3
 # A cell of a blind is this many times as wide and as high as it is deep, so that few
 # paths pass its sides.
 _SLENDER = 8.0
+
+_MOST_SLATS = 100_000
 
 
 def venetian(
@@ -99,44 +102,62 @@ def venetian(
     section = section - np.array([0, high])
     depth = max(high - low, 1e-3 * slat_width)
     reach = float(np.abs(section[:, 0]).max())
-    if slats is None:
-        count = max(1, math.ceil(_SLENDER * depth / spacing))
-        beyond = math.ceil(max(0.0, reach - spacing / 2) / spacing)
-        across = max(count * spacing, _SLENDER * depth)
-        ends = -0.01 * across, 1.01 * across
-    else:
-        count, beyond, across = slats, 0, length or slats * spacing
-        ends = 0.0, across
-        if slats < 1:
-            raise InputError(f"slats = {slats}; 1 or more expected")
+    layout = (
+        _cell(spacing, depth, reach)
+        if slats is None
+        else _sample(spacing, slats, length)
+    )
     surfaces: list[Polygon] = []
-    for number in range(-beyond, count + beyond):
-        middle = (number + 0.5) * spacing
+    for number in range(-layout.beyond, layout.count + layout.beyond):
         strips = extruded(
-            section + np.array([middle, 0]),
-            ends=ends,
+            section + np.array([(number + 0.5) * spacing, 0]),
+            ends=layout.ends,
             material="upper",
             name=f"slat{number}",
             closed=thickness > 0,
         )
         surfaces += turned(strips) if vertical else strips
-    half = (len(section) // 2) if thickness > 0 else len(section)
     if not alike:
-        surfaces = [_painted(s, half) for s in surfaces]
+        surfaces = [_painted(s, len(section) // 2) for s in surfaces]
+    size = layout.count * spacing, layout.across
     return System(
         Scene(
             {"upper": upper} if alike else {"upper": upper, "lower": lower},
             tuple(surfaces),
         ),
-        _area(
-            count * spacing, across, depth, vertical=vertical, periodic=slats is None
-        ),
+        _area(*size, depth, vertical=vertical, periodic=slats is None),
         bands(solar=solar is not None),
         Product(
             name=_name(slat_width, spacing, tilt_deg, vertical=vertical),
             device_type="Venetian Blinds",
         ),
     )
+
+
+class _Layout(NamedTuple):
+    # How many slats lie in the area, and beyond it on either side that reach into it;
+    # the width of the area, and where slats begin and end
+    count: int
+    beyond: int
+    across: float
+    ends: tuple[float, float]
+
+
+def _cell(spacing: float, depth: float, reach: float) -> _Layout:
+    count = max(1, math.ceil(_SLENDER * depth / spacing))
+    beyond = math.ceil(max(0.0, reach - spacing / 2) / spacing)
+    across = max(count * spacing, _SLENDER * depth)
+    return _Layout(count, beyond, across, (-0.01 * across, 1.01 * across))
+
+
+def _sample(spacing: float, slats: int, length: float | None) -> _Layout:
+    if not (float(slats).is_integer() and 1 <= slats <= _MOST_SLATS):
+        raise InputError(
+            f"slats = {slats}; a whole number from 1 to {_MOST_SLATS} expected"
+        )
+    across = slats * spacing if length is None else length
+    positive(length=across)
+    return _Layout(int(slats), 0, across, (0.0, across))
 
 
 def _section(
