@@ -154,7 +154,7 @@ def held_out(measurement, *, options):
             source = np.broadcast_to(scan.incident, points.direction.shape)
             values = tree.evaluate(source, points.direction)
             flux = float(tree.hemispherical(scan.incident))
-            yield k, flux - total_flux(scan), misplaced_light(scan, values, None)
+            yield k, flux - total_flux(scan), misplaced_light(points, values)
 
 
 def head(title):

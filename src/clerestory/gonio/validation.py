@@ -17,7 +17,14 @@ from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.beam import beam_direction
 from clerestory.gonio.earth_mover import earth_mover
-from clerestory.gonio.fit import DEFAULT, FitOptions, condense, fit_lobes, total_flux
+from clerestory.gonio.fit import (
+    DEFAULT,
+    FitOptions,
+    Points,
+    condense,
+    fit_lobes,
+    total_flux,
+)
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.measurement import Measurement, Scan
@@ -161,18 +168,14 @@ def smoothing_study(
     )
 
 
-def misplaced_light(
-    scan: Scan, values: Float[np.ndarray, " points"] | None, lobes: Lobes
-) -> float:
-    """Share of the light of a scan that a prediction puts elsewhere.
+def misplaced_light(points: Points, predicted: Float[np.ndarray, " points"]) -> float:
+    """Share of measured light that a prediction puts elsewhere.
 
     Parameters
     ----------
-    values : predicted BSDF at the condensed points of the scan [1/sr]; None to ask
-        the lobes
+    points : of a scan, condensed
+    predicted : BSDF at the points [1/sr]
     """
-    points = condense(scan)
-    predicted = lobes.evaluate(points.direction) if values is None else values
     moved = points.weight @ np.abs(predicted - points.value) / 2
     return float(moved / max(points.flux, 1e-300))
 
@@ -184,7 +187,7 @@ def _left_out(
     symmetry: Symmetry,
     network: Network,
 ) -> LeftOut:
-    scan, fit = scans[k], fits[k]
+    scan, fit, points = scans[k], fits[k], condense(scans[k])
     others = [n for n in range(len(scans)) if n != k]
     incidents = np.array([scans[n].incident for n in others])
     rest = connect(
@@ -199,8 +202,8 @@ def _left_out(
         lobes.total,
         float(np.degrees(angle_between(beam_direction(lobes), beam_direction(fit)))),
         float(np.degrees(earth_mover(lobes, fit))),
-        misplaced_light(scan, None, lobes),
-        misplaced_light(scan, None, fit),
+        misplaced_light(points, lobes.evaluate(points.direction)),
+        misplaced_light(points, fit.evaluate(points.direction)),
     )
 
 
