@@ -108,7 +108,7 @@ def venetian(
         else _sample(spacing, slats, length)
     )
     surfaces: list[Polygon] = []
-    for number in range(-layout.beyond, layout.count + layout.beyond):
+    for number in range(-layout.beyond, layout.slats + layout.beyond):
         strips = extruded(
             section + np.array([(number + 0.5) * spacing, 0]),
             ends=layout.ends,
@@ -119,7 +119,7 @@ def venetian(
         surfaces += turned(strips) if vertical else strips
     if not alike:
         surfaces = [_painted(s, len(section) // 2) for s in surfaces]
-    size = layout.count * spacing, layout.across
+    size = layout.slats * spacing, layout.across
     return System(
         Scene(
             {"upper": upper} if alike else {"upper": upper, "lower": lower},
@@ -137,7 +137,7 @@ def venetian(
 class _Layout(NamedTuple):
     # How many slats lie in the area, and beyond it on either side that reach into it;
     # the width of the area, and where slats begin and end
-    count: int
+    slats: int
     beyond: int
     across: float
     ends: tuple[float, float]
