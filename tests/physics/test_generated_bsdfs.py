@@ -336,3 +336,25 @@ def test_straight_light_keeps_its_energy_in_trees(device):
     assert share == pytest.approx(1, rel=1e-5)
     straight = bsdf.evaluate(direction, -direction)
     assert straight == pytest.approx(4**4 / np.pi, rel=1e-5)
+
+
+@pytest.mark.parametrize("basis", ["quarter", "tree4"])
+def test_the_same_seed_gives_the_same_bits(device, basis):
+    """Sums are exact integers: no order of additions changes them."""
+    options = {"basis": basis, "halvings": 3, "samples": 300, "device": device}
+    one, two = (
+        cl.generate_bsdf(SYSTEMS["venetian"], seed=5, **options) for _ in range(2)
+    )
+    for key, matrix in one.functions.items():
+        name = "values" if basis == "quarter" else "slots"
+        assert np.array_equal(getattr(matrix, name), getattr(two.functions[key], name))
+
+
+def test_the_error_aimed_at_is_reached(device):
+    """The root mean square of all errors, over the mean value, is as small as asked."""
+    bsdf = cl.generate_bsdf(
+        SYSTEMS["venetian"], basis="quarter", relative_error=0.2, device=device
+    )
+    parts = list(bsdf.functions.values())
+    error = np.sqrt(np.mean([p.standard_error**2 for p in parts]))
+    assert error <= 0.2 * np.mean([p.values for p in parts]) * (1 + 1e-6)
