@@ -196,6 +196,11 @@ def main() -> None:
             parts = real[chosen], three[chosen], five[chosen]
             lines.append(row(f"{kind}, {plane}", *parts))
             print(lines[-1], flush=True)
+    lines += [
+        "",
+        "The noise of the truth, a few per cent at the darkest sensors, counts against"
+        " both methods alike.",
+    ]
     text = "\n".join(lines) + "\n"
     if options.write:
         options.write.write_text(text)

@@ -59,7 +59,8 @@ def contenders(
     sensors = cl.read_sensors(place.points)
     # Beside its window the tutorial's room has a gap that low sun shines through onto
     # the first row of sensors: rcontrib sees it, a window's own matrix does not
-    inner = (sensors.position - window.polygons[0].vertices[0]) @ window.frame.normal > 1
+    sill = window.polygons[0].vertices[0]
+    inner = (sensors.position - sill) @ window.frame.normal > 1
     step = max(1, int(inner.sum()) // count)
     chosen = type(sensors)(
         sensors.position[inner][::step], sensors.direction[inner][::step]

@@ -33,8 +33,8 @@ picture.app.command(
     " --circle 2736 1824 1793 -o fisheye.hdr"
 )(reproject)
 picture.app.command(
-    epilog="Example: clerestory picture calibrate fisheye.hdr --before 1520 --after 1490"
-    " -o desk.hdr"
+    epilog="Example: clerestory picture calibrate fisheye.hdr --before 1520"
+    " --after 1490 -o desk.hdr"
 )(calibrate)
 app.command(epilog="Example: clerestory run study.toml --out results")(run)
 app.command(epilog="Example: clerestory demo my_first_study")(demo)

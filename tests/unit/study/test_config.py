@@ -115,13 +115,13 @@ WRONG = {
         '"3-phase"',
         '"4-phase"',
         "method",
-        'key "method": got "4-phase"; "2-phase" or "3-phase" expected',
+        'key "method": got "4-phase"; "2-phase", "3-phase" or "5-phase" expected',
     ),
-    "planned method": (
-        '"3-phase"',
-        '"5-phase"',
-        "method",
-        '("5-phase" comes in a later version)',
+    "picture at a time of no calendar": (
+        "[weather]",
+        '[[view]]\nfile = "room.rad"\npictures = ["13-01T12:00"]\n[weather]',
+        "pictures",
+        "13-01T12:00",
     ),
     "two-phase with a window": (
         '"3-phase"',
