@@ -72,7 +72,7 @@ def test_lambertian_sheet_is_even(device):
 def test_mirror_keeps_the_number_of_each_patch(device):
     """A mirror sends patch i to patch i, and nothing through.
 
-    Its reflectance of 0.8 grows towards grazing angles, by less than 1 % below 65°.
+    Its reflectance of 0.8 grows towards grazing angles, by less than 1 % below 55°.
     """
     mirror = Metal("m", np.full(3, 0.8), 1.0, 0.0)
     bsdf = cl.generate_bsdf(
@@ -87,7 +87,7 @@ def test_mirror_keeps_the_number_of_each_patch(device):
         found = part(bsdf, f"reflection_{side}").values * measure[:, None]
         # A direction on the very edge of its patch may fall to either side
         assert np.diag(found) == pytest.approx(found.sum(axis=0), rel=0.02)
-        assert found.sum(axis=0)[:117] == pytest.approx(0.8, rel=0.01)
+        assert found.sum(axis=0)[:93] == pytest.approx(0.8, rel=0.01)
         assert np.all(part(bsdf, f"transmission_{side}").values == 0)
 
 
@@ -225,7 +225,7 @@ def test_systems_keep_energy_and_reciprocity(device, kind):
 def test_lossless_systems_lose_nothing(device):
     """A clear film and mirrors of reflectance 1 absorb no light."""
     for system in (prismatic(), mirrored_channels(reflectance=1.0)):
-        bsdf = cl.generate_bsdf(system, basis="quarter", samples=1024, device=device)
+        bsdf = cl.generate_bsdf(system, basis="quarter", samples=1 << 14, device=device)
         for side in ("front", "back"):
             total = sum(
                 part(bsdf, f"{name}_{side}").direct_hemispherical()
