@@ -208,3 +208,14 @@ def test_peak_of_clear_air_passes_straight(mitsuba):
         assert value[0] / abs(wi[0, 2]) == pytest.approx(0.2 / np.pi, rel=0.02)
         _, weight, _ = asked.sample(wi[0], 100_000)
         assert weight.mean() == pytest.approx(0.8, abs=0.005)
+
+
+def test_a_surface_whose_normal_is_up_is_black(mitsuba):
+    """Radiance's "illegal orientation vector": no light, and no NaN."""
+    asked = Asked(mitsuba, lopsided())
+    asked.plugin.up = asked.mi.Vector3f(0, 0, 1)
+    value, pdf = asked.evaluate(unit((0.3, 0.2, 0.9)), sphere(1000, 1))
+    assert np.all(value == 0)
+    assert np.all(pdf == 0)
+    _, weight, _ = asked.sample(unit((0.3, 0.2, 0.9)), 1000)
+    assert np.all(weight == 0)

@@ -147,16 +147,19 @@ def define() -> type:
             self._flag()
 
         def turned(self, si):
-            """Return the frame of the layer at a hit."""
+            """Return the frame of the layer at a hit; black where up is the normal."""
             normal = si.sh_frame.n
-            right = dr.normalize(dr.cross(self.up, normal))
+            right = dr.cross(self.up, normal)
+            length = dr.norm(right)
+            right *= dr.select(length > 1e-6, 1 / length, 0)
             return mi.Frame3f(right, dr.cross(normal, right), normal)
 
         def split(self, si, wo):
-            """Return both directions in the frame of the layer."""
+            """Return both directions in the layer's frame, and whether it has one."""
             frame = self.turned(si)
             wi = frame.to_local(si.sh_frame.to_world(si.wi))
-            return wi, frame.to_local(si.sh_frame.to_world(wo))
+            oriented = dr.squared_norm(frame.s) > 0.5
+            return wi, frame.to_local(si.sh_frame.to_world(wo)), oriented
 
         def parts(self, wi):
             """Return the functions on the side of wi, and the chance of each part."""
@@ -177,7 +180,7 @@ def define() -> type:
 
         def evaluate(self, si, wo, active):
             """BSDF × cosine and pdf, without what passes straight."""
-            wi, wo = self.split(si, mi.Vector3f(wo))
+            wi, wo, oriented = self.split(si, mi.Vector3f(wo))
             transmission, reflection, chance = self.parts(wi)
             same = wi.z * wo.z > 0
             function = dr.select(same, reflection, transmission)
@@ -190,7 +193,7 @@ def define() -> type:
             pdf = dr.select(same, chance[1], chance[0]) * density
             pdf += dr.select(same, chance[2], chance[3]) * dr.inv_pi
             cosine = dr.abs(wo.z)
-            active = active & (cosine > 0) & (wi.z != 0)
+            active = active & oriented & (cosine > 0) & (wi.z != 0)
             return (
                 dr.select(active, value * cosine, 0),
                 dr.select(active, pdf * cosine, 0),

@@ -20,8 +20,8 @@ from clerestory.scene.tessellate import Mesh
 
 Emitter = Light | Glow | Illum | Spotlight
 
-# Cells along the edge of a pattern's table
-_EDGE = 96
+# Cells along the edge of a pattern's table: 0.6° wide, for lamps of narrow beams
+_EDGE = 256
 
 
 def split_by_surface(mesh: Mesh) -> list[Mesh]:
