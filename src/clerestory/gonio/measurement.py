@@ -43,7 +43,7 @@ class Scan:
     >>> from clerestory.gonio.angles import from_degrees
     >>> leaving = from_degrees(np.array([0, 20, 20, 20.0]), np.array([0, 0, 90, 180.0]))
     >>> round(Scan(from_degrees(30.0, 0.0), leaving, np.full(4, 0.2)).theta_deg, 6)
-    np.float64(30.0)
+    30.0
     """
 
     incident: Float[np.ndarray, "3"]
