@@ -33,6 +33,9 @@ _RADIUS_OVER_WIDTH = 0.6
 # Weight of the mean of a cell against the values themselves.
 _PRIOR = 1e-2
 
+# Share of the values that may lie below what is taken to be everywhere.
+_EVEN = 0.05
+
 # Share of the mean value below which differences count less.
 _FLOOR = 1e-2
 
@@ -133,15 +136,22 @@ def _placed(
 ]:
     # A lobe a cell: at the centroid of its light, as wide as the cell, with its flux
     cells = Quadtree(points.direction, points.value).cut(
-        options.lobes, coarsest=_COARSEST_LOBE
+        options.lobes - 1, coarsest=_COARSEST_LOBE
     )
     bright = np.maximum(points.value, 0) + _FLOOR * np.abs(points.value).mean()
     centre = cells.mean_direction(points.direction, bright * points.weight)
     width = np.sqrt(cells.solid_angle)
     radius = _RADIUS_OVER_WIDTH * options.smoothing * width
     radius = np.clip(radius, LEAST_RADIUS, MOST_RADIUS)
-    flux = np.maximum(cells.sum(points.value * points.weight), 0)
-    return centre, radius, flux
+
+    # What is everywhere is one lobe as wide as the hemisphere
+    even = max(float(np.quantile(points.value, _EVEN)), 0.0)
+    rest = np.maximum(cells.sum((points.value - even) * points.weight), 0)
+    return (
+        np.concatenate([centre, [[0.0, 0.0, 1.0]]]),
+        np.append(radius, MOST_RADIUS),
+        np.append(rest, even * np.pi),
+    )
 
 
 def _solve(

@@ -1,0 +1,102 @@
+"""A picture of a room behind a BSDF, under sun and sky, against rpict at equal noise.
+
+    python benchmarks/render.py [--bsdf FILE] [--resolution 160] [--write FILE]
+
+rpict runs without interpolation of indirect light (-aa 0), where its pixels are free
+of bias as ours are. Ratios above 1 say how many times less work (time × variance) it
+takes.
+"""
+
+import argparse
+import subprocess
+from pathlib import Path
+
+import numpy as np
+from duel import ENVIRONMENT, Contender, duel
+from rooms import Room, room, workplace
+from sun_matrix import SHARED
+
+import clerestory as cl
+
+SKY = "gensky 9 21 12 -a 40 -o 74 -m 75 +s"
+VIEW = "-vtv -vp 3 4.5 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 60 -vv 40"
+BOUNCES = 4
+
+
+def scene_files(place: Room, bsdf: Path) -> list[Path]:
+    """Write window and sky, which both programs read, and return all files."""
+    window = cl.read_window(place.window)
+    corners = "\n".join(
+        f"bsdf polygon pane{i} 0 0 {p.vertices.size} "
+        + " ".join(f"{x:.9g}" for x in p.vertices.ravel())
+        for i, p in enumerate(window.polygons)
+    )
+    (place.folder / "pane.rad").write_text(
+        f"void BSDF bsdf 6 0 {bsdf} 0 0 1 . 0 0\n{corners}\n"
+    )
+    (place.folder / "sky.rad").write_text(
+        f"!{SKY}\nskyfunc glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180\n"
+        "g source e 0 0 4 0 0 -1 180\n"
+    )
+    return [*place.files, place.folder / "pane.rad", place.folder / "sky.rad"]
+
+
+def contenders(
+    place: Room, bsdf: Path, resolution: int
+) -> tuple[list[Contender], np.ndarray]:
+    """Return our runs at two efforts, Radiance's, and a long reference."""
+    files = scene_files(place, bsdf)
+    scene, view = cl.read_rad(*files), cl.parse_view(VIEW)
+    columns, rows = view.size_for(resolution)
+
+    def ours(samples: int):
+        def make(run: int):
+            made = cl.render(
+                scene, view, columns=columns, rows=rows, samples=samples,
+                bounces=BOUNCES, seed=run,
+            )  # fmt: skip
+            return made.picture.luminance().astype(float)
+
+        return Contender(f"{samples} paths a pixel", make)
+
+    def theirs(directions: int):
+        names = " ".join(str(f) for f in files)
+        command = (
+            f"oconv {names} > room.oct && rpict {VIEW} -x {resolution} -y {resolution}"
+            f" -ab {BOUNCES} -aa 0 -ad {directions} -as 0 -lw 1e-5 -lr -10 -ss 16 -st 0"
+            " -ps 1 -pt 0 -pj .7 -dj .7 -dt 0 -dc 1 room.oct > room.hdr"
+        )
+
+        def make(_: int):
+            subprocess.run(
+                command, shell=True, cwd=place.folder, env=ENVIRONMENT, check=True,
+                capture_output=True,
+            )  # fmt: skip
+            return cl.read_picture(place.folder / "room.hdr").luminance().astype(float)
+
+        return Contender(f"rpict -aa 0 -ad {directions}", make, peer=True)
+
+    found = [theirs(64), theirs(256), ours(64), ours(256)]
+    return found, ours(16384).make(12345)
+
+
+def main() -> None:
+    """Read the command line, run, print and write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--bsdf", type=Path, help="BSDF file of the window")
+    parser.add_argument("--resolution", type=int, default=160)
+    parser.add_argument("--runs", type=int, default=2)
+    parser.add_argument("--write", type=Path, help="Markdown file to write")
+    options = parser.parse_args()
+    place = room(workplace())
+    bsdf = options.bsdf or SHARED / "tutorial_room" / "blinds" / "blinds.xml"
+    found, reference = contenders(place, bsdf.resolve(), options.resolution)
+    title = f"Picture of {options.resolution} columns, {place.name}, {bsdf.name}"
+    table = duel(title, found, reference, runs=options.runs)
+    print(table)
+    if options.write:
+        options.write.write_text(table + "\n")
+
+
+if __name__ == "__main__":
+    main()
