@@ -283,7 +283,8 @@ def _azimuth(direction):
 def _means(tree: ScatteringTree) -> np.ndarray:
     # Mean value below each slot, from the smallest cells up
     width = 1 << tree.rank
-    means = tree.slots.view(np.float32).astype(np.float64)
+    values = np.where(tree.slots < 0, 0, tree.slots).astype(np.int32)
+    means = values.view(np.float32).astype(np.float64)
     levels, code, at = [], tree.slots[:1], np.zeros(1, dtype=np.int64)
     while True:
         inner = code < 0
