@@ -89,10 +89,10 @@ def read_measured(
     InputError : a column is missing, a cell is not a number or time, time does
         not grow, or there is too little irradiance
     """
-    table = _table(path, separator, skip_lines)
+    table = read_table(path, separator, skip_lines)
 
     # Go from the stated moment of each step to its centre
-    times = _times(table, columns.time, time_format, clock, site.utc_offset_hours)
+    times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
     require_growth(times, file=path, lines=table.lines)
     step = typical_step(times)
     times = centres(times, step, stands_for)
@@ -110,7 +110,9 @@ def read_measured(
 
 
 @dataclass(frozen=True, eq=False)
-class _Table:
+class LoggerTable:
+    """A CSV file as text: names of its columns, and the rows with their lines."""
+
     path: str | Path
     header_line: int
     names: list[str]
@@ -140,7 +142,13 @@ class _Table:
         return np.where(np.isin(values, _MISSING), np.nan, values)
 
 
-def _table(path: str | Path, separator: str, skip_lines: int) -> _Table:
+def read_table(path: str | Path, separator: str, skip_lines: int) -> LoggerTable:
+    """Return the cells of a CSV file whose header follows `skip_lines` lines.
+
+    Raises
+    ------
+    InputError : no rows follow the header
+    """
     table = list(csv.reader(read_text(path).splitlines(), delimiter=separator))
     numbers = [i for i, row in enumerate(table) if i > skip_lines and any(row)]
     if not numbers:
@@ -148,17 +156,22 @@ def _table(path: str | Path, separator: str, skip_lines: int) -> _Table:
         raise InputError("no data rows after the header", file=path, line=line)
     names = [name.strip() for name in table[skip_lines]]
     rows = [table[i] for i in numbers]
-    return _Table(path, skip_lines + 1, names, rows, np.array(numbers) + 1)
+    return LoggerTable(path, skip_lines + 1, names, rows, np.array(numbers) + 1)
 
 
-def _times(
-    table: _Table,
+def local_times(
+    table: LoggerTable,
     names: str | tuple[str, ...],
     time_format: str | None,
     clock: str | None,
     utc_offset_hours: float,
 ) -> np.ndarray:
-    # Local standard time, whatever offset the file has
+    """Return the moments of the rows in local standard time.
+
+    Raises
+    ------
+    InputError : a column is missing, a cell is not a time, an unknown time zone
+    """
     standard = timezone(timedelta(hours=utc_offset_hours))
     zone = _zone(clock)
     where = [
