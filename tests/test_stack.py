@@ -24,6 +24,7 @@ STACK = (
     ("bsdfgen", "phases"),
     ("glare", "control", "metrics"),
     ("study",),
+    ("comparison",),
     ("report",),
     ("cli",),
 )

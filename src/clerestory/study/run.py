@@ -160,6 +160,8 @@ def _data(study: Study, inputs: Inputs, hourly: xr.Dataset) -> xr.Dataset:
         place=inputs.weather.place,
         latitude_deg=inputs.weather.latitude_deg,
         longitude_deg=inputs.weather.longitude_deg,
+        utc_offset_hours=inputs.weather.utc_offset_hours,
+        step_minutes=inputs.weather.step_minutes,
         rotation_deg=study.sky.rotation_deg,
         study=study.to_json(),
     )
