@@ -32,9 +32,6 @@ _EXPECTED = {
     "too_short": "at least one",
 }
 
-# Methods that design and papers know and this version does not
-_PLANNED = ("5-phase",)
-
 
 def parse_toml(text: str, *, file: Path) -> dict[str, Any]:
     """Return the tables of a TOML text.
@@ -81,10 +78,7 @@ def _message(details: ErrorDetails, model: type[BaseModel]) -> str:
     if kind == "rule":
         table = f"[{key}]: " if key else ""
         return f"{table}{details['msg']}"
-    later = f' ("{value}" comes in a later version)' if value in _PLANNED else ""
-    return (
-        f'key "{key}": got {_shown(value)}; {_expected(details, model)} expected{later}'
-    )
+    return f'key "{key}": got {_shown(value)}; {_expected(details, model)} expected'
 
 
 def _expected(details: ErrorDetails, model: type[BaseModel]) -> str:

@@ -7,12 +7,10 @@ expect of it. `docs/study-file.md` explains them all.
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     PrivateAttr,
     ValidationError,
@@ -23,180 +21,47 @@ from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
 from clerestory.files import read_text
-from clerestory.metrics.autonomy import TARGET_LUX
-from clerestory.sky.station import MeasuredTable
 from clerestory.study.complaint import input_error, parse_toml
+from clerestory.study.lighting_tables import LightingTable, LuminaireTable
+from clerestory.study.tables import (
+    MetricsTable,
+    Named,
+    OutputTable,
+    SceneTable,
+    ScheduleTable,
+    SensorsTable,
+    SkyTable,
+    SunTable,
+    Table,
+    TraceTable,
+    ViewTable,
+    WeatherTable,
+    rule_broken,
+)
+from clerestory.study.window_tables import WindowTable
+
+Method = Literal["2-phase", "3-phase", "5-phase"]
+_METHODS = '"2-phase", "3-phase" or "5-phase"'
 
 
-def _input_file(value: Any, info: Any) -> Any:
-    # Files are named relative to the study, and must be there; info is ValidationInfo
-    if not isinstance(value, str) or not value:
-        raise PydanticCustomError("file", "the name of a file in quotes")
-    path: Path = (info.context or {}).get("folder", Path()) / value
-    if not path.is_file():
-        raise PydanticCustomError("file", "the name of a file that exists")
-    return path
+def _methods(value: Any) -> Any:
+    # One method, or several different ones to compare
+    chosen = value if isinstance(value, list) else [value]
+    known = all(isinstance(m, str) and m in get_args(Method) for m in chosen)
+    if not (chosen and known and len(set(chosen)) == len(chosen)):
+        expected = _METHODS + (", each once," if isinstance(value, list) else "")
+        raise PydanticCustomError("choice", expected)
+    return chosen
 
 
-InputFile = Annotated[Path, BeforeValidator(_input_file)]
-_MOMENT = r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])T([01]\d|2[0-3]):[0-5]\d$"
-MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$")]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
-
-
-class _Named(_Table):
-    name: str = Field(
-        "",
-        pattern=r"^[\w .-]*$",
-        description="letters, digits, spaces, dots and dashes",
-    )
-    file: InputFile
-
-    @property
-    def label(self) -> str:
-        """Name, or else the stem of the file's name."""
-        return self.name or self.file.stem
-
-
-class SceneTable(_Table):
-    """The room and what stands around it."""
-
-    files: list[InputFile] = Field(
-        min_length=1, description="a list of Radiance scene files"
-    )
-
-
-class WindowTable(_Named):
-    """A window group: polygons that share one BSDF."""
-
-    file: InputFile = Field(description="a Radiance file of window polygons")
-    bsdf: InputFile = Field(description="a BSDF file (.xml)")
-    sun_bsdf: InputFile | None = Field(
-        None, description="a BSDF file (.xml), as fine as it is known"
-    )
-    peak: bool = Field(False, description="whether light that passes straight is sharp")
-
-
-class SensorsTable(_Named):
-    """A grid of sensors."""
-
-    file: InputFile = Field(description="a file of sensors, x y z dx dy dz a line")
-
-
-class WeatherTable(_Table):
-    """The weather, and the part of the year to simulate."""
-
-    file: InputFile = Field(
-        description="a weather file (.epw, .wea, TMY3 .csv) or a station file (.toml)"
-    )
-    measured: MeasuredTable | None = Field(
-        None, description="a table [weather.measured]"
-    )
-    first_day: MonthDay | None = Field(
-        None, alias="from", description='a day of the year as "MM-DD"'
-    )
-    last_day: MonthDay | None = Field(
-        None, alias="to", description='a day of the year as "MM-DD"'
-    )
-
-
-class SkyTable(_Table):
-    """How finely the sky is cut, the ground, and where north is."""
-
-    subdivision: Literal[1, 2, 3, 4, 5, 6] = 4
-    ground_reflectance: float = Field(0.2, ge=0, le=1)
-    rotation_deg: float = Field(0.0, ge=-360, le=360)
-
-
-class ViewTable(_Named):
-    """A camera: glare at every step, and pictures of chosen moments."""
-
-    file: InputFile = Field(description="a Radiance view file")
-    resolution: int = Field(200, ge=8, le=4096)
-    samples: int = Field(256, ge=1, le=1 << 20)
-    pictures: list[Annotated[str, Field(pattern=_MOMENT)]] = Field(
-        default_factory=list, description='a list of moments as "09-21T12:00"'
-    )
-
-
-class SunTable(_Table):
-    """The direct sun of the five-phase method."""
-
-    places: Literal["exact", "patches"] = "exact"
-    tolerance_deg: float = Field(0.25, ge=0, le=5)
-    samples: int = Field(64, ge=1, le=1 << 16)
-    picture_samples: int = Field(16, ge=1, le=1 << 12)
-
-
-class TraceTable(_Table):
-    """How long to trace; `relative_error` is 0.01 when neither goal is given."""
-
-    relative_error: float | None = Field(None, gt=0, lt=1)
-    samples: int | None = Field(None, ge=1)
-    bounces: int | None = Field(None, ge=0)
-    seed: int = Field(1, ge=0, lt=2**32)
-    device: Device = "auto"
-
-    @model_validator(mode="after")
-    def _one_goal(self) -> "TraceTable":
-        if self.samples is not None and self.relative_error is not None:
-            raise PydanticCustomError(
-                "rule", 'both "samples" and "relative_error"; one of them expected'
-            )
-        return self
-
-    def goal(self) -> dict[str, int | float]:
-        """Return the goal as a keyword argument of the tracing functions.
-
-        >>> TraceTable().goal(), TraceTable(samples=64).goal()
-        ({'relative_error': 0.01}, {'samples': 64})
-        """
-        if self.samples is not None:
-            return {"samples": self.samples}
-        return {"relative_error": self.relative_error or 0.01}
-
-
-class ScheduleTable(_Table):
-    """The hours of the day that count, in local standard time."""
-
-    from_hour: float = Field(8.0, ge=0, le=24)
-    to_hour: float = Field(18.0, ge=0, le=24)
-
-    @model_validator(mode="after")
-    def _forwards(self) -> "ScheduleTable":
-        if self.from_hour >= self.to_hour:
-            raise PydanticCustomError(
-                "rule", '"from_hour" is not before "to_hour"; the earlier one expected'
-            )
-        return self
-
-
-class MetricsTable(_Table):
-    """What the metrics ask for."""
-
-    target_lux: float = Field(TARGET_LUX, gt=0)
-
-
-class OutputTable(_Table):
-    """Files written beside results.nc and run.json."""
-
-    csv: bool = True
-    ill: bool = False
-
-
-class Study(_Table):
+class Study(Table):
     """A whole run; the paths in it are resolved against its folder."""
 
     _folder: Path = PrivateAttr(Path())
 
     title: str = ""
-    method: Literal["2-phase", "3-phase", "5-phase"] = Field(
-        description='"2-phase", "3-phase" or "5-phase"'
+    methods: Annotated[list[Method], BeforeValidator(_methods)] = Field(
+        alias="method", description=_METHODS
     )
     scene: SceneTable = Field(description="a table [scene]")
     window: list[WindowTable] = Field(default_factory=list)
@@ -204,6 +69,8 @@ class Study(_Table):
         min_length=1, description="at least one table [[sensors]]"
     )
     view: list[ViewTable] = Field(default_factory=list)
+    luminaire: list[LuminaireTable] = Field(default_factory=list)
+    lighting: list[LightingTable] = Field(default_factory=list)
     weather: WeatherTable = Field(description="a table [weather]")
     sky: SkyTable = SkyTable()
     sun: SunTable = SunTable()
@@ -212,39 +79,86 @@ class Study(_Table):
     metrics: MetricsTable = MetricsTable()
     output: OutputTable = OutputTable()
 
-    @field_validator("window", "sensors", "view")
+    @field_validator("window", "sensors", "view", "luminaire", "lighting")
     @classmethod
-    def _distinct(cls, tables: Sequence[_Named]) -> Sequence[_Named]:
+    def _distinct(cls, tables: Sequence[Named]) -> Sequence[Named]:
         labels = [table.label for table in tables]
         twice = next((name for name in labels if labels.count(name) > 1), None)
         if twice is not None:
-            raise PydanticCustomError(
-                "rule",
-                'two are named "{twice}"; different names expected',
-                {"twice": twice},
+            raise rule_broken(
+                'two are named "{twice}"; different names expected', twice=twice
             )
         return tables
 
     @model_validator(mode="after")
     def _windows_for_the_method(self) -> "Study":
-        if self.method != "2-phase" and not self.window:
-            raise PydanticCustomError(
-                "rule",
-                'method "{method}" without a window; a table [[window]] expected',
-                {"method": self.method},
-            )
-        if self.method == "2-phase" and self.view:
-            raise PydanticCustomError(
-                "rule",
-                'method "2-phase" makes no pictures; no table [[view]] expected',
-            )
-        if self.method == "2-phase" and self.window:
-            raise PydanticCustomError(
-                "rule",
-                'method "2-phase" sees the sky through the glass of the scene;'
-                " no table [[window]] expected",
+        for method in self.methods:
+            if method != "2-phase" and not self.window:
+                raise rule_broken(
+                    'method "{method}" without a window; a table [[window]] expected',
+                    method=method,
+                )
+        if self.methods == ["2-phase"] and self.view:
+            raise rule_broken(
+                'method "2-phase" makes no pictures; no table [[view]] expected'
             )
         return self
+
+    @model_validator(mode="after")
+    def _names_that_exist(self) -> "Study":
+        # Rules and zones look at grids, views and zones of the study
+        grids = [table.label for table in self.sensors]
+        views = [table.label for table in self.view]
+        for window in self.window:
+            if window.control is not None:
+                rule = f'rule "{window.control.rule}" of window "{window.label}"'
+                _require(rule, "grid", [window.control.grid], grids)
+                _require(rule, "view", window.control.views, views)
+                self._require_views(window)
+        zones = [table.label for table in self.lighting]
+        for zone in self.lighting:
+            _require(f'lighting "{zone.label}"', "grid", [zone.grid], grids)
+        for lamp in self.luminaire:
+            what = f'luminaire "{lamp.label}"'
+            _require(what, "lighting zone", [lamp.zone], zones)
+            if not lamp.zone and len(zones) > 1:
+                raise rule_broken(
+                    "{what} without zone; one of {zones} expected",
+                    what=what,
+                    zones=", ".join(zones),
+                )
+        if bool(self.luminaire) != bool(self.lighting):
+            raise rule_broken(
+                "[[luminaire]] and [[lighting]]: one without the other; both expected"
+            )
+        return self
+
+    def _require_views(self, window: WindowTable) -> None:
+        control = window.control
+        if control is None or self.view:
+            return
+        if control.rule == "glare" and control.grid:
+            return
+        looks = control.rule == "glare" or "glare" in control.needs
+        if looks or control.dgp_below is not None:
+            raise rule_broken(
+                'rule "{rule}" of window "{name}" judges glare without a view; a table'
+                " [[view]] expected",
+                rule=control.rule,
+                name=window.label,
+            )
+
+    @property
+    def method(self) -> Method:
+        """The method; the first where several are compared."""
+        return self.methods[0]
+
+    def with_method(self, method: Method) -> "Study":
+        """Return the study by one method; the two-phase one makes no pictures."""
+        change: dict[str, Any] = {"methods": [method]}
+        if method == "2-phase":
+            change["view"] = []
+        return self.model_copy(update=change)
 
     def model_post_init(self, context: Any) -> None:
         """Remember the folder that the study file stands in."""
@@ -272,13 +186,26 @@ class Study(_Table):
                 return (value.relative_to(self._folder) if inside else value).as_posix()
             return value
 
-        return {
-            key: plain(item) for key, item in self.model_dump(by_alias=True).items()
-        }
+        facts = {key: plain(v) for key, v in self.model_dump(by_alias=True).items()}
+        if len(self.methods) == 1:
+            facts["method"] = self.method
+        return facts
 
     def to_json(self) -> str:
         """Return the facts as JSON."""
         return json.dumps(self.facts(), sort_keys=True)
+
+
+def _require(what: str, kind: str, names: list[str], known: list[str]) -> None:
+    for name in names:
+        if name and name not in known:
+            raise rule_broken(
+                '{what} names {kind} "{name}"; one of {known} expected',
+                what=what,
+                kind=kind,
+                name=name,
+                known=", ".join(known) or "none",
+            )
 
 
 def read_study(path: str | Path) -> Study:

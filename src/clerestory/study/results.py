@@ -41,6 +41,16 @@ class Results:
         - the windows: `window` (window) name, `window_centre`, `window_up` and
           `window_normal` into the room (window, xyz), `window_triangle`
           (window_triangle, corner, xyz), `window_index` (window_triangle)
+        - where windows have states: `state` (window, time) int8, from 0, the most
+          open; `state_name` (window, state_number); `control` (window), the rules;
+          `facade_irradiance` [W/m²] and `profile_angle` [rad] (window, time);
+          `direct_open` (sensor, time), direct sun with all shades open [lux];
+          `rule_kept` (time) of LM-83's rule
+        - where there is electric light: `electric_illuminance` (sensor, time) [lux],
+          `dimming` 0…1 and `lighting_power` [W] (zone, time), `lighting_energy` and
+          `lighting_energy_error` (zone) [Wh]
+        - where views were judged: `glare_…` (view, time), electric light included
+        - where methods were compared: `illuminance_by_method` (method, sensor, time)
         - attributes `title`, `method`, `target_lux`, `study` (the study as JSON)
     run : facts about the run, as in run.json: `versions`, `seed`, `device`,
         `seconds` by phase, `error` by grid, `warnings`, `matrices` by name

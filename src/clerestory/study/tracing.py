@@ -29,7 +29,8 @@ from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.suns import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.study.config import Study
-from clerestory.study.inputs import Inputs, WindowGroup
+from clerestory.study.inputs import Inputs
+from clerestory.study.window_groups import WindowGroup
 
 # Random numbers of the direct phases and of the suns, apart from those of V and D
 _DIRECT, _SUN = 0x10000, 0x20000
@@ -205,7 +206,9 @@ def _windows(job: Job) -> Tracing:
     for number, group in enumerate(groups):
         daylight, known = _daylight(job, group, number)
         found |= known
-        windows.append(WindowPhases(views[group.name], group.transmission, daylight))
+        windows.append(
+            WindowPhases(views[group.name], group.states[0].transmission, daylight)
+        )
     return Tracing(windows=tuple(windows), found=found)
 
 
@@ -239,13 +242,13 @@ def _sun(
     windows = [each.inner for each in job.inputs.groups]
     options: dict[str, Any] = {
         "samples": job.study.sun.samples,
-        "peak": group.peak,
+        "peak": group.states[0].peak,
         "seed": (job.study.trace.seed + _SUN + number) % 2**32,
         "device": resolve(job.study.trace.device),
     }
     key = fingerprint(
-        "sun", job.scene_key, windows, number, group.fine, sensors, suns.directions,
-        options,
+        "sun", job.scene_key, windows, number, group.states[0].fine, sensors,
+        suns.directions, options,
     )  # fmt: skip
     name = f"sun-{group.name}"
     found = {job.store.path(name, key).name: job.store.holds(name, key)}
@@ -255,7 +258,7 @@ def _sun(
             job.scene,
             windows,
             group.name,
-            group.fine,
+            group.states[0].fine,
             sensors=sensors,
             suns=suns.directions,
             progress=job.display(f"direct sun through {group.name}"),

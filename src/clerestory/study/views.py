@@ -23,8 +23,9 @@ from clerestory.phases.pictures import (
     sun_pictures,
 )
 from clerestory.phases.three import WindowPhases
-from clerestory.study.config import Study, ViewTable
+from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
+from clerestory.study.tables import EVERY, ViewTable
 from clerestory.study.tracing import Display, Job, Skies, Tracing, picture_views
 
 PICTURE_FOLDER = "pictures"
@@ -87,7 +88,7 @@ def _phases(
     parts = []
     for number, group in enumerate(inputs.groups):
         daylight = tracing.windows[number].daylight
-        seen = WindowPhases(whole[group.name], group.transmission, daylight)
+        seen = WindowPhases(whole[group.name], group.states[0].transmission, daylight)
         if direct is None or tracing.suns is None:
             parts.append(PicturePhases(seen))
             continue
@@ -96,15 +97,15 @@ def _phases(
             inputs.scene,
             windows,
             group.name,
-            group.fine,
+            group.states[0].fine,
             camera,
             suns=tracing.suns.directions,
-            peak=group.peak,
+            peak=group.states[0].peak,
             samples=job.study.sun.picture_samples,
             seed=job.study.trace.seed,
             device=job.study.trace.device,
         )
-        shown = WindowPhases(direct[group.name], group.transmission, black)
+        shown = WindowPhases(direct[group.name], group.states[0].transmission, black)
         parts.append(PicturePhases(seen, shown, sun))
     return parts
 
@@ -117,6 +118,8 @@ def _asked_for(table: ViewTable, times: np.ndarray) -> dict[int, str]:
     # Number of the step of each picture, and the words of the study for it
     found = {}
     stamps = np.datetime_as_string(times, unit="m")
+    if EVERY in table.pictures:
+        return {step: stamp[5:] for step, stamp in enumerate(stamps)}
     for moment in table.pictures:
         steps = [i for i, stamp in enumerate(stamps) if stamp[5:] == moment]
         if not steps:

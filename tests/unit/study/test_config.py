@@ -123,11 +123,11 @@ WRONG = {
         "pictures",
         "13-01T12:00",
     ),
-    "two-phase with a window": (
-        '"3-phase"',
-        '"2-phase"',
+    "two-phase with a picture": (
+        'method = "3-phase"',
+        'method = "2-phase"\n[[view]]\nfile = "room.rad"',
         "",
-        "no table [[window]] expected",
+        "no table [[view]] expected",
     ),
     "unknown device": (
         "seed = 7",
@@ -176,7 +176,7 @@ WRONG = {
         'bsdf = "diffuser.xml"\n',
         "",
         "[[window]]",
-        'key "window.bsdf" is missing; a BSDF file (.xml) expected',
+        'neither "bsdf" nor [[window.state]]; one of them expected',
     ),
     "window without file": (
         'file = "window.rad"\n',

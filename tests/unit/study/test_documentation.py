@@ -7,20 +7,27 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
+from clerestory.sky.station import MeasuredTable
 from clerestory.study.config import Study
 
 PAGE = (Path(__file__).parents[3] / "docs" / "study-file.md").read_text("utf-8")
 
 
-def keys():
-    for table, field in Study.model_fields.items():
-        annotation = field.annotation
-        inner = getattr(annotation, "__args__", (annotation,))[0]
-        if isinstance(inner, type) and issubclass(inner, BaseModel):
-            for key, item in inner.model_fields.items():
-                yield table, item.alias or key, item.default
-        else:
-            yield "", table, field.default
+def table_of(annotation):
+    for part in (annotation, *getattr(annotation, "__args__", ())):
+        if isinstance(part, type) and issubclass(part, BaseModel):
+            return part
+    return None
+
+
+def keys(model=Study, path=""):
+    for key, field in model.model_fields.items():
+        inner, name = table_of(field.annotation), field.alias or key
+        inner = None if inner is MeasuredTable else inner
+        if inner is not None:
+            yield from keys(inner, f"{path}.{name}" if path else name)
+        if inner is None or path:
+            yield path, name, field.default
 
 
 @pytest.mark.parametrize(("table", "key", "default"), list(keys()))
@@ -37,5 +44,5 @@ def test_every_key_is_on_the_page_with_its_default(table, key, default):
 
 def test_the_example_names_known_keys_only():
     example = tomllib.loads(re.search(r"```toml\n(.*?)```", PAGE, re.DOTALL)[1])
-    assert set(example) <= set(Study.model_fields)
+    assert set(example) <= {f.alias or key for key, f in Study.model_fields.items()}
     assert example["method"] == "3-phase"

@@ -189,7 +189,7 @@ def test_a_bsdf_of_another_basis_decides_and_is_told(study_file):
     with pytest.warns(ClerestoryWarning, match="41 patches .* 145"):
         group = read_inputs(read_study(study_file)).groups[0]
     assert len(group.inner.partition) == 41
-    assert group.transmission.rows.window == "south"
+    assert group.states[0].transmission.rows.window == "south"
 
 
 def test_doubts_about_the_scene_are_warned_of_and_noted(study_file, engine, tmp_path):

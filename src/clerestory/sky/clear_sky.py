@@ -1,0 +1,117 @@
+"""Weather without clouds, by formula: sun and sky of a clear year anywhere.
+
+Global and direct irradiance follow from the height of the sun, the turbidity of the
+air and the elevation; the rest of the global is the sky's.
+
+References: P. Ineichen, R. Perez, A new airmass independent formulation for the Linke
+turbidity coefficient, Solar Energy 73 (3), 2002; F. Kasten, A. T. Young, Applied
+Optics 28, 1989 (air mass); J. W. Spencer, Search 2 (5), 1971 (sun's distance).
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.sky.sun import day_of_year, sun_position
+from clerestory.sky.weather import TYPICAL_YEAR, Site, Weather
+
+SOLAR_CONSTANT = 1366.1
+
+_MINUTES_A_YEAR = 365 * 24 * 60
+
+
+def clear_sky_weather(
+    site: Site, *, turbidity: float = 3.0, step_minutes: int = 60
+) -> Weather:
+    """Return a year without clouds, 2023.
+
+    Parameters
+    ----------
+    site : place and time zone
+    turbidity : Linke's, of the whole year: 2 is very clear, 3 usual, 5 hazy
+    step_minutes : length of a step, a divisor of an hour
+
+    Raises
+    ------
+    InputError : a number out of range
+
+    Examples
+    --------
+    >>> place = Site(51.5, 0.0, 0.0, place="London")
+    >>> year = clear_sky_weather(place, step_minutes=30)
+    >>> len(year), str(year.times[0]), bool(800 < year.direct_normal.max() < 1000)
+    (17520, '2023-01-01T00:15:00', True)
+    """
+    if not 1 <= turbidity <= 10:
+        raise InputError(f"turbidity {turbidity:g}; 1 to 10 expected")
+    if step_minutes < 1 or 60 % step_minutes:
+        raise InputError(f"steps of {step_minutes} minutes; a divisor of 60 expected")
+    start = np.datetime64(f"{TYPICAL_YEAR}-01-01T00:00:00", "s")
+    middles = np.arange(30 * step_minutes, 60 * _MINUTES_A_YEAR, 60 * step_minutes)
+    times = start + middles.astype("timedelta64[s]")
+    sun = sun_position(
+        times,
+        latitude_deg=site.latitude_deg,
+        longitude_deg=site.longitude_deg,
+        utc_offset_hours=site.utc_offset_hours,
+        elevation=site.elevation,
+    )
+    direct, diffuse = clear_sky_irradiance(
+        sun.altitude,
+        outside=irradiance_outside(times),
+        turbidity=turbidity,
+        elevation=site.elevation,
+    )
+    return Weather(
+        site.place,
+        site.latitude_deg,
+        site.longitude_deg,
+        site.elevation,
+        site.utc_offset_hours,
+        times,
+        float(step_minutes),
+        direct,
+        diffuse,
+        source=f"clear sky of Ineichen and Perez, turbidity {turbidity:g}",
+    )
+
+
+def clear_sky_irradiance(
+    altitude: Float[np.ndarray, " time"],
+    *,
+    outside: Float[np.ndarray, " time"] | float = SOLAR_CONSTANT,
+    turbidity: float = 3.0,
+    elevation: float = 0.0,
+) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+    """Direct normal and diffuse horizontal irradiance of a clear sky [W/m²].
+
+    Parameters
+    ----------
+    altitude : of the sun, with refraction [rad]
+    outside : direct normal irradiance outside the atmosphere [W/m²]
+    turbidity : Linke's
+    elevation : above the sea [m]
+    """
+    sine = np.maximum(np.sin(altitude), 1e-3)
+    height = np.degrees(np.maximum(altitude, 0))
+    pressure = (1 - 2.25577e-5 * elevation) ** 5.25588
+    mass = pressure / (sine + 0.50572 * (height + 6.07995) ** -1.6364)
+    low, high = np.exp(-elevation / 8000), np.exp(-elevation / 1250)
+
+    # Ineichen and Perez, eqs. for global and beam irradiance
+    c1, c2 = 5.09e-5 * elevation + 0.868, 3.92e-5 * elevation + 0.0387
+    total = c1 * outside * sine * np.exp(-c2 * mass * (low + high * (turbidity - 1)))
+    beam = outside * (0.664 + 0.163 / low) * np.exp(-0.09 * mass * (turbidity - 1))
+    share = 1 - (0.1 - 0.2 * np.exp(-turbidity)) / (0.1 + 0.882 / low)
+    direct = np.minimum(beam, np.maximum(total * share / sine, 0))
+    up = np.sin(altitude) > 0
+    diffuse = np.maximum(total - direct * sine, 0)
+    return np.where(up, direct, 0.0), np.where(up, diffuse, 0.0)
+
+
+def irradiance_outside(times: np.ndarray) -> Float[np.ndarray, " time"]:
+    """Direct normal irradiance outside the atmosphere [W/m²], Spencer's series."""
+    x = 2 * np.pi * (day_of_year(times) - 1) / 365
+    series = 1.00011 + 0.034221 * np.cos(x) + 0.00128 * np.sin(x)
+    series = series + 0.000719 * np.cos(2 * x) + 0.000077 * np.sin(2 * x)
+    return np.asarray(SOLAR_CONSTANT * series)

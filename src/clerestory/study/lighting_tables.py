@@ -1,0 +1,71 @@
+"""Tables of the study file about electric light: luminaires and their zones."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from clerestory.metrics.lighting import Control
+from clerestory.study.tables import InputFile, Named, NamedFile, rule_broken
+
+Place = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class LuminaireTable(NamedFile):
+    """Luminaires of one kind, at some places; or a scene file of things that shine."""
+
+    file: InputFile = Field(
+        description="a photometric file (.ies, .ldt) or a Radiance file (.rad)"
+    )
+    places: list[Place] = Field(
+        default_factory=list, description="a list of places [x, y, z]"
+    )
+    turn_deg: float = 0.0
+    tilt_deg: float = 0.0
+    output: float = Field(1.0, gt=0, le=10)
+    power: float | None = Field(None, gt=0)
+    zone: str = ""
+
+    @property
+    def photometric(self) -> bool:
+        """Whether the file says how one luminaire shines."""
+        return self.file.suffix.lower() in (".ies", ".ldt")
+
+    @model_validator(mode="after")
+    def _places_for_the_file(self) -> "LuminaireTable":
+        if self.photometric and not self.places:
+            raise rule_broken(
+                "a photometric file without places; a list of [x, y, z] expected"
+            )
+        if not self.photometric and {"places", "turn_deg", "tilt_deg"} & set(
+            self.model_fields_set
+        ):
+            raise rule_broken(
+                "places or angles beside a scene file, which has its own; none expected"
+            )
+        if not self.photometric and self.power is None:
+            raise rule_broken('a scene file without "power"; watts in all expected')
+        return self
+
+
+class LightingTable(Named):
+    """A zone of luminaires that one photosensor governs."""
+
+    control: Control = Field(
+        "dimming",
+        description='"dimming", "dimming with switch-off", "on-off" or "none"',
+    )
+    grid: str = ""
+    reading: Literal["mean", "lowest"] = "mean"
+    setpoint_lux: float = Field(500.0, gt=0)
+    least_output: float = Field(0.1, ge=0, lt=1)
+    least_power: float = Field(0.2, ge=0, le=1)
+    standby: float = Field(0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _sensor(self) -> "LightingTable":
+        if self.control != "none" and not self.grid:
+            raise rule_broken(
+                'control "{control}" without "grid"; the sensors that govern expected',
+                control=self.control,
+            )
+        return self

@@ -1,0 +1,242 @@
+"""Tables of the study file, but for windows and lighting.
+
+Each table is a class; the description of a key is what messages expect of it.
+"""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from clerestory.engine.device import Device
+from clerestory.metrics.autonomy import TARGET_LUX
+from clerestory.sky.station import MeasuredTable
+
+
+def _input_file(value: Any, info: Any) -> Any:
+    # Files are named relative to the study, and must be there; info is ValidationInfo
+    if not isinstance(value, str) or not value:
+        raise PydanticCustomError("file", "the name of a file in quotes")
+    path: Path = (info.context or {}).get("folder", Path()) / value
+    if not path.is_file():
+        raise PydanticCustomError("file", "the name of a file that exists")
+    return path
+
+
+InputFile = Annotated[Path, BeforeValidator(_input_file)]
+
+_MOMENT = r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])T([01]\d|2[0-3]):[0-5]\d$"
+EVERY = "every"
+Moment = Annotated[str, Field(pattern=_MOMENT)]
+MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$")]
+
+
+def rule_broken(message: str, **words: Any) -> PydanticCustomError:
+    """Return the complaint that keys of a table do not go together."""
+    return PydanticCustomError("rule", message, words or None)
+
+
+class Table(BaseModel):
+    """A table of the study file: unknown keys and wrong types are refused."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
+    )
+
+
+class Named(Table):
+    """A table with a name of its own."""
+
+    name: str = Field(
+        "",
+        pattern=r"^[\w .-]*$",
+        description="letters, digits, spaces, dots and dashes",
+    )
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return self.name
+
+
+class NamedFile(Named):
+    """A table about a file, named after it if it has no name."""
+
+    file: InputFile
+
+    @property
+    def label(self) -> str:
+        """Name, or else the stem of the file's name."""
+        return self.name or self.file.stem
+
+
+class SceneTable(Table):
+    """The room and what stands around it."""
+
+    files: list[InputFile] = Field(
+        min_length=1, description="a list of Radiance scene files"
+    )
+
+
+class SensorsTable(NamedFile):
+    """A grid of sensors."""
+
+    file: InputFile = Field(description="a file of sensors, x y z dx dy dz a line")
+
+
+class ClearSkyTable(Table):
+    """A year without clouds, in place of a weather file."""
+
+    latitude_deg: float = Field(ge=-90, le=90, description="degrees, positive north")
+    longitude_deg: float = Field(ge=-180, le=180, description="degrees, positive east")
+    utc_offset_hours: float = Field(ge=-14, le=14, description="hours ahead of UTC")
+    elevation: float = Field(0.0, ge=-500, le=9000)
+    place: str = ""
+    turbidity: float = Field(3.0, ge=1, le=10)
+    step_minutes: int = Field(60, ge=1, le=60)
+
+    @model_validator(mode="after")
+    def _whole_hours(self) -> "ClearSkyTable":
+        if 60 % self.step_minutes:
+            raise rule_broken(
+                "steps of {minutes} minutes; a divisor of 60 expected",
+                minutes=self.step_minutes,
+            )
+        return self
+
+
+class WeatherTable(Table):
+    """The weather, and the part of the year to simulate."""
+
+    file: InputFile | None = Field(
+        None,
+        description="a weather file (.epw, .wea, TMY3 .csv) or a station file (.toml)",
+    )
+    clear_sky: ClearSkyTable | None = Field(
+        None, description="a table [weather.clear_sky]"
+    )
+    measured: MeasuredTable | None = Field(
+        None, description="a table [weather.measured]"
+    )
+    first_day: MonthDay | None = Field(
+        None, alias="from", description='a day of the year as "MM-DD"'
+    )
+    last_day: MonthDay | None = Field(
+        None, alias="to", description='a day of the year as "MM-DD"'
+    )
+    from_hour: float = Field(0.0, ge=0, le=24)
+    to_hour: float = Field(24.0, ge=0, le=24)
+    every: int = Field(1, ge=1, le=1440)
+    moments: list[Moment] = Field(
+        default_factory=list, description='a list of moments as "09-21T12:00"'
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "WeatherTable":
+        if (self.file is None) == (self.clear_sky is None):
+            words = "both {} and {}" if self.file else "neither {} nor {}"
+            given = words.format('"file"', '"clear_sky"')
+            raise rule_broken("{given}; one of them expected", given=given)
+        if self.measured is not None and self.file is None:
+            raise rule_broken('"measured" without "file"; the file to read expected')
+        if self.from_hour >= self.to_hour:
+            raise rule_broken(
+                '"from_hour" is not before "to_hour"; the earlier one expected'
+            )
+        return self
+
+
+class SkyTable(Table):
+    """How finely the sky is cut, the ground, and where north is."""
+
+    subdivision: Literal[1, 2, 3, 4, 5, 6] = 4
+    ground_reflectance: float = Field(0.2, ge=0, le=1)
+    rotation_deg: float = Field(0.0, ge=-360, le=360)
+
+
+def _pictures(value: Any) -> Any:
+    # One word stands for every step
+    if isinstance(value, str) and value != EVERY:
+        raise PydanticCustomError("choice", '"every", or a list of moments')
+    return [value] if isinstance(value, str) else value
+
+
+class ViewTable(NamedFile):
+    """A camera: glare at every step, and pictures of chosen moments."""
+
+    file: InputFile = Field(description="a Radiance view file")
+    resolution: int = Field(200, ge=8, le=4096)
+    samples: int = Field(256, ge=1, le=1 << 20)
+    pictures: Annotated[
+        list[Annotated[str, Field(pattern=f"^{EVERY}$|{_MOMENT}")]],
+        BeforeValidator(_pictures),
+    ] = Field(
+        default_factory=list,
+        description='"every", or a list of moments as "09-21T12:00"',
+    )
+
+
+class SunTable(Table):
+    """The direct sun of the five-phase method."""
+
+    places: Literal["exact", "patches"] = "exact"
+    tolerance_deg: float = Field(0.25, ge=0, le=5)
+    samples: int = Field(64, ge=1, le=1 << 16)
+    picture_samples: int = Field(16, ge=1, le=1 << 12)
+
+
+class TraceTable(Table):
+    """How long to trace; `relative_error` is 0.01 when neither goal is given."""
+
+    relative_error: float | None = Field(None, gt=0, lt=1)
+    samples: int | None = Field(None, ge=1)
+    bounces: int | None = Field(None, ge=0)
+    seed: int = Field(1, ge=0, lt=2**32)
+    device: Device = "auto"
+
+    @model_validator(mode="after")
+    def _one_goal(self) -> "TraceTable":
+        if self.samples is not None and self.relative_error is not None:
+            raise rule_broken(
+                'both "samples" and "relative_error"; one of them expected'
+            )
+        return self
+
+    def goal(self) -> dict[str, int | float]:
+        """Return the goal as a keyword argument of the tracing functions.
+
+        >>> TraceTable().goal(), TraceTable(samples=64).goal()
+        ({'relative_error': 0.01}, {'samples': 64})
+        """
+        if self.samples is not None:
+            return {"samples": self.samples}
+        return {"relative_error": self.relative_error or 0.01}
+
+
+class ScheduleTable(Table):
+    """The hours of the day that count, in local standard time."""
+
+    from_hour: float = Field(8.0, ge=0, le=24)
+    to_hour: float = Field(18.0, ge=0, le=24)
+
+    @model_validator(mode="after")
+    def _forwards(self) -> "ScheduleTable":
+        if self.from_hour >= self.to_hour:
+            raise rule_broken(
+                '"from_hour" is not before "to_hour"; the earlier one expected'
+            )
+        return self
+
+
+class MetricsTable(Table):
+    """What the metrics ask for."""
+
+    target_lux: float = Field(TARGET_LUX, gt=0)
+
+
+class OutputTable(Table):
+    """Files written beside results.nc and run.json."""
+
+    csv: bool = True
+    ill: bool = False

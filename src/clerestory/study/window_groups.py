@@ -1,0 +1,139 @@
+"""Window groups of a study: their polygons, the states of their shades, their rule.
+
+V and D are traced on patches, so all states of a group have the same ones: those of
+the finest of them. Trees are averaged over Klems patches.
+"""
+
+import warnings
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.xml import read_bsdf
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.matrix.axis import Axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.scene.window import Window, read_windows
+from clerestory.study.window_tables import (
+    ControlTable,
+    StateChoice,
+    StateTable,
+    WindowTable,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class WindowState:
+    """One state of the shades of a window group.
+
+    Attributes
+    ----------
+    name : empty where the window has only one
+    transmission : matrix T of its BSDF
+    fine : the BSDF that direct sun is traced through
+    peak : whether what it passes straight is kept as sharp as the sun
+    """
+
+    name: str
+    transmission: TransferMatrix
+    fine: Bsdf
+    peak: bool
+
+
+@dataclass(frozen=True, eq=False)
+class WindowGroup:
+    """A window group and what stands in it.
+
+    Attributes
+    ----------
+    inner, outer : the window with the patches of its room side and its outer side
+    states : from the most open to the most closed
+    control : the rule that chooses among them; None keeps the first
+    """
+
+    inner: Window
+    outer: Window
+    states: tuple[WindowState, ...]
+    control: ControlTable | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the window group."""
+        return self.inner.name
+
+    def number_of(self, choice: StateChoice) -> int:
+        """Return the number of a state that is given by number or name."""
+        if isinstance(choice, int):
+            return choice
+        return [state.name for state in self.states].index(choice)
+
+
+def read_window_groups(table: WindowTable) -> list[WindowGroup]:
+    """Return one group for each modifier in the window's file, all with the same BSDFs.
+
+    Raises
+    ------
+    InputError : a file is wrong, or a BSDF without patches
+    """
+    tables = table.states()
+    layers = [read_bsdf(state.bsdf) for state in tables]
+    fine = [
+        read_bsdf(state.sun_bsdf) if state.sun_bsdf else layer
+        for state, layer in zip(tables, layers, strict=True)
+    ]
+    windows = read_windows(table.file)
+    labels = [table.label]
+    if len(windows) > 1:
+        labels = [f"{table.label}.{window.name}" for window in windows]
+    groups = []
+    for label, window in zip(labels, windows, strict=True):
+        matrices = _on_common_patches(layers, label)
+        states = tuple(
+            WindowState(name, matrix, sharp, state.peak)
+            for name, matrix, sharp, state in zip(
+                _names(tables), matrices, fine, tables, strict=True
+            )
+        )
+        named = replace(window, name=label)
+        inner = _with_patches(named, matrices[0].rows, file=tables[0].bsdf)
+        outer = _with_patches(named, matrices[0].columns, file=tables[0].bsdf)
+        groups.append(WindowGroup(inner, outer, states, table.control))
+    return groups
+
+
+def _names(tables: list[StateTable]) -> list[str]:
+    return [state.label for state in tables] if len(tables) > 1 else [tables[0].name]
+
+
+def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:
+    own = [layer.transmission_matrix(window=window) for layer in layers]
+    finest = max(own, key=lambda matrix: matrix.rows.size)
+    same = all(
+        matrix.rows.fits(finest.rows) and matrix.columns.fits(finest.columns)
+        for matrix in own
+    )
+    if same:
+        return own
+    partition = finest.rows.partition
+    if not isinstance(partition, RingPartition):
+        raise InputError(f'a BSDF of window "{window}" has no patches of a hemisphere')
+    return [
+        layer.transmission_matrix(partition=partition, window=window)
+        for layer in layers
+    ]
+
+
+def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:
+    # The BSDF decides how the window is cut into patches
+    if not isinstance(axis.partition, RingPartition):
+        raise InputError("is not given on patches of a hemisphere", file=file)
+    if not axis.partition.matches(window.partition):
+        warnings.warn(
+            f'{file}: has the {len(axis.partition)} patches of "{axis.partition.name}",'
+            f' window "{window.name}" asks for the {len(window.partition)} of'
+            f' "{window.partition.name}"; those of the BSDF are used',
+            ClerestoryWarning,
+            stacklevel=2,
+        )
+    return replace(window, partition=axis.partition)

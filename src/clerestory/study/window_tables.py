@@ -1,0 +1,251 @@
+"""Tables of the study file about windows: their states, and who chooses among them.
+
+States of a window are numbered from the most open, 0, to the most closed.
+"""
+
+import itertools
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from clerestory.control.direct_sun import MOST_SENSORS, SUN_LUX
+from clerestory.study.tables import InputFile, Named, NamedFile, Table, rule_broken
+
+RuleName = Literal[
+    "fixed",
+    "cut-off",
+    "profile angle",
+    "threshold",
+    "glare",
+    "best",
+    "LM-83",
+    "schedule",
+    "python",
+]
+Quantity = Literal[
+    "facade irradiance",
+    "facade illuminance",
+    "facade direct irradiance",
+    "global horizontal",
+    "diffuse horizontal",
+    "direct normal",
+    "illuminance",
+]
+Need = Literal["illuminance", "glare"]
+
+# Keys of each rule: those it must have, and those it may have
+_KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "fixed": (("state",), ()),
+    "cut-off": (
+        ("tilts_deg", "slat_width", "slat_spacing"),
+        ("vertical", "sun_above"),
+    ),
+    "profile angle": (("angles_deg",), ("vertical", "sun_above")),
+    "threshold": (
+        ("close_above",),
+        ("quantity", "open_below", "close_after", "open_after", "grid"),
+    ),
+    "glare": ((), ("dgp_below", "views", "grid")),
+    "best": (("grid",), ("target_lux", "lux_below", "dgp_below", "views")),
+    "LM-83": ((), ("grid", "sun_lux", "most_sensors")),
+    "schedule": (("file",), ()),
+    "python": (("function",), ("needs", "views")),
+}
+_EVERY_RULE = ("rule", "when_empty")
+
+
+def _state(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise PydanticCustomError("choice", "the number or the name of a state")
+    return value
+
+
+def _levels(value: Any) -> Any:
+    # One threshold, or one for each stage
+    levels = value if isinstance(value, list) else [value]
+    numbers = all(isinstance(x, int | float) for x in levels)
+    if not levels or not numbers or any(isinstance(x, bool) for x in levels):
+        raise PydanticCustomError("choice", "a number, or a list of them")
+    if any(later <= first for first, later in itertools.pairwise(levels)):
+        raise PydanticCustomError("choice", "growing numbers")
+    return levels
+
+
+StateChoice = Annotated[int | str, BeforeValidator(_state)]
+Levels = Annotated[list[float], BeforeValidator(_levels)]
+
+
+class StateTable(Named):
+    """One state of the shades of a window."""
+
+    bsdf: InputFile = Field(description="a BSDF file (.xml)")
+    sun_bsdf: InputFile | None = Field(
+        None, description="a BSDF file (.xml), as fine as it is known"
+    )
+    peak: bool = Field(False, description="whether light that passes straight is sharp")
+
+    @property
+    def label(self) -> str:
+        """Name, or else the stem of the BSDF's file."""
+        return self.name or self.bsdf.stem
+
+
+class ControlTable(Table):
+    """The rule by which a window changes its state."""
+
+    rule: RuleName = Field(description="the name of a rule")
+    when_empty: StateChoice | None = None
+    state: StateChoice = 0
+    tilts_deg: list[float] = Field(
+        default_factory=list, description="a list of tilts, one for each state"
+    )
+    slat_width: float | None = Field(None, gt=0, description="metres")
+    slat_spacing: float | None = Field(None, gt=0, description="metres")
+    vertical: bool = False
+    angles_deg: list[float] = Field(
+        default_factory=list, description="a list of falling angles"
+    )
+    sun_above: float = Field(50.0, ge=0)
+    quantity: Quantity = "facade irradiance"
+    close_above: Levels = Field(
+        default_factory=list, description="a number, or a list of them"
+    )
+    open_below: Levels | None = None
+    close_after: float = Field(0.0, ge=0, description="minutes")
+    open_after: float = Field(0.0, ge=0, description="minutes")
+    grid: str = ""
+    views: list[str] = Field(default_factory=list, description="a list of views")
+    dgp_below: float | None = Field(None, gt=0, le=1)
+    target_lux: float | None = Field(None, gt=0)
+    lux_below: float | None = Field(None, gt=0)
+    sun_lux: float = Field(SUN_LUX, gt=0)
+    most_sensors: float = Field(MOST_SENSORS, ge=0, le=1)
+    file: InputFile | None = Field(None, description="a file of states (.csv)")
+    function: str = Field(
+        "",
+        pattern=r"^[^:]+\.py:[^\W\d]\w*$",
+        description='"FILE.py:FUNCTION"',
+    )
+    needs: list[Need] = Field(
+        default_factory=list, description='a list of "illuminance" and "glare"'
+    )
+
+    @model_validator(mode="after")
+    def _keys_of_the_rule(self) -> "ControlTable":
+        must, may = _KEYS[self.rule]
+        given = {f for f in self.model_fields_set if f not in _EVERY_RULE}
+        odd = sorted(given - {*must, *may})
+        if odd:
+            known = ", ".join((*must, *may))
+            raise rule_broken(
+                'rule "{rule}" has no key "{key}"; one of {known} expected',
+                rule=self.rule,
+                key=odd[0],
+                known=known,
+            )
+        missing = [key for key in must if key not in given]
+        if missing:
+            raise rule_broken(
+                'rule "{rule}" lacks "{key}"; it is expected',
+                rule=self.rule,
+                key=missing[0],
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _levels_in_pairs(self) -> "ControlTable":
+        low, high = self.open_below, self.close_above
+        if low is not None and (
+            len(low) != len(high) or any(a > b for a, b in zip(low, high, strict=True))
+        ):
+            raise rule_broken(
+                '"open_below" does not lie below "close_above"; as many numbers,'
+                " none of them higher, expected"
+            )
+        if self.quantity == "illuminance" and not self.grid:
+            raise rule_broken('quantity "illuminance" without "grid"; one expected')
+        angles = self.angles_deg
+        if any(b >= a for a, b in itertools.pairwise(angles)):
+            raise rule_broken('"angles_deg" do not fall; falling angles expected')
+        return self
+
+
+class WindowTable(NamedFile):
+    """A window group: polygons that share one BSDF, or states of it."""
+
+    file: InputFile = Field(description="a Radiance file of window polygons")
+    bsdf: InputFile | None = Field(None, description="a BSDF file (.xml)")
+    sun_bsdf: InputFile | None = Field(
+        None, description="a BSDF file (.xml), as fine as it is known"
+    )
+    peak: bool = Field(False, description="whether light that passes straight is sharp")
+    state: list[StateTable] = Field(default_factory=list)
+    control: ControlTable | None = Field(None, description="a table [window.control]")
+
+    @field_validator("state")
+    @classmethod
+    def _distinct(cls, tables: Sequence[StateTable]) -> Sequence[StateTable]:
+        labels = [table.label for table in tables]
+        twice = next((name for name in labels if labels.count(name) > 1), None)
+        if twice is not None:
+            raise rule_broken(
+                'two are named "{twice}"; different names expected', twice=twice
+            )
+        return tables
+
+    @model_validator(mode="after")
+    def _one_kind_of_bsdf(self) -> "WindowTable":
+        if (self.bsdf is None) == (not self.state):
+            words = "both {} and {}" if self.bsdf else "neither {} nor {}"
+            given = words.format('"bsdf"', "[[window.state]]")
+            raise rule_broken("{given}; one of them expected", given=given)
+        alone = {"sun_bsdf", "peak"} & self.model_fields_set
+        if self.state and alone:
+            raise rule_broken(
+                '"{key}" beside [[window.state]]; it is expected in each state',
+                key=min(alone),
+            )
+        self._check_control()
+        return self
+
+    def _check_control(self) -> None:
+        # The rule names states that exist, and as many angles as there are
+        control, labels = self.control, [table.label for table in self.states()]
+        if control is None:
+            return
+        for choice in (control.state, control.when_empty):
+            known = choice in range(len(labels)) or choice in labels
+            if choice is not None and not known:
+                raise rule_broken(
+                    "no state {choice}; a number below {count} or one of {labels}"
+                    " expected",
+                    choice=repr(choice),
+                    count=len(labels),
+                    labels=", ".join(labels),
+                )
+        last = len(labels) - 1
+        for key, values, count in (
+            ("tilts_deg", control.tilts_deg, len(labels)),
+            ("angles_deg", control.angles_deg, last),
+            ("close_above", control.close_above, last),
+        ):
+            one = key == "close_above" and len(values) == 1
+            if key in control.model_fields_set and len(values) != count and not one:
+                raise rule_broken(
+                    '"{key}" has {found} numbers; {count} expected for {states} states',
+                    key=key,
+                    found=len(values),
+                    count=count,
+                    states=len(labels),
+                )
+
+    def states(self) -> list[StateTable]:
+        """Return the states, one where the window has a single BSDF."""
+        if self.bsdf is None:
+            return list(self.state)
+        alone = StateTable.model_construct(
+            name="", bsdf=self.bsdf, sun_bsdf=self.sun_bsdf, peak=self.peak
+        )
+        return [alone]
