@@ -1,54 +1,56 @@
-"""Sky matrices of a year against gendaymtx: seconds and memory, in turns.
+"""Sky matrices of a year against gendaymtx: time and memory, in turns.
 
     python benchmarks/sky_matrix.py YEAR.epw [--runs 3] [--write FILE]
 
 Each run is a process of its own, as a user starts it; "in Python" is the call alone.
-Memory is the most that a process held. Both programs write float matrices.
+Processor seconds are those of the user and of the system, over all cores; memory is
+the most that a process held. Both programs write float matrices of three channels.
 """
 
 import argparse
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 from duel import ENVIRONMENT, stamp
 
-# Prints seconds of the call and the most memory held [MB]
+# Prints processor seconds, seconds and the most memory [MB] of the call
 _CALL = """
 import resource, sys, time
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 weather = read_weather(sys.argv[1])
-start = time.perf_counter()
+cpu, start = time.process_time(), time.perf_counter()
 sky_matrix(weather, subdivision=int(sys.argv[2]))
-print(time.perf_counter() - start, end=" ")
+print(time.process_time() - cpu, time.perf_counter() - start, end=" ")
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 """
 
+# Prints the same of a child process, and what it prints itself
+_CHILD = """
+import resource, subprocess, sys, time
+start = time.perf_counter()
+done = subprocess.run(sys.argv[1:], check=True, capture_output=True, text=True)
+wall = time.perf_counter() - start
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(used.ru_utime + used.ru_stime, wall, used.ru_maxrss / 1024)
+print(done.stdout)
+"""
 
-def timed(command: list[str]) -> tuple[float, float, str]:
-    """Run a process: seconds, the most memory it held [MB], what it printed."""
-    start = time.perf_counter()
-    program = (
-        "import resource, subprocess, sys;"
-        "done = subprocess.run(sys.argv[1:], check=True, capture_output=True,"
-        " text=True);"
-        "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024);"
-        "print(done.stdout)"
-    )
+
+def timed(command: list[str]) -> tuple[list[float], str]:
+    """Run a process: processor seconds, seconds, memory [MB], and what it printed."""
     done = subprocess.run(
-        [sys.executable, "-S", "-c", program, *command],
+        [sys.executable, "-S", "-c", _CHILD, *command],
         env=ENVIRONMENT,
         capture_output=True,
         text=True,
         check=True,
     )
-    seconds = time.perf_counter() - start
-    memory, _, printed = done.stdout.partition("\n")
-    return seconds, float(memory), printed.strip()
+    figures, _, printed = done.stdout.partition("\n")
+    return [float(word) for word in figures.split()], printed.strip()
 
 
 def rows(epw: Path, subdivision: int, runs: int, folder: Path) -> list[str]:
@@ -59,25 +61,25 @@ def rows(epw: Path, subdivision: int, runs: int, folder: Path) -> list[str]:
     ours = [
         sys.executable,
         "-c",
-        "from clerestory.cli.main import main; raise SystemExit(main())",
+        "from clerestory.cli.start import main; raise SystemExit(main())",
         *("sky", "matrix", str(epw), "--subdivision", m, "-o", out, "-q"),
     ]
     call = [sys.executable, "-c", _CALL, str(epw), m]
-    found: dict[str, list[tuple[float, float]]] = {
+    found: dict[str, list[list[float]]] = {
         "gendaymtx": [],
         "clerestory sky matrix": [],
         "in Python": [],
     }
     for _ in range(runs):
-        found["gendaymtx"].append(timed(shell)[:2])
-        found["clerestory sky matrix"].append(timed(ours)[:2])
-        seconds, memory = map(float, timed(call)[2].split())
-        found["in Python"].append((seconds, memory))
+        found["gendaymtx"].append(timed(shell)[0])
+        found["clerestory sky matrix"].append(timed(ours)[0])
+        found["in Python"].append([float(word) for word in timed(call)[1].split()])
     median = {name: np.median(values, axis=0) for name, values in found.items()}
-    peer = median["gendaymtx"][0]
+    peer = median["gendaymtx"]
     return [
-        f"| MF {m} | {name} | {seconds:.2f} | {peer / seconds:.1f} | {memory:.0f} |"
-        for name, (seconds, memory) in median.items()
+        f"| MF {m} | {name} | {cpu:.2f} | {peer[0] / cpu:.1f} | {wall:.2f}"
+        f" | {peer[1] / wall:.1f} | {memory:.0f} |"
+        for name, (cpu, wall, memory) in median.items()
     ]
 
 
@@ -91,7 +93,10 @@ def main() -> None:
     options = parser.parse_args()
     lines = ["### Sky matrix of a year", ""]
     lines += [f"{stamp()}; medians of {options.runs} runs in turns.", ""]
-    lines += ["| | | seconds | times faster | memory [MB] |", "|---|---|---|---|---|"]
+    lines += [
+        "| | | processor [s] | times less | passed [s] | times faster | memory [MB] |",
+        "|---|---|---|---|---|---|---|",
+    ]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         wea = str(folder / "year.wea")

@@ -58,6 +58,18 @@ def test_help_needs_no_tracer(arguments):
     assert not loaded_after(code) & set(TRACERS)
 
 
+def test_a_sky_matrix_waits_for_no_package_that_it_does_not_need(tmp_path):
+    """They took three times as long to load as the year's matrix to make."""
+    wea = tmp_path / "day.wea"
+    lines = ["place here", "latitude 50", "longitude -8.5", "time_zone -15"]
+    lines += ["site_elevation 110", "weather_data_file_units 1", "3 21 11.5 300 120"]
+    wea.write_text("\n".join(lines) + "\n")
+    words = ["sky", "matrix", str(wea), "-q", "-o", str(tmp_path / "S.smx")]
+    code = f"from clerestory.cli.start import main\nassert main({words!r}) == 0"
+    needless = {"pandas", "pvlib", "xarray", "h5py", "matplotlib"}
+    assert not loaded_after(code) & needless
+
+
 @pytest.mark.parametrize("name", clerestory.__all__)
 def test_public_name_is_there(name):
     assert getattr(clerestory, name) is not None

@@ -1,12 +1,13 @@
 """Matrices written by the suffix of the file: .nc, else Radiance's format."""
 
+import importlib
 from pathlib import Path
 
 import numpy as np
 
-from clerestory.matrix.netcdf import write_netcdf
-from clerestory.matrix.radiance_format import Encoding, write_matrix
+from clerestory.matrix.radiance_format import Encoding, write_matrix, write_rows
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.sky.matrix import SkyMatrix
 
 
 def write_any_matrix(
@@ -17,8 +18,19 @@ def write_any_matrix(
     Radiance's programs expect three channels, so a grey matrix is written three times.
     """
     if path.suffix.lower() == ".nc":
-        write_netcdf(path, matrix)
+        # NetCDF takes long to load, which only its files should wait for
+        importlib.import_module("clerestory.matrix.netcdf").write_netcdf(path, matrix)
         return
     values = np.broadcast_to(matrix.values, (3, *matrix.values.shape[1:]))
     colour = TransferMatrix(values, matrix.rows, matrix.columns)
     write_matrix(path, colour, encoding=encoding, command=command)
+
+
+def write_sky(path: Path, sky: SkyMatrix, *, encoding: Encoding, command: str) -> None:
+    """Write a sky matrix in the same formats; .nc alone holds all channels at once."""
+    if path.suffix.lower() == ".nc":
+        dense = sky.to_transfer_matrix()
+        write_any_matrix(path, dense, encoding=encoding, command=command)
+        return
+    shape = (len(sky.partition), len(sky.times), 3)
+    write_rows(path, sky.row_blocks(), shape=shape, encoding=encoding, command=command)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 import typer
 
-from clerestory.cli.matrix_output import write_any_matrix
+from clerestory.cli.matrix_output import write_sky
 from clerestory.cli.options import Format, Output, Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.cli.sky_options import (
@@ -98,8 +98,7 @@ def matrix(
         )
         progress(0.2, "writing")
         sky = sky.mean() if average else sky
-        dense, command = sky.to_transfer_matrix(), "clerestory sky matrix"
-        write_any_matrix(output, dense, encoding=encoding, command=command)
+        write_sky(output, sky, encoding=encoding, command="clerestory sky matrix")
         progress(1.0, "done")
     if not quiet:
         typer.echo(f"{output}: {sky.rows.describe()} by {sky.columns.describe()}")
@@ -170,8 +169,7 @@ def vector(
     column = sky_vector(
         sky, subdivision=subdivision, sun=placement, sun_diameter_deg=diameter
     )
-    dense, command = column.to_transfer_matrix(), "clerestory sky vector"
-    write_any_matrix(output, dense, encoding=encoding, command=command)
+    write_sky(output, column, encoding=encoding, command="clerestory sky vector")
     if not quiet:
         typer.echo(f"{output}: {column.rows.describe()}")
 

@@ -9,6 +9,7 @@ its rows and columns stand for; the caller does.
 import re
 import sys
 import warnings
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -103,11 +104,42 @@ def write_matrix(
     InputError : unknown encoding
     OutputError : the file cannot be written
     """
+    channels, rows, columns = matrix.values.shape
+    write_rows(
+        path,
+        (row[None] for row in np.moveaxis(matrix.values, 0, -1)),
+        shape=(rows, columns, channels),
+        encoding=encoding,
+        command=command,
+    )
+
+
+def write_rows(
+    path: str | Path,
+    blocks: Iterable[Float[np.ndarray, "row column channel"]],
+    *,
+    shape: tuple[int, int, int],
+    encoding: Encoding = "float",
+    command: str = "",
+) -> None:
+    """Write a matrix that comes in blocks of rows and is never held as a whole.
+
+    Parameters
+    ----------
+    blocks : the rows in their order
+    shape : rows, columns and channels of them all
+    encoding, command : as for `write_matrix`
+
+    Raises
+    ------
+    InputError : unknown encoding
+    OutputError : the file cannot be written
+    """
     if encoding not in ("ascii", *_ITEM):
         raise InputError(
             f"unknown matrix encoding {encoding!r}; ascii, float or double expected"
         )
-    channels, rows, columns = matrix.values.shape
+    rows, columns, channels = shape
     lines = ["#?RADIANCE"]
     lines += [f"\t{' '.join(command.split())}"] if command else []
     lines += [f"NROWS={rows}", f"NCOLS={columns}", f"NCOMP={channels}"]
@@ -115,11 +147,11 @@ def write_matrix(
     lines += [f"FORMAT={encoding}", "", ""]
     with replace_file(path) as stream:
         stream.write("\n".join(lines).encode())
-        for row in np.moveaxis(matrix.values, 0, -1):
+        for block in blocks:
             if encoding == "ascii":
-                stream.write(_format_row(row).encode())
+                stream.writelines(_format_row(row).encode() for row in block)
             else:
-                stream.write(row.astype(_ITEM[encoding]).tobytes())
+                stream.write(np.ascontiguousarray(block, _ITEM[encoding]).data)
 
 
 def _format_row(row: Float[np.ndarray, "column channel"]) -> str:

@@ -9,16 +9,19 @@ every correlation between the coefficients without a covariance matrix:
     E = A·B   →   components of E = (components of A)·B  and  A·(components of B)
 """
 
+import importlib
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Float
 
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +144,7 @@ class TransferMatrix:
         values = np.sum(self.values * factor, axis=0, keepdims=True)
         return replace(self, values=values, components=components)
 
-    def illuminance(self) -> xr.Dataset:
+    def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of sensors per time step, with its standard error.
 
         The matrix must hold irradiance [W/m²] in Radiance's RGB: 179 lm/W times
@@ -189,11 +192,13 @@ def illuminance_dataset(
     *,
     sensors: Axis,
     times: Axis,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Label illuminance and its standard error [lux] with sensors and times."""
     names = list(sensors.names) if sensors.names else np.arange(sensors.size)
     moments = times.times if times.times is not None else np.arange(times.size)
-    return xr.Dataset(
+
+    # xarray takes longer to load than most matrices to make
+    labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
         {
             "illuminance": (("sensor", "time"), illuminance, {"units": "lux"}),
             "standard_error": (
@@ -205,3 +210,4 @@ def illuminance_dataset(
         coords={"sensor": names, "time": moments},
         attrs={"quantity": "illuminance", "units": "lux"},
     )
+    return labelled

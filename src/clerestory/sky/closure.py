@@ -11,14 +11,13 @@ third. Near the horizon the division by sin h blows errors up; the rules:
 5. Global alone is split by a statistical model: Erbs (hourly) or DIRINT.
 """
 
+import importlib
 import warnings
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import pandas as pd
 from jaxtyping import Float
-from pvlib import irradiance as pvlib_irradiance
 
 from clerestory.errors import InputError
 from clerestory.sky.sky_state import SOLAR_CONSTANT, orbit_factor
@@ -146,17 +145,20 @@ def _decompose(
     sun: SunPosition,
     decomposition: Decomposition,
 ) -> Irradiance:
+    # pvlib and pandas take a second to load, which only these models should wait for
+    models = importlib.import_module("pvlib.irradiance")
     zenith = np.degrees(np.pi / 2 - sun.altitude)
     if decomposition == "erbs":
-        parts = pvlib_irradiance.erbs(level, zenith, day_of_year(times))
+        parts = models.erbs(level, zenith, day_of_year(times))
         direct = np.nan_to_num(np.asarray(parts["dni"]))
     elif decomposition == "dirint":
+        pd = importlib.import_module("pandas")
         index = pd.DatetimeIndex(times)
         series = pd.Series(level, index)
         with warnings.catch_warnings():
             # pvlib 0.16 asks pandas 3 for a name that pandas 4 will drop
             warnings.simplefilter("ignore", DeprecationWarning)
-            direct = pvlib_irradiance.dirint(series, pd.Series(zenith, index), index)
+            direct = models.dirint(series, pd.Series(zenith, index), index)
         direct = np.nan_to_num(direct.to_numpy())
     else:
         raise InputError(

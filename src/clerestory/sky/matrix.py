@@ -7,11 +7,11 @@ third of the time to multiply.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Float, Float32
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, csr_array
 
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import MatrixError
@@ -23,6 +23,9 @@ from clerestory.matrix.transfer_matrix import (
     require_fit,
 )
 from clerestory.sky.product import fold, lit_steps, product_blocks, row_blocks
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # Time steps that are turned from columns into rows at once, in the cache
 _BLOCK = 64
@@ -136,6 +139,25 @@ class SkyMatrix:
             values[:, :, steps] = self.block(steps)
         return TransferMatrix(values, self.rows, self.columns)
 
+    def row_blocks(self) -> Iterator[Float32[np.ndarray, "patch time 3"]]:
+        """Yield the radiance of some patches after the others, channels side by side.
+
+        The whole matrix comes by in the order of files, without three channels of it
+        ever being held.
+        """
+        sun = csr_array(self.sun)
+        tint = self.sun_colour.astype(np.float32)
+        for start in range(0, len(self.partition), _BLOCK):
+            patches = slice(start, start + _BLOCK)
+            grey = np.ascontiguousarray(self.diffuse[patches])
+            radiance = np.empty((*grey.shape, 3), np.float32)
+            for channel, colour in enumerate(self.colour[:, patches, None]):
+                factor = colour.astype(np.float32)
+                np.multiply(grey, factor, out=radiance[:, :, channel])
+            shining = sun[patches].tocoo()
+            radiance[shining.coords] += shining.data[:, None] * tint
+            yield radiance
+
     def __rmatmul__(self, transfer: object) -> "SkyResponse":
         """Return the product with what sends from the sky, not yet multiplied out.
 
@@ -168,7 +190,7 @@ class SkyResponse:
     def __post_init__(self) -> None:
         require_fit(self.transfer.columns, self.sky.rows)
 
-    def illuminance(self) -> xr.Dataset:
+    def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of sensors per time step, with its standard error.
 
         The three channels are folded into luminance before the product; hours

@@ -4,13 +4,13 @@ SURFRAD's daily files say where they come from; SRML's, read by pvlib, do not. B
 come in steps of minutes, and the rules of `measurement` make weather of them.
 """
 
+import importlib
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import pandas as pd
 from jaxtyping import Float
-from pvlib import iotools
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
@@ -142,6 +142,7 @@ def read_srml(
 
     Reference: F. Vignola et al., SRML, Archival (short interval) data files.
     """
+    pd = importlib.import_module("pandas")
     data = _read_srml(path)
     if not isinstance(data.index, pd.DatetimeIndex):
         raise InputError("times that are not in the calendar", file=path)
@@ -165,9 +166,11 @@ def read_srml(
     )
 
 
-def _read_srml(path: str | Path) -> pd.DataFrame:
-    # Our own reading first: it explains what is missing, and never goes online
+def _read_srml(path: str | Path) -> Any:
+    # Our own reading first: it explains what is missing, and never goes online;
+    # pvlib takes a second to load, which only these files should wait for
     read_text(path)
+    iotools = importlib.import_module("pvlib.iotools")
     try:
         with warnings.catch_warnings():
             # pvlib 0.16 uses words that pandas 4 will drop

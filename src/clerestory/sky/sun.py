@@ -13,17 +13,12 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
-from pvlib import spa
-from pvlib.atmosphere import alt2pres
 
 from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
+from clerestory.sky.spa import solar_position
 
 SunFormula = Literal["spa", "radiance"]
-
-# Terrestrial time minus universal time around now [s], and refraction at sunrise [°]
-_DELTA_T = 67.0
-_REFRACTION_AT_SUNRISE = 0.5667
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,18 +88,14 @@ def sun_position(
             f"unknown sun formula {formula!r}; 'spa' or 'radiance' expected"
         )
     seconds = times.astype("datetime64[s]").astype(float) - 3600 * utc_offset_hours
-    position = spa.solar_position(
+    altitude, azimuth = solar_position(
         seconds,
-        latitude_deg,
-        longitude_deg,
-        elevation,
-        alt2pres(elevation) / 100,
-        temperature_c,
-        _DELTA_T,
-        _REFRACTION_AT_SUNRISE,
-        numthreads=1,
+        latitude_deg=latitude_deg,
+        longitude_deg=longitude_deg,
+        elevation=elevation,
+        temperature_c=temperature_c,
     )
-    return SunPosition(np.radians(position[2]), np.radians(position[4]))
+    return SunPosition(np.radians(altitude), np.radians(azimuth))
 
 
 def _radiance(

@@ -125,6 +125,8 @@ def test_blocks_selections_and_the_whole_agree(spring_day):
     mask = spring_day.direct_normal > 100
     np.testing.assert_array_equal(sky.select(mask).values, sky.values[:, :, mask])
     np.testing.assert_array_equal(sky.to_transfer_matrix().values, sky.values)
+    rows = np.concatenate(list(sky.row_blocks()))
+    np.testing.assert_array_equal(np.moveaxis(rows, -1, 0), sky.values)
 
 
 def test_sun_at_night_is_doubted(spring_day):

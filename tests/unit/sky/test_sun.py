@@ -5,6 +5,7 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.sky.conditions import sun_over
+from clerestory.sky.spa import standard_pressure
 from clerestory.sky.sun import day_of_year, sun_position
 from clerestory.sky.weather import Weather
 
@@ -22,6 +23,15 @@ def test_spa_gives_the_published_example():
     )
     assert 90 - np.degrees(sun.altitude[0]) == pytest.approx(50.11162, abs=3e-4)
     assert np.degrees(sun.azimuth[0]) == pytest.approx(194.34024, abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("elevation", "pressure"),
+    [(-500, 1074.78), (0, 1013.25), (1000, 898.75), (5000, 540.20), (9000, 307.42)],
+)
+def test_pressure_falls_as_in_the_standard_atmosphere(elevation, pressure):
+    """ISO 2533, table of the pressure over geopotential altitude [hPa]."""
+    assert standard_pressure(elevation) == pytest.approx(pressure, rel=1e-4)
 
 
 def test_the_sun_moves_from_east_over_south_to_west():
