@@ -54,6 +54,18 @@ def test_options_are_the_arguments_in_python(call, options, arguments):
     np.testing.assert_array_equal(found, truth.values.astype(float))
 
 
+@pytest.mark.parametrize("name", ["S.smx", "S.nc"])
+def test_luminance_is_one_number_a_patch(call, name):
+    """179 lm/W times Radiance's weights of the three channels."""
+    red, green, blue = matrix(call)
+    outcome = sky(call, f"matrix two_days.wea --subdivision 1 --luminance -o {name} -q")
+    assert outcome.status == 0
+    found = (read_netcdf if name == "S.nc" else read_matrix)(name)
+    expected = 179 * (0.265 * red + 0.670 * green + 0.065 * blue)
+    np.testing.assert_allclose(found.values[0], expected, rtol=1e-6)
+    assert len(found.values) == 1
+
+
 def test_the_average_of_daylight_is_one_column(call):
     found = matrix(call, "--daylight-only --average")
     day = daylight_steps(read_weather("two_days.wea"))
@@ -179,6 +191,7 @@ def test_a_description_tells_repairs_and_doubts(call):
 
 BAD = {
     "two parts": (f"{MATRIX} --sun-only --no-direct", "both --sun-only and"),
+    "luminance of heat": (f"{MATRIX} --luminance --solar", "both --luminance and"),
     "time and days": (f"{MATRIX} --time 06-21T12:00 --from 01-01", "both --time and"),
     "no such day": (f"{MATRIX} --from 02-01 --to 02-02", "no weather from"),
     "not a day": (f"{MATRIX} --from 2-1", "MM-DD expected"),

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 import typer
 
-from clerestory.cli.matrix_output import write_sky
+from clerestory.cli.matrix_output import write_sky, write_sky_luminance
 from clerestory.cli.options import Format, Output, Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.cli.sky_options import (
@@ -70,10 +70,18 @@ def matrix(
     average: Annotated[
         bool, typer.Option("--average", help="One column, the mean of all steps.")
     ] = False,
+    luminance: Annotated[
+        bool,
+        typer.Option(
+            "--luminance", help="Luminance [cd/m²], one number instead of three."
+        ),
+    ] = False,
     encoding: Format = "float",
     quiet: Quiet = False,
 ) -> None:
     """Sky matrix: radiance of ground and sky patches at every time step [W/(m²·sr)]."""
+    if luminance and solar:
+        raise InputError("both --luminance and --solar; one of them expected")
     if sun_only and no_direct:
         raise InputError("both --sun-only and --no-direct; one of them expected")
     include: Literal["all", "sky", "sun"] = "sun" if sun_only else "all"
@@ -98,7 +106,8 @@ def matrix(
         )
         progress(0.2, "writing")
         sky = sky.mean() if average else sky
-        write_sky(output, sky, encoding=encoding, command="clerestory sky matrix")
+        write = write_sky_luminance if luminance else write_sky
+        write(output, sky, encoding=encoding, command="clerestory sky matrix")
         progress(1.0, "done")
     if not quiet:
         typer.echo(f"{output}: {sky.rows.describe()} by {sky.columns.describe()}")

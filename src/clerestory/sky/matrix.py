@@ -139,6 +139,15 @@ class SkyMatrix:
             values[:, :, steps] = self.block(steps)
         return TransferMatrix(values, self.rows, self.columns)
 
+    def luminance(self) -> TransferMatrix:
+        """Return the luminance of the patches [cd/m²], as a matrix of one channel."""
+        weights = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+        tint = (weights @ self.colour).astype(np.float32)
+        sun = self.sun.tocoo()
+        values = self.diffuse * tint[:, None]
+        values[sun.coords] += np.float32(weights @ self.sun_colour) * sun.data
+        return TransferMatrix(values[None], self.rows, self.columns)
+
     def row_blocks(self) -> Iterator[Float32[np.ndarray, "patch time 3"]]:
         """Yield the radiance of some patches after the others, channels side by side.
 

@@ -129,6 +129,14 @@ def test_blocks_selections_and_the_whole_agree(spring_day):
     np.testing.assert_array_equal(np.moveaxis(rows, -1, 0), sky.values)
 
 
+def test_luminance_is_the_weighted_sum_of_the_channels(spring_day):
+    """179 lm/W times Radiance's weights."""
+    sky = sky_matrix(spring_day, subdivision=1)
+    red, green, blue = sky.values
+    expected = 179 * (0.265 * red + 0.670 * green + 0.065 * blue)
+    np.testing.assert_allclose(sky.luminance().values[0], expected, rtol=1e-5)
+
+
 def test_sun_at_night_is_doubted(spring_day):
     """Eight hours of a wrong time zone bring the noon sun below the horizon."""
     wrong = replace(spring_day, utc_offset_hours=9.0)
