@@ -6,6 +6,7 @@ import typer
 
 from clerestory import __version__
 from clerestory.cli import bsdf, glazing, gonio, luminaire, picture, sky, trace
+from clerestory.cli.compare import compare
 from clerestory.cli.doctor import doctor
 from clerestory.cli.glare import glare
 from clerestory.cli.metrics import metrics
@@ -47,6 +48,9 @@ app.command(epilog="Example: clerestory glare desk.hdr --detail --check found.hd
     glare
 )
 app.command(epilog="Example: clerestory metrics results -o metrics.csv")(metrics)
+app.command(epilog="Example: clerestory compare measured.csv study_results -o found")(
+    compare
+)
 app.command(epilog="Example: clerestory doctor")(doctor)
 app.command(epilog="Example: clerestory multiply V.mtx blind.xml D.mtx S.smx -o E.mtx")(
     multiply

@@ -1,0 +1,194 @@
+"""Bring measured and simulated values to the same moments.
+
+The coarser of both keeps its steps, and the finer one is averaged over them: five
+minutes of a logger to the hours of a study, or minutes of a study to the quarter hours
+of a logger. A step counts when enough of it is there. Where both have the same step, or
+what was measured is a moment, the simulation is interpolated to it between the middles
+of its steps. Times are never moved to fit; `offset` says what moving them would do.
+"""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.comparison.series import Series
+
+COVERAGE = 0.75
+_SAME = 1.0  # seconds by which steps may differ and still be the same
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Measured values and what a simulation says for the same moments.
+
+    Attributes
+    ----------
+    names : of the series
+    series : which of them each pair belongs to
+    times : middle of each pair's step, local standard time
+    measured, simulated : the values
+    error : standard error of the simulated value, NaN where unknown
+    gaps : measured steps of each series without a value
+    outside : measured values of each series at times that were not simulated
+    """
+
+    names: tuple[str, ...]
+    series: Int[np.ndarray, " pair"]
+    times: np.ndarray
+    measured: Float[np.ndarray, " pair"]
+    simulated: Float[np.ndarray, " pair"]
+    error: Float[np.ndarray, " pair"]
+    gaps: Int[np.ndarray, " series"]
+    outside: Int[np.ndarray, " series"]
+
+    def where(self, chosen: np.ndarray) -> "Pairs":
+        """Return some of the pairs, by mask; all series stay."""
+        return replace(
+            self,
+            series=self.series[chosen],
+            times=self.times[chosen],
+            measured=self.measured[chosen],
+            simulated=self.simulated[chosen],
+            error=self.error[chosen],
+        )
+
+    def of(self, name: str) -> "Pairs":
+        """Return the pairs of one series, in the order of time."""
+        one = self.where(self.series == self.names.index(name))
+        order = np.argsort(one.times, kind="stable")
+        return one.where(order)
+
+
+def pair_series(
+    measured: Series, simulated: Series, *, coverage: float = COVERAGE
+) -> Pairs:
+    """Return the pairs of two series with the same names in the same order.
+
+    Parameters
+    ----------
+    measured, simulated : on the same clock
+    coverage : share of a coarse step that the finer values must fill, 0…1
+    """
+    coarse = (measured.step_minutes - simulated.step_minutes) * 60
+    if measured.step_minutes > 0 and coarse < -_SAME:
+        measured_at, gaps = _averaged(measured, simulated, coverage)
+        steps = simulated.times
+        simulated_at, error = simulated.values, simulated.error
+    else:
+        steps, measured_at = measured.times, measured.values
+        gaps = np.isnan(measured.values).sum(axis=1)
+        if coarse > _SAME and measured.step_minutes > 0:
+            simulated_at, _ = _averaged(simulated, measured, coverage)
+            error = _averaged_error(simulated, measured, coverage)
+        else:
+            simulated_at, error = _interpolated(simulated, steps)
+    known, told = ~np.isnan(measured_at), ~np.isnan(simulated_at)
+    row, column = np.nonzero(known & told)
+    errors = np.full(measured_at.shape, np.nan) if error is None else error
+    return Pairs(
+        measured.names,
+        row,
+        steps[column],
+        measured_at[row, column],
+        simulated_at[row, column],
+        errors[row, column],
+        gaps,
+        (known & ~told).sum(axis=1),
+    )
+
+
+def join_pairs(parts: list[Pairs]) -> Pairs:
+    """Return all pairs of several files together, series by their names."""
+    names = tuple(dict.fromkeys(name for part in parts for name in part.names))
+    place = {name: number for number, name in enumerate(names)}
+    gaps, outside = np.zeros(len(names), int), np.zeros(len(names), int)
+    rows = []
+    for part in parts:
+        to = np.array([place[name] for name in part.names], dtype=int)
+        np.add.at(gaps, to, part.gaps)
+        np.add.at(outside, to, part.outside)
+        rows.append(to[part.series])
+    return Pairs(
+        names,
+        np.concatenate(rows),
+        np.concatenate([part.times for part in parts]),
+        np.concatenate([part.measured for part in parts]),
+        np.concatenate([part.simulated for part in parts]),
+        np.concatenate([part.error for part in parts]),
+        gaps,
+        outside,
+    )
+
+
+def _seconds(times: np.ndarray) -> np.ndarray:
+    return times.astype("datetime64[s]").astype(np.int64).astype(float)
+
+
+def _averaged(
+    fine: Series, coarse: Series, coverage: float
+) -> tuple[np.ndarray, np.ndarray]:
+    # Means over the coarse steps, NaN where too little is there; the fine values missed
+    means, counts, missed = _sums(fine, coarse, fine.values)
+    wanted = coverage * coarse.step_minutes / fine.step_minutes
+    return np.where(counts >= wanted - 1e-9, means, np.nan), missed
+
+
+def _averaged_error(fine: Series, coarse: Series, coverage: float) -> np.ndarray | None:
+    # Steps of one sensor share a matrix: their errors do not average out
+    if fine.error is None:
+        return None
+    means, counts, _ = _sums(fine, coarse, fine.error)
+    wanted = coverage * coarse.step_minutes / fine.step_minutes
+    return np.where(counts >= wanted - 1e-9, means, np.nan)
+
+
+def _sums(
+    fine: Series, coarse: Series, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    # The coarse step that each fine one lies in, by its middle
+    moments, middles = _seconds(fine.times), _seconds(coarse.times)
+    half = coarse.step_minutes * 30
+    bin_of = np.searchsorted(middles - half, moments, side="right") - 1
+    inside = (bin_of >= 0) & (moments < middles[np.maximum(bin_of, 0)] + half)
+    to, shape = bin_of[inside], (values.shape[0], len(middles))
+    total, count = np.zeros(shape), np.zeros(shape)
+    chosen = values[:, inside]
+    there = ~np.isnan(chosen)
+    for row in range(shape[0]):
+        total[row] = np.bincount(
+            to, np.where(there[row], chosen[row], 0), minlength=shape[1]
+        )
+        count[row] = np.bincount(to, there[row], minlength=shape[1])
+    means = np.divide(total, count, out=np.full(shape, np.nan), where=count > 0)
+    return means, count, (~there).sum(axis=1)
+
+
+def _interpolated(
+    series: Series, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None]:
+    # Between the middles of neighbouring steps; up to half a step beyond the ends
+    moments, middles = _seconds(times), _seconds(series.times)
+    step = max(series.step_minutes * 60, 1.0)
+    after = np.clip(np.searchsorted(middles, moments), 0, len(middles) - 1)
+    before = np.maximum(after - 1, 0)
+    gap = middles[after] - middles[before]
+    weight = np.divide(
+        moments - middles[before], gap, out=np.ones(len(moments)), where=gap > 0
+    )
+    # A lone step, or one beside a gap, stands for itself
+    alone = (gap > 1.5 * step) | (weight > 1) | (weight < 0) | (gap == 0)
+    near = np.abs(moments - middles[before]) < np.abs(moments - middles[after])
+    nearest = np.where(near, before, after)
+    beyond = np.abs(moments - middles[nearest]) > step / 2 + _SAME
+    weight = np.where(alone, 1.0, weight)
+    after = np.where(alone, nearest, after)
+
+    def at(values: np.ndarray) -> np.ndarray:
+        low = np.where(weight < 1, values[:, before], 0.0)
+        mixed = (1 - weight) * low + weight * values[:, after]
+        return np.where(alone & beyond, np.nan, mixed)
+
+    return at(series.values), None if series.error is None else at(series.error)

@@ -1,0 +1,113 @@
+"""Quantities over time: what was measured, or what a simulation says.
+
+A series is named as results name it: `desks.3` is the third sensor of the grid
+"desks", `eye.dgp` the daylight glare probability of the view "eye". The last word of
+the name tells the quantity; what is none of glare's is illuminance.
+"""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+
+ILLUMINANCE = "illuminance"
+# Quantities that names tell, with their units
+UNITS = {
+    ILLUMINANCE: "lux",
+    "dgp": "",
+    "dgi": "",
+    "ugr": "",
+    "ugp": "",
+    "luminance": "cd/m²",
+}
+GLARE = ("dgp", "dgi", "ugr", "ugp")
+
+
+def quantity_of(name: str) -> str:
+    """Return the quantity that a series' name tells.
+
+    >>> quantity_of("desks.3"), quantity_of("eye.dgp")
+    ('illuminance', 'dgp')
+    """
+    last = name.rpartition(".")[2].lower()
+    return last if last in UNITS else ILLUMINANCE
+
+
+def group_of(name: str) -> str:
+    """Return the grid or the view that a series belongs to.
+
+    >>> group_of("desks.3"), group_of("eye.dgp"), group_of("Ev")
+    ('desks', 'eye', 'Ev')
+    """
+    group, _, last = name.rpartition(".")
+    return group if group and (last.isdigit() or last.lower() in UNITS) else name
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Several quantities at the same moments.
+
+    Attributes
+    ----------
+    names : of the series
+    times : middle of what each value stands for, local standard time, growing
+    values : in the unit of each series' quantity; NaN where there is none
+    step_minutes : how long a value stands for [min]; 0 for a moment
+    utc_offset_hours : how far the clock is ahead of UTC [h]
+    error : standard errors of the values, if they are known
+    position : of each series' sensor [m], NaN where there is none
+    source : where it comes from
+
+    Raises
+    ------
+    InputError : numbers that do not fit each other, a name twice, times that do not
+        grow
+    """
+
+    names: tuple[str, ...]
+    times: np.ndarray
+    values: Float[np.ndarray, "series time"]
+    step_minutes: float
+    utc_offset_hours: float
+    error: Float[np.ndarray, "series time"] | None = None
+    position: Float[np.ndarray, "series 3"] | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        twice = next((n for n in self.names if self.names.count(n) > 1), None)
+        if twice is not None:
+            raise InputError(f'two series "{twice}"; one expected', file=self.source)
+        if self.values.shape != (len(self.names), len(self.times)):
+            raise InputError(
+                f"values {self.values.shape} for {len(self.names)} series of"
+                f" {len(self.times)} steps; as many expected",
+                file=self.source,
+            )
+        if np.any(np.diff(self.times) <= np.timedelta64(0)):
+            raise InputError("times that do not grow", file=self.source)
+
+    def on_clock(self, utc_offset_hours: float) -> "Series":
+        """Return the same as another clock shows it."""
+        ahead = round((utc_offset_hours - self.utc_offset_hours) * 3600)
+        times = self.times + np.timedelta64(ahead, "s")
+        return replace(self, times=times, utc_offset_hours=utc_offset_hours)
+
+    def shifted(self, minutes: float) -> "Series":
+        """Return the same, that much later."""
+        later = np.timedelta64(round(minutes * 60), "s")
+        return replace(self, times=self.times + later)
+
+    def select(self, names: list[str]) -> "Series":
+        """Return some of the series, in the order of `names`."""
+        rows = [self.names.index(name) for name in names]
+        return replace(
+            self,
+            names=tuple(names),
+            values=self.values[rows],
+            error=None if self.error is None else self.error[rows],
+            position=None if self.position is None else self.position[rows],
+        )

@@ -1,0 +1,183 @@
+"""The page of a comparison: tables, drawings, and what was left out; opens offline."""
+
+import base64
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.figure import Figure
+
+from clerestory.comparison.compare import Comparison
+from clerestory.comparison.notes import comparison_notes
+from clerestory.comparison.series import ILLUMINANCE, group_of, quantity_of
+from clerestory.comparison.statistics import LIMITS
+from clerestory.comparison.tables import shares_table, statistics_table
+from clerestory.files import make_folder, replace_file, write_text
+from clerestory.report.comparison_plots import (
+    days_figure,
+    scan_figure,
+    scatter_figure,
+    time_figure,
+)
+from clerestory.report.markup import Markup, element, join
+from clerestory.report.offline import asset, content_policy
+
+PAGE_FILE = "comparison.html"
+_MOST_SERIES = 9
+_TABLE_STYLE = (
+    "table.wide{font-size:13px;border-collapse:collapse;display:block;overflow-x:auto}"
+    "table.wide td,table.wide th{padding:3px 9px;border-bottom:1px solid var(--line);"
+    "text-align:right;white-space:nowrap}"
+    "table.wide td:first-child,table.wide th:first-child{text-align:left}"
+    "img{max-width:100%;height:auto;margin:10px 0}"
+)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A picture of the comparison.
+
+    Attributes
+    ----------
+    name : of its file, without the ending
+    words : what it shows
+    png : its bytes
+    """
+
+    name: str
+    words: str
+    png: bytes
+
+
+def comparison_drawings(
+    comparisons: Sequence[Comparison],
+    places: dict[str, Float[np.ndarray, " 3"]] | None = None,
+) -> list[Drawing]:
+    """Return all pictures of a comparison, most telling first.
+
+    Parameters
+    ----------
+    places : of the sensors by name, for maps of grids [m]
+    """
+    kinds = dict.fromkeys(kind for c in comparisons for kind in c.table())
+    drawings = []
+    for quantity in dict.fromkeys(quantity for _, quantity in kinds):
+        figure = scatter_figure(comparisons, quantity)
+        if figure is not None:
+            words = f"Every pair of {quantity}; bands of 10 and 20 %"
+            drawings.append(_drawing(f"scatter_{quantity}", words, figure))
+    for group, quantity in kinds:
+        figure = time_figure(comparisons, group, quantity)
+        drawings.append(
+            _drawing(f"time_{group}_{quantity}", f"{group} over time", figure)
+        )
+        if quantity == ILLUMINANCE and places:
+            drawings += _maps(comparisons, group, places)
+    for name in _shown_series(comparisons):
+        figure = days_figure(comparisons, name)
+        drawings.append(_drawing(f"days_{name}", f"Days of {name}", figure))
+    return drawings
+
+
+def write_comparison(
+    folder: str | Path,
+    comparisons: Sequence[Comparison],
+    *,
+    title: str,
+    places: dict[str, Float[np.ndarray, " 3"]] | None = None,
+) -> Path:
+    """Write the pictures and the page into a folder; return the page's path.
+
+    Raises
+    ------
+    OutputError : the folder cannot be written
+    """
+    folder = make_folder(folder)
+    drawings = comparison_drawings(comparisons, places)
+    for drawing in drawings:
+        with replace_file(folder / f"{drawing.name}.png") as stream:
+            stream.write(drawing.png)
+    write_text(folder / PAGE_FILE, _page(comparisons, drawings, title))
+    return folder / PAGE_FILE
+
+
+def _maps(
+    comparisons: Sequence[Comparison], group: str, places: dict[str, np.ndarray]
+) -> list[Drawing]:
+    found = []
+    for number, comparison in enumerate(comparisons):
+        if not all(name in places for name in comparison.pairs.names):
+            continue
+        figure = scan_figure(comparison, group, places)
+        if figure is not None:
+            words = f"{group} at some moments: measured, {comparison.name}, deviation"
+            found.append(_drawing(f"maps_{group}_{number + 1}", words, figure))
+    return found
+
+
+def _shown_series(comparisons: Sequence[Comparison]) -> list[str]:
+    # All of a few; else the middle one and the ends of each group
+    names = list(dict.fromkeys(name for c in comparisons for name in c.series()))
+    if len(names) <= _MOST_SERIES:
+        return names
+    kinds = dict.fromkeys((group_of(n), quantity_of(n)) for n in names)
+    share = max(1, _MOST_SERIES // len(kinds))
+    shown = []
+    for kind in kinds:
+        own = [n for n in names if (group_of(n), quantity_of(n)) == kind]
+        places = np.linspace(0, len(own) - 1, min(share, len(own))).round().astype(int)
+        shown += [own[i] for i in dict.fromkeys(places.tolist())]
+    return shown[: 2 * _MOST_SERIES]
+
+
+def _drawing(name: str, words: str, figure: Figure) -> Drawing:
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=110)
+    plain = "".join(c if c.isalnum() or c in "_.-" else "-" for c in name)
+    return Drawing(plain, words, stream.getvalue())
+
+
+def _page(
+    comparisons: Sequence[Comparison], drawings: Sequence[Drawing], title: str
+) -> str:
+    limits = ", ".join(f"{100 * limit:g}" for limit in LIMITS)
+    parts: list[Markup] = [
+        element("p", "Clerestory: measured and simulated", class_="maker"),
+        element("h1", title),
+        element("h2", f"Share of values within {limits} % [%]"),
+        _table(shares_table(comparisons)),
+        element("p", "Δ is the deviation of the simulated from the measured value,"
+                " relative to the measured one.", class_="note"),
+        element("h2", "How it was made"),
+    ]  # fmt: skip
+    for comparison in comparisons:
+        notes = [element("li", note) for note in comparison_notes(comparison)]
+        parts += [element("h3", comparison.name), element("ul", *notes)]
+    parts.append(element("h2", "Pictures"))
+    for drawing in drawings:
+        data = base64.b64encode(drawing.png).decode()
+        parts.append(element("h3", drawing.words))
+        image = Markup(f'<img alt="{drawing.name}" src="data:image/png;base64,{data}">')
+        parts.append(image)
+    parts += [element("h2", "All statistics"), _table(statistics_table(comparisons))]
+    policy = content_policy("")
+    head = join(
+        Markup('<meta charset="utf-8">'),
+        Markup('<meta name="viewport" content="width=device-width">'),
+        Markup(f'<meta http-equiv="Content-Security-Policy" content="{policy}">'),
+        element("title", title),
+        element("style", Markup(asset("style.css") + _TABLE_STYLE)),
+    )
+    body = element("body", element("main", *parts))
+    return f'<!doctype html>\n<html lang="en">{element("head", head)}{body}</html>\n'
+
+
+def _table(rows: list[list[str]]) -> Markup:
+    head = element("tr", *(element("th", cell) for cell in rows[0]))
+    body = [element("tr", *(element("td", cell) for cell in row)) for row in rows[1:]]
+    return element("table", head, *body, class_="wide")

@@ -1,0 +1,262 @@
+"""Drawings of a comparison: scatter, days, the whole time, maps of grid scans."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from clerestory.comparison.align import Pairs
+from clerestory.comparison.compare import Comparison
+from clerestory.comparison.series import UNITS, group_of, quantity_of
+from clerestory.comparison.statistics import agreement
+
+# Measured is black; simulations in colours told apart by every eye (Okabe and Ito)
+_MEASURED = "#1b1f24"
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
+_MOST_DAYS = 6
+_MOST_SCANS = 6
+_WIDE_RANGE = 30.0
+_SAVED: dict[str, Any] = {"loc": "left", "fontsize": 10}
+
+
+def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure | None:
+    """Draw simulated over measured values, a panel for each simulation.
+
+    The bands are deviations of 10 and 20 %. None where nobody has the quantity.
+    """
+    panels = [(c.name, _of_quantity(c, quantity)) for c in comparisons]
+    panels = [(name, pairs) for name, pairs in panels if pairs.measured.size]
+    if not panels:
+        return None
+    low = min(min(p.measured.min(), max(p.simulated.min(), 1e-9)) for _, p in panels)
+    high = max(max(p.measured.max(), p.simulated.max()) for _, p in panels)
+    wide = high > _WIDE_RANGE * low and quantity not in ("dgp", "dgi")
+    ends = np.array([low / 1.2 if wide else 0.0, high * (1.2 if wide else 1.05)])
+    size = (4.4 * len(panels) + 0.4, 4.6)
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(1, len(panels), squeeze=False)[0]
+    for number, ((name, pairs), panel) in enumerate(zip(panels, axes, strict=True)):
+        panel.fill_between(ends, 0.8 * ends, 1.2 * ends, color="#eceff2", lw=0)
+        panel.fill_between(ends, 0.9 * ends, 1.1 * ends, color="#d5dbe2", lw=0)
+        panel.plot(ends, ends, color=_MEASURED, lw=0.8)
+        size_of = 14 if pairs.measured.size < 300 else 5
+        panel.scatter(
+            pairs.measured,
+            pairs.simulated,
+            s=size_of,
+            color=_colour(number),
+            alpha=0.6,
+            lw=0,
+        )
+        if wide:
+            panel.set(xscale="log", yscale="log")
+        panel.set(xlim=ends, ylim=ends, aspect="equal")
+        panel.set(xlabel=f"measured {_unit(quantity)}")
+        found = agreement(pairs.measured, pairs.simulated)
+        panel.set_title(
+            f"{name}: bias {100 * found.relative_bias:+.0f} %, CV(RMSE)"
+            f" {100 * found.variation:.0f} %, r {found.correlation:.2f}",
+            **_SAVED,
+        )
+    axes[0].set_ylabel(f"simulated {_unit(quantity)}")
+    return figure
+
+
+def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
+    """Draw days of one series over the hours, measured and as each simulation says."""
+    found = [(c.name, c.pairs.of(name)) for c in comparisons if name in c.pairs.names]
+    days = _chosen_days(np.concatenate([pairs.times for _, pairs in found]))
+    columns = min(len(days), 3)
+    rows = -(-len(days) // columns)
+    figure = Figure(figsize=(3.7 * columns + 0.4, 2.6 * rows + 0.5))
+    figure.set_layout_engine("constrained")
+    panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
+    for panel in panels.flat[len(days) :]:
+        panel.set_visible(False)
+    for day, panel in zip(days, panels.flat, strict=False):
+        for number, (label, pairs) in enumerate(found):
+            part = pairs.where(pairs.times.astype("datetime64[D]") == day)
+            _draw_day(panel, part, label=label, number=number)
+        panel.set_title(str(day), **_SAVED)
+        panel.set(xlabel="hour, local standard time")
+        panel.grid(lw=0.3)
+    panels[0, 0].set_ylim(bottom=0)
+    panels[0, 0].set_ylabel(_unit(quantity_of(name)))
+    panels[0, 0].legend(frameon=False, fontsize=8)
+    figure.suptitle(name, x=0.01, ha="left", fontsize=11)
+    return figure
+
+
+def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) -> Figure:
+    """Draw the mean of a group over all steps, day after day, without the nights."""
+    figure = Figure(figsize=(10.5, 3.2), layout="constrained")
+    axes = figure.subplots()
+    drawn = [_means(_of_group(c, group, quantity)) for c in comparisons]
+    stamps = np.unique(np.concatenate([times for times, _, _ in drawn]))
+    marker = "o" if len(stamps) < 100 else ""
+    style: dict[str, Any] = {"lw": 0.9, "marker": marker, "ms": 3.5}
+    for number, (times, measured, simulated) in enumerate(drawn):
+        place, lines = _by_day(times, stamps, [measured, simulated])
+        if number == 0:
+            axes.plot(place, lines[0], color=_MEASURED, label="measured", **style)
+        name = comparisons[number].name
+        axes.plot(place, lines[1], color=_colour(number), label=name, **style)
+    _mark_days(axes, stamps)
+    axes.set_ylabel(_unit(quantity))
+    axes.set_ylim(bottom=0)
+    axes.set_title(f"{group}: mean of its series at each moment", **_SAVED)
+    axes.legend(frameon=False, fontsize=8)
+    axes.grid(lw=0.3, axis="y")
+    return figure
+
+
+def scan_figure(
+    comparison: Comparison, group: str, places: dict[str, Float[np.ndarray, " 3"]]
+) -> Figure | None:
+    """Draw maps of a grid at some moments: measured, simulated, their difference.
+
+    None where fewer than nine sensors were read at once.
+
+    Parameters
+    ----------
+    places : of the sensors by name [m]
+    """
+    pairs = _of_group(comparison, group, "illuminance")
+    stamps, counts = np.unique(pairs.times.astype("datetime64[h]"), return_counts=True)
+    stamps = _spread(stamps[counts >= 9], _MOST_SCANS)
+    if not len(stamps):
+        return None
+    spots = np.array([places[name] for name in pairs.names])
+    if np.isnan(spots).any():
+        return None
+    tall = np.ptp(spots[:, 1]) / max(np.ptp(spots[:, 0]), 0.1)
+    height = float(np.clip(1.75 * tall, 1.1, 2.6))
+    figure = Figure(figsize=(1.9 * len(stamps) + 1.2, 3 * height + 1))
+    figure.set_layout_engine("constrained")
+    panels = figure.subplots(3, len(stamps), squeeze=False)
+    values = np.concatenate([pairs.measured, pairs.simulated])
+    limits = np.percentile(values, [2, 98])
+    for column, stamp in enumerate(stamps):
+        part = pairs.where(pairs.times.astype("datetime64[h]") == stamp)
+        where = spots[part.series]
+        change = 100 * (part.simulated / part.measured - 1)
+        shown = (part.measured, part.simulated, change)
+        for row, panel in enumerate(panels[:, column]):
+            drawn = _map(panel, where, shown[row], limits if row < 2 else (-100, 100))
+            if column == len(stamps) - 1 and row in (0, 2):
+                label = "lux" if row == 0 else "deviation [%]"
+                side = panels[:2, :] if row == 0 else panels[2, :]
+                figure.colorbar(drawn, ax=side, label=label, fraction=0.04)
+        middle = part.times[len(part.times) // 2].astype("datetime64[m]")
+        panels[0, column].set_title(str(middle).replace("T", "\n"), fontsize=9)
+    for row, word in enumerate(("measured", comparison.name, "deviation")):
+        panels[row, 0].set_ylabel(word, fontsize=9)
+    return figure
+
+
+def _map(
+    panel: Axes, where: np.ndarray, values: np.ndarray, limits: tuple[float, float]
+) -> Any:
+    signed = limits[0] < 0
+    drawn = panel.scatter(
+        where[:, 0],
+        where[:, 1],
+        c=values,
+        s=42,
+        marker="s",
+        cmap="RdBu_r" if signed else "viridis",
+        vmin=limits[0],
+        vmax=limits[1],
+        lw=0,
+    )
+    panel.set(xticks=[], yticks=[], aspect="equal")
+    panel.margins(0.12)
+    return drawn
+
+
+def _draw_day(panel: Axes, part: Pairs, *, label: str, number: int) -> None:
+    day = part.times.astype("datetime64[D]")
+    hour = (part.times - day) / np.timedelta64(3600, "s")
+    marker = "o" if len(hour) < 40 else ""
+    style: dict[str, Any] = {"marker": marker, "ms": 3, "lw": 1.1}
+    if number == 0:
+        panel.plot(hour, part.measured, color=_MEASURED, label="measured", **style)
+    panel.plot(hour, part.simulated, color=_colour(number), label=label, **style)
+    if len(hour) and not np.isnan(part.error).any():
+        low, high = part.simulated - part.error, part.simulated + part.error
+        panel.fill_between(hour, low, high, color=_colour(number), alpha=0.25, lw=0)
+
+
+def _of_quantity(comparison: Comparison, quantity: str) -> Pairs:
+    names = comparison.pairs.names
+    rows = [i for i, name in enumerate(names) if quantity_of(name) == quantity]
+    return comparison.pairs.where(np.isin(comparison.pairs.series, rows))
+
+
+def _of_group(comparison: Comparison, group: str, quantity: str) -> Pairs:
+    names = comparison.pairs.names
+    rows = [
+        i
+        for i, name in enumerate(names)
+        if group_of(name) == group and quantity_of(name) == quantity
+    ]
+    return comparison.pairs.where(np.isin(comparison.pairs.series, rows))
+
+
+def _means(pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    times, to = np.unique(pairs.times, return_inverse=True)
+    count = np.bincount(to)
+    measured = np.bincount(to, pairs.measured) / count
+    return times, measured, np.bincount(to, pairs.simulated) / count
+
+
+def _by_day(
+    times: np.ndarray, stamps: np.ndarray, lines: list[np.ndarray]
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    # Steps one after the other, with a break in the line between days
+    day = times.astype("datetime64[D]").astype(int)
+    cuts = np.flatnonzero(np.diff(day)) + 1
+    place = np.searchsorted(stamps, times) + _day_number(stamps, times)
+    broken = [np.insert(line, cuts, np.nan) for line in (place.astype(float), *lines)]
+    return broken[0], broken[1:]
+
+
+def _day_number(stamps: np.ndarray, times: np.ndarray) -> np.ndarray:
+    days = np.unique(stamps.astype("datetime64[D]"))
+    return np.searchsorted(days, times.astype("datetime64[D]"))
+
+
+def _mark_days(axes: Axes, stamps: np.ndarray) -> None:
+    days, first = np.unique(stamps.astype("datetime64[D]"), return_index=True)
+    places = first + np.arange(len(days))
+    shown = np.unique(np.linspace(0, len(days) - 1, min(len(days), 8)).round())
+    chosen = shown.astype(int)
+    axes.set_xticks(places[chosen], [str(day) for day in days[chosen]], ha="left")
+    if len(days) <= 40:
+        for place in places[1:]:
+            axes.axvline(place - 1, color="#c9d0d8", lw=0.6)
+
+
+def _chosen_days(times: np.ndarray) -> list[np.datetime64]:
+    # Days with most of their steps, evenly spread
+    days, counts = np.unique(times.astype("datetime64[D]"), return_counts=True)
+    full = days[counts >= max(1, 0.6 * counts.max())]
+    return list(_spread(full, _MOST_DAYS))
+
+
+def _spread(items: np.ndarray, most: int) -> np.ndarray:
+    if len(items) <= most:
+        return items
+    return np.asarray(items[np.linspace(0, len(items) - 1, most).round().astype(int)])
+
+
+def _unit(quantity: str) -> str:
+    word = quantity.upper() if len(quantity) == 3 else quantity
+    return f"{word} [{UNITS[quantity]}]" if UNITS[quantity] else word
+
+
+def _colour(number: int) -> str:
+    return _COLOURS[number % len(_COLOURS)]
