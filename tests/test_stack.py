@@ -21,6 +21,7 @@ STACK = (
     ("scene",),
     ("image",),
     ("engine",),
+    ("cluster",),
     ("bsdfgen", "phases"),
     ("glare", "control", "metrics"),
     ("study",),

@@ -14,7 +14,7 @@ estimate = devices.load("cpu")
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine import materials
+from clerestory.engine import materials, work
 from clerestory.engine.patches import PatchTable, SkyTable
 from clerestory.engine.points import points
 from clerestory.engine.windows import window_shapes
@@ -71,7 +71,7 @@ def test_results_do_not_depend_on_the_size_of_launches(device, monkeypatch):
     scene, south = box(4, 5, 3, 0.6)
     options = {"sensors": SENSORS, "samples": 16 * 600, "seed": 3, "device": device}
     whole = cl.view_matrix(scene, south, **options)
-    monkeypatch.setattr(estimate, "_PATHS", 16 * 256)
+    monkeypatch.setattr(work, "_PATHS", 16 * 256)
     monkeypatch.setattr(estimate, "_STRETCH", 256)
     cut = cl.view_matrix(scene, south, **options)
     assert np.array_equal(whole.values, cut.values)

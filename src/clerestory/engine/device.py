@@ -6,6 +6,7 @@ LLVM 15 does). So a library that did not come with this package is first tried
 in a child process, and Mitsuba is imported only after one was found good.
 """
 
+import ctypes
 import ctypes.util
 import importlib
 import importlib.metadata
@@ -13,13 +14,14 @@ import os
 import platform
 import subprocess
 import sys
+import warnings
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Literal, get_args
 
-from clerestory.errors import DeviceError, InputError
+from clerestory.errors import ClerestoryWarning, DeviceError, InputError
 
 Device = Literal["auto", "cpu", "cuda"]
 
@@ -78,10 +80,46 @@ def resolve(device: Device) -> Literal["cpu", "cuda"]:
             return "cuda"
         if device == "cuda":
             raise DeviceError(f"the NVIDIA GPU does not run Dr.Jit's kernels: {error}")
+        warnings.warn(
+            f"the NVIDIA GPU is not used ({error}); the CPU traces instead",
+            ClerestoryWarning,
+            stacklevel=2,
+        )
     elif device == "cuda":
         raise DeviceError("no NVIDIA driver was found; use --device cpu")
     _start_llvm()
     return "cpu"
+
+
+def in_use() -> Literal["cpu", "cuda"]:
+    """Return the device whose modules this thread has loaded."""
+    mitsuba = importlib.import_module("mitsuba")
+    return "cuda" if mitsuba.variant() == _VARIANT["cuda"] else "cpu"
+
+
+def free_memory() -> int | None:
+    """Return the free memory of the GPU [bytes]; None if its driver does not tell.
+
+    The driver is asked directly: Dr.Jit knows only what it holds itself.
+    """
+    name = _cuda_driver()
+    if name is None:
+        return None
+    driver = ctypes.CDLL(name)
+    context, device = ctypes.c_void_p(), ctypes.c_int()
+    free, total = ctypes.c_size_t(), ctypes.c_size_t()
+    if driver.cuInit(0) or driver.cuDeviceGet(ctypes.byref(device), 0):
+        return None
+    if driver.cuDevicePrimaryCtxRetain(ctypes.byref(context), device):
+        return None
+    try:
+        if driver.cuCtxPushCurrent_v2(context):
+            return None
+        failed = driver.cuMemGetInfo_v2(ctypes.byref(free), ctypes.byref(total))
+        driver.cuCtxPopCurrent_v2(ctypes.byref(context))
+        return None if failed else free.value
+    finally:
+        driver.cuDevicePrimaryCtxRelease_v2(device)
 
 
 def _start_llvm() -> None:

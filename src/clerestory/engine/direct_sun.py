@@ -20,23 +20,17 @@ from jaxtyping import Float
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import points as sampling
 from clerestory.engine.bsdf_file import forward_table
-from clerestory.engine.estimate import Progress
 from clerestory.engine.look import Draw
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.peak import PeakTable
 from clerestory.engine.points import Points, points
+from clerestory.engine.sunlit import BATCHES, SunJob
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.walk import towards
 from clerestory.engine.windows import WindowTable, window_shapes
+from clerestory.engine.work import Tracer, Unit
 from clerestory.scene.model import Scene
-from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
-
-# Independent batches of each coefficient
-BATCHES = 16
-
-# Most lanes in one launch
-_LANES = 1 << 21
 
 # Half the sun's apparent diameter, as 1 − cos
 _DEPTH = 2 * float(np.sin(np.radians(0.533) / 4)) ** 2
@@ -254,94 +248,49 @@ def sunlight_at(
     return light / sequence.count
 
 
-@dataclass(frozen=True, eq=False)
-class SunEstimate:
-    """Direct-sun coefficients.
+def prepare_sun(job: SunJob) -> Tracer:
+    """Return what traces direct sun to sensors."""
+    origin = np.mean(job.sensors.position, axis=0)
+    window = SunWindow.of(
+        job.scene, job.windows, job.number, job.bsdf, peak=job.peak, origin=origin
+    )
+    sequence = points(0, job.points)
+    position = vectors(mi.Point3f, job.sensors.position - origin)
+    normal = vectors(mi.Vector3f, job.sensors.direction)
 
-    Attributes
-    ----------
-    values : irradiance per direct normal irradiance
-    components : error components; the sum of their squares is the variance
-    """
-
-    values: Float[np.ndarray, "channel row sun"]
-    components: Float[np.ndarray, "component channel row sun"]
-
-
-def trace_sun(
-    scene: Scene,
-    windows: tuple[Window, ...],
-    number: int,
-    bsdf: Bsdf,
-    sensors: Sensors,
-    suns: Float[np.ndarray, "sun 3"],
-    *,
-    peak: bool,
-    samples: int,
-    seed: int,
-    progress: Progress | None,
-) -> SunEstimate:
-    """Trace direct sun through one window to sensors, in a black scene."""
-    origin = np.mean(sensors.position, axis=0)
-    window = SunWindow.of(scene, windows, number, bsdf, peak=peak, origin=origin)
-    sequence = points(0, max(1, -(-samples // BATCHES)))
-    position = vectors(mi.Point3f, sensors.position - origin)
-    normal = vectors(mi.Vector3f, sensors.direction)
-    rows, count = len(sensors.position), len(suns)
-    grey = window.table.colours == 1
-    channels = 1 if grey else 3
-    values = np.zeros((channels, rows, count))
-    components = np.zeros((BATCHES, channels, rows, count), dtype=np.float32)
-    block = max(1, _LANES // (BATCHES * rows))
-    for first in range(0, count, block):
-        part = suns[first : first + block]
-        found = _launch(
-            window, sequence, position, normal, part, rows=rows, seed=seed + first
-        )[:, :, :, :channels]
-        mean = found.mean(axis=2)
-        spread = (found - mean[:, :, None]) / np.sqrt(BATCHES * (BATCHES - 1))
-        place = slice(first, first + len(part))
-        values[:, :, place] = mean.transpose(2, 0, 1)
-        components[..., place] = spread.transpose(2, 3, 0, 1)
-        if progress is not None:
-            progress(
-                (first + len(part)) / count, f"{first + len(part)} of {count} suns"
+    def trace(unit: Unit) -> Float[np.ndarray, "row sun batch 3"]:
+        rows, suns = len(unit.rows), len(unit.columns)
+        lane = dr.arange(mi.UInt32, rows * suns * BATCHES)
+        pair = lane // BATCHES
+        row = pair // dr.opaque(mi.UInt32, suns) + dr.opaque(
+            mi.UInt32, int(unit.rows[0])
+        )
+        sun = pair % dr.opaque(mi.UInt32, suns)
+        number = dr.gather(mi.UInt32, mi.UInt32(unit.columns.astype(np.uint32)), sun)
+        stream = sampling.mix(number, dr.opaque(mi.UInt32, job.seed))
+        key = mi.sample_tea_32(row * BATCHES + lane % BATCHES, stream)[0]
+        middle = vectors(mi.Vector3f, job.suns[unit.columns])
+        with launching():
+            light = sunlight_at(
+                window,
+                sequence,
+                _sensor_place(position, normal, row),
+                dr.gather(mi.Vector3f, middle, sun),
+                key,
+                mi.Bool(True),
             )
-    return SunEstimate(values, components)
+            dr.eval(light)
+            values = light.numpy()
+        return values.T.reshape(rows, suns, BATCHES, 3).astype(float)
+
+    return trace
 
 
-def _launch(
-    window: SunWindow,
-    sequence: Points,
-    position,
-    normal,
-    suns: Float[np.ndarray, "sun 3"],
-    *,
-    rows: int,
-    seed: int,
-) -> Float[np.ndarray, "row sun batch 3"]:
-    count = len(suns)
-    lane = dr.arange(mi.UInt32, rows * count * BATCHES)
-    pair = lane // BATCHES
-    row = pair // dr.opaque(mi.UInt32, count)
-    sun = pair % dr.opaque(mi.UInt32, count)
-    key = mi.sample_tea_32(lane, dr.opaque(mi.UInt32, seed & 0xFFFFFFFF))[0]
+def _sensor_place(position, normal, row) -> Place:
     point = dr.gather(mi.Point3f, position, row)
     upwards = dr.gather(mi.Vector3f, normal, row)
-    place = Place(
+    return Place(
         point,
         lambda direction, active: point,
         lambda direction: mi.Color3f(dr.maximum(dr.dot(upwards, direction), 0)),
     )
-    with launching():
-        light = sunlight_at(
-            window,
-            sequence,
-            place,
-            dr.gather(mi.Vector3f, vectors(mi.Vector3f, suns), sun),
-            key,
-            mi.Bool(True),
-        )
-        dr.eval(light)
-        values = light.numpy()
-    return values.T.reshape(rows, count, BATCHES, 3).astype(float)

@@ -5,33 +5,23 @@ offsets grow with the distance from it, and models far from their origin are
 common.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.bsdf.scattering import FUNCTIONS
 from clerestory.engine import materials
+from clerestory.engine.grey import SHINING, channels_of
 from clerestory.engine.lamps import Lamps, split_by_surface
 from clerestory.engine.windows import WindowTable, window_shapes
-from clerestory.scene.model import (
-    BsdfSurface,
-    Glow,
-    Illum,
-    Light,
-    Material,
-    Scene,
-    Spotlight,
-)
+from clerestory.scene.model import BsdfSurface, Scene
 from clerestory.scene.tessellate import Mesh, meshes
 from clerestory.scene.window import Window
 
 # Shapes that are windows or lamps carry these names and their number.
 _WINDOW, _LAMP, _PROXY = "window", "lamp", "proxy"
-
-_SHINING = (Glow, Illum, Light, Spotlight)
 
 
 @dataclass
@@ -85,8 +75,8 @@ def lower(
     thickness: list[float] = []
     for number, mesh in enumerate(meshes(scene)):
         material = mesh.material
-        bsdf = materials.load(material)
-        if isinstance(material, _SHINING):
+        bsdf = materials.load(material, origin)
+        if isinstance(material, SHINING):
             for part in split_by_surface(mesh):
                 name = f"{_LAMP}{len(shining)}"
                 content[name] = _mesh(part.vertices - origin, part.faces, bsdf)
@@ -133,7 +123,7 @@ def lower(
         first_face=mi.UInt32(first_face),
         reach=mi.Float(np.concatenate(reach)),
         panes=panes or bool(thickness),
-        grey=all(is_grey(m) for m in scene.materials.values()),
+        grey=channels_of(scene) == 1,
         windows=table,
         lamps=Lamps.of(shining, origin),
         lamp_of_shape=mi.UInt32(lamps),
@@ -147,27 +137,6 @@ def _reach(mesh: mi.Mesh) -> Float[np.ndarray, " faces"]:
     vertices = np.abs(parameters["vertex_positions"].numpy().reshape(-1, 3))
     faces = parameters["faces"].numpy().reshape(-1, 3)
     return vertices.max(axis=1)[faces].max(axis=1)
-
-
-def is_grey(material: Material) -> bool:
-    """Whether a material treats all channels alike; what it sends does not count."""
-    if isinstance(material, _SHINING):
-        return not isinstance(material, Illum) or is_grey(material.alternate)
-    parts = [getattr(material, f.name) for f in fields(material)]
-    if any(isinstance(p, Material) and not is_grey(p) for p in parts):
-        return False
-    if isinstance(material, BsdfSurface) and any(
-        material.bsdf.in_colour(name) for name in FUNCTIONS if material.bsdf.has(name)
-    ):
-        return False
-    colours = (
-        getattr(material, f.name)
-        for f in fields(material)
-        if f.name not in ("up", "roughness", "transform")
-    )
-    return all(
-        bool(np.ptp(colour) == 0) for colour in colours if np.shape(colour) == (3,)
-    )
 
 
 def _mesh(

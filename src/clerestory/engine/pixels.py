@@ -1,78 +1,39 @@
-"""Pictures and sensors at one instant: launches, batches and their errors.
+"""Pixels and sensors at one instant, on the device: what traces their units.
 
-Every pixel or sensor is estimated by independent batches, each along its own
-scrambled sequence; their spread gives the standard error. More accuracy lengthens
-the sequences.
+Rays come from the middles of pixels and how they change across them, so that any
+view is traced alike; sensors send theirs from `look`.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from clerestory.engine import points as sampling
-from clerestory.engine.estimate import Effort
+from clerestory.engine.lit import IrradianceJob, PictureJob
 from clerestory.engine.look import Draw, LitScene, gather_at_sensor, look
 from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
-from clerestory.engine.points import Points, points
+from clerestory.engine.points import points
 from clerestory.engine.portals import Portals
 from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.upload import launching, vectors
+from clerestory.engine.work import Tracer, Unit
 from clerestory.scene.model import Scene
-from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
-# Independent batches of a picture's pixel, and of a sensor.
-PICTURE_BATCHES, SENSOR_BATCHES = 8, 16
 
-# Most paths in one launch, fewest points of a batch in it, most points of a batch.
-_PATHS = 1 << 21
-_SHORTEST = 8
-_LONGEST = 1 << 20
+def prepare_picture(job: PictureJob) -> Tracer:
+    """Return what traces the radiance of a view's pixels."""
+    rays = PixelRays.of(job.view, job.columns, job.rows)
+    origin = np.asarray(job.view.position, dtype=float)
+    lit, limit = _lit(job.scene, origin), _segments(job.bounces)
 
-# Sample points of a batch in the first round, when an error is aimed at.
-_PILOT = 8
-
-# Rows darker than this share of the mean need not reach the relative error.
-_DARK = 0.01
-
-
-@dataclass(frozen=True, eq=False)
-class Lit:
-    """Light that was gathered.
-
-    Attributes
-    ----------
-    value : RGB radiance of pixels or irradiance of sensors
-    error : standard error of each
-    paths : traced in all
-    reached : whether the relative error aimed at was reached
-    """
-
-    value: Float[np.ndarray, "row 3"]
-    error: Float[np.ndarray, "row 3"]
-    paths: int
-    reached: bool
-
-
-def trace_picture(
-    scene: Scene, view: View, columns: int, rows: int, effort: Effort
-) -> Lit:
-    """Return the radiance of a view's pixels, row by row from the top.
-
-    The relative error is that of the mean pixel: the root mean square of the standard
-    errors over the mean radiance.
-    """
-    rays = PixelRays.of(view, columns, rows)
-    origin = np.asarray(view.position, dtype=float)
-    lit = _lit(scene, origin)
-    limit = _segments(effort.bounces)
-
-    def launch(draw: Draw, row):
+    def light(draw: Draw, row):
         ray, valid = rays.through(
             row,
             draw.number(sampling.DIRECTION_U),
@@ -84,23 +45,19 @@ def trace_picture(
             mi.Bool(True), dr.opaque(mi.UInt32, limit), valid,
         )  # fmt: skip
 
-    def error(values: _Batches) -> float:
-        mean, deviation = values.mean(), values.error()
-        return float(np.sqrt(np.mean(deviation**2)) / max(mean.mean(), 1e-30))
-
-    return _estimate(launch, columns * rows, PICTURE_BATCHES, effort, error)
+    return _tracer(light, job.seed, job.batches)
 
 
-def trace_irradiance(scene: Scene, sensors: Sensors, effort: Effort) -> Lit:
-    """Return the irradiance of sensors; every one reaches the relative error."""
-    origin = np.mean(sensors.position, axis=0)
-    lit = _lit(scene, origin)
-    position = vectors(mi.Point3f, sensors.position - origin)
-    normal = vectors(mi.Vector3f, sensors.direction)
+def prepare_irradiance(job: IrradianceJob) -> Tracer:
+    """Return what traces the irradiance of sensors."""
+    origin = np.mean(job.sensors.position, axis=0)
+    lit = _lit(job.scene, origin)
+    position = vectors(mi.Point3f, job.sensors.position - origin)
+    normal = vectors(mi.Vector3f, job.sensors.direction)
     # Radiance counts a sensor's own gather as a bounce
-    limit = (1 << 30) if effort.bounces is None else effort.bounces
+    limit = (1 << 30) if job.bounces is None else job.bounces
 
-    def launch(draw: Draw, row):
+    def gathered(draw: Draw, row):
         o = dr.gather(mi.Point3f, position, row)
         n = dr.gather(mi.Vector3f, normal, row)
         light, ray, weight, pdf = gather_at_sensor(lit, draw, o, n)
@@ -110,12 +67,7 @@ def trace_irradiance(scene: Scene, sensors: Sensors, effort: Effort) -> Lit:
             mi.Bool(False), dr.opaque(mi.UInt32, limit), active,
         )  # fmt: skip
 
-    def error(values: _Batches) -> float:
-        mean, deviation = values.mean(), values.error()
-        floor = np.maximum(mean, _DARK * mean.mean())
-        return float(np.max(deviation / np.where(floor > 0, floor, 1), initial=0.0))
-
-    return _estimate(launch, len(sensors.position), SENSOR_BATCHES, effort, error)
+    return _tracer(gathered, job.seed, job.batches)
 
 
 def _lit(scene: Scene, origin: Float[np.ndarray, "3"]) -> LitScene:
@@ -186,91 +138,23 @@ def _rays(kind: type, values: Float[np.ndarray, "row column 3"]):
     return vectors(kind, values.reshape(-1, 3))
 
 
-@dataclass
-class _Batches:
-    # Sums over the sample points of each batch
-    total: Float[np.ndarray, "batch row 3"]
-    count: int = 0
+def _tracer(light: Callable, seed: int, batches: int) -> Tracer:
+    stretch = lru_cache(maxsize=1)(points)
 
-    def mean(self) -> Float[np.ndarray, "row 3"]:
-        return self.total.mean(axis=0) / self.count
+    def trace(unit: Unit) -> Float[np.ndarray, "batch row 3"]:
+        # Trace consecutive rows along a stretch of the sequence
+        sequence, count = stretch(unit.first, unit.count), unit.count
+        lane = dr.arange(mi.UInt32, len(unit.rows) * batches * count)
+        index = lane % dr.opaque(mi.UInt32, count)
+        slot = lane // dr.opaque(mi.UInt32, count)
+        absolute = slot + dr.opaque(mi.UInt32, int(unit.rows[0]) * batches)
+        row = absolute // dr.opaque(mi.UInt32, batches)
+        key = mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[0]
+        with launching():
+            found = light(Draw(sequence, key, index, mi.UInt32(0)), row)
+            dr.eval(found)
+            total = dr.block_reduce(dr.ReduceOp.Add, found, count).numpy()
+        sums = total.T.reshape(len(unit.rows), batches, 3).transpose(1, 0, 2)
+        return sums.astype(float)
 
-    def error(self) -> Float[np.ndarray, "row 3"]:
-        return self.total.std(axis=0, ddof=1) / (self.count * len(self.total) ** 0.5)
-
-
-def _estimate(
-    launch: Callable, rows: int, batches: int, effort: Effort, error: Callable
-) -> Lit:
-    sums = _Batches(np.zeros((batches, rows, 3)))
-    length = _PILOT
-    if effort.samples is not None:
-        length = max(1, -(-effort.samples // batches))
-    start, share = 0.0, 1.0 if effort.samples is not None else 0.05
-    while True:
-        _lengthen(launch, sums, length, effort, start, share)
-        if effort.samples is not None:
-            reached = True
-            break
-        ratio = error(sums) / effort.relative_error
-        reached = ratio <= 1
-        if reached or length >= _LONGEST:
-            break
-        growth = float(np.clip(ratio**1.6, 2, 16))
-        start, share = start + share, (1 - start - share) * 0.8
-        length = min(int(length * 2 ** np.ceil(np.log2(growth))), _LONGEST)
-    if effort.progress:
-        effort.progress(1.0, "done")
-    return Lit(sums.mean(), sums.error(), rows * batches * sums.count, reached)
-
-
-def _lengthen(
-    launch: Callable,
-    sums: _Batches,
-    length: int,
-    effort: Effort,
-    start: float,
-    share: float,
-) -> None:
-    # Bring every batch to `length` sample points, many rows or many points a launch
-    batches, rows, _ = sums.total.shape
-    have = begin = sums.count
-    while have < length:
-        count = min(length - have, max(_SHORTEST, _PATHS // (batches * rows)))
-        block = max(1, _PATHS // (batches * count))
-        sequence = points(have, count)
-        for at in range(0, rows, block):
-            number = np.arange(at, min(at + block, rows))
-            sums.total[:, number] += _launch(
-                launch, sequence, effort.seed, number, batches
-            )
-            if effort.progress:
-                part = (have - begin + count * (number[-1] + 1) / rows) / (
-                    length - begin
-                )
-                effort.progress(start + share * part, f"{length * batches} samples")
-        have += count
-    sums.count = length
-
-
-def _launch(
-    launch: Callable,
-    sequence: Points,
-    seed: int,
-    rows: Int[np.ndarray, " row"],
-    batches: int,
-) -> Float[np.ndarray, "batch row 3"]:
-    # Trace consecutive rows along a stretch of the sequence
-    count = sequence.count
-    lane = dr.arange(mi.UInt32, len(rows) * batches * count)
-    index = lane % dr.opaque(mi.UInt32, count)
-    slot = lane // dr.opaque(mi.UInt32, count)
-    absolute = slot + dr.opaque(mi.UInt32, int(rows[0]) * batches)
-    row = absolute // dr.opaque(mi.UInt32, batches)
-    key = mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[0]
-    draw = Draw(sequence, key, index, mi.UInt32(0))
-    with launching():
-        light = launch(draw, row)
-        dr.eval(light)
-        total = dr.block_reduce(dr.ReduceOp.Add, light, count).numpy()
-    return total.T.reshape(len(rows), batches, 3).transpose(1, 0, 2).astype(float)
+    return trace

@@ -1,18 +1,24 @@
 """BSDF matrices of a sample area: shares of light from patch to patch."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Literal
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
+from clerestory.engine.device import in_use
 from clerestory.engine.estimate import Effort, Estimate, Sums, estimate, variance
+from clerestory.engine.grey import channels_of
+from clerestory.engine.launches import matrix_tracer
 from clerestory.engine.patches import PatchTable
-from clerestory.engine.points import points
+from clerestory.engine.points import Points
 from clerestory.engine.sample_area import follow, lower_slab, start
-from clerestory.engine.starts import Lanes, lanes
+from clerestory.engine.starts import Lanes
 from clerestory.engine.walk import Target
+from clerestory.engine.work import Tracer, Unit
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
 
@@ -46,16 +52,42 @@ class Patches:
         self.target.score(paths.slot, column, weight, active)
 
 
+@dataclass(frozen=True, eq=False)
+class SlabJob:
+    """From the incident patches of a sample area to the patches both ways out."""
+
+    tracer: ClassVar[tuple[str, str]] = ("sample_area_matrix", "prepare_slab")
+
+    scene: Scene
+    box: Float[np.ndarray, "2 3"]
+    partition: RingPartition
+    periodic: bool
+    sides: tuple[bool, ...]
+    bounces: int | None
+    seed: int
+    batches: int
+    device: Literal["cpu", "cuda"]
+    incidents: Int[np.ndarray, " incident"]
+
+    @cached_property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Rows, batches, columns and channels."""
+        rows = len(self.sides) * len(self.incidents)
+        return rows, self.batches, 2 * len(self.partition), channels_of(self.scene)
+
+
 def trace_matrix(
     scene: Scene,
     box: Float[np.ndarray, "2 3"],
     partition: RingPartition,
+    incidents: Int[np.ndarray, " incident"],
     *,
+    stands_for: Int[np.ndarray, " incident"],
     periodic: bool,
     sides: tuple[bool, ...],
     effort: Effort,
 ) -> Estimate:
-    """Trace from the incident patches of some sides to the patches both ways out.
+    """Trace from incident patches of some sides to the patches both ways out.
 
     A row is an incident patch of a side, side by side; the columns are the patches of
     transmission, then those of reflection. Patches are those of the direction of
@@ -67,29 +99,49 @@ def trace_matrix(
     Parameters
     ----------
     box : of the slab, between the planes that paths start from [m]
+    incidents : numbers of the incident patches
+    stands_for : how many patches that are alike each of them stands for
     sides : for each side in turn, whether it is the back, that of the room
     """
-    slab = lower_slab(scene, box, periodic=periodic)
-    table, count = PatchTable.of(partition), len(partition)
-    backs = mi.Bool([bool(side) for side in sides])
-    limit = (1 << 30) if effort.bounces is None else effort.bounces + 1
+    job = SlabJob(
+        scene,
+        box,
+        partition,
+        periodic,
+        sides,
+        effort.bounces,
+        effort.seed,
+        effort.batches,
+        in_use(),
+        incidents,
+    )
+    weight = np.tile(stands_for / stands_for.mean(), len(sides))
     measure = np.tile(partition.projected_solid_angles(), 2)
-
-    def launch(target: Target, rows: np.ndarray, first: int, number: int) -> None:
-        sequence = points(first, number)
-        seed = effort.seed ^ _SALT
-        paths = lanes(sequence, rows=rows, batches=effort.batches, seed=seed, stream=0)
-        back = dr.gather(mi.Bool, backs, paths.number // count)
-        ray = start(slab, sequence, paths, table, paths.number % count, back)
-        receiver = Patches(target, table, count, back)
-        follow(slab, receiver, sequence, paths, ray, dr.opaque(mi.UInt32, limit))
 
     def noisy(sums: Sums) -> tuple[np.ndarray, float]:
         values = sums.means() / measure[:, None]
-        error = np.sqrt(np.mean(variance(values, axis=1)))
-        mean = float(np.mean(values))
+        error = np.sqrt(np.mean(weight[:, None, None] * variance(values, axis=1)))
+        mean = float(np.mean(weight[:, None, None, None] * values))
         ratio = error / (effort.relative_error * mean) if mean > 0 else 0.0
         return np.full(len(sums.count), ratio > 1), float(ratio)
 
-    target = Target(None, None, mi.UInt64(), 2 * count, 1 if slab.grey else 3)
-    return estimate(launch, target, len(sides) * count, effort, noisy, together=True)
+    return estimate(job, effort, noisy, together=True)
+
+
+def prepare_slab(job: SlabJob) -> Tracer:
+    """Return what traces units of the matrices of a sample area."""
+    slab = lower_slab(job.scene, job.box, periodic=job.periodic)
+    table, count = PatchTable.of(job.partition), len(job.incidents)
+    incidents = mi.UInt32(job.incidents.astype(np.uint32))
+    backs = mi.Bool([bool(side) for side in job.sides])
+    limit = (1 << 30) if job.bounces is None else job.bounces + 1
+
+    def launch(target: Target, sequence: Points, paths: Lanes, _unit: Unit) -> None:
+        back = dr.gather(mi.Bool, backs, paths.number // count)
+        patch = dr.gather(mi.UInt32, incidents, paths.number % count)
+        ray = start(slab, sequence, paths, table, patch, back)
+        receiver = Patches(target, table, len(job.partition), back)
+        follow(slab, receiver, sequence, paths, ray, dr.opaque(mi.UInt32, limit))
+
+    target = Target(None, None, mi.UInt64(), *job.shape[2:])
+    return matrix_tracer(job, target, launch, stream=0, seed=job.seed ^ _SALT)

@@ -10,18 +10,12 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.engine import points as sampling
-from clerestory.engine.estimate import (
-    Effort,
-    Estimate,
-    Sums,
-    estimate,
-    matrix_target,
-    variance,
-)
+from clerestory.engine.launches import matrix_tracer
 from clerestory.engine.lower import lower
 from clerestory.engine.pixels import PixelRays
-from clerestory.engine.points import points
-from clerestory.engine.starts import Lanes, lanes
+from clerestory.engine.points import Points
+from clerestory.engine.starts import Lanes
+from clerestory.engine.traces import PixelViewJob
 from clerestory.engine.walk import (
     CONNECTIONS,
     Target,
@@ -31,44 +25,24 @@ from clerestory.engine.walk import (
     towards,
     walk,
 )
-from clerestory.scene.model import Scene
-from clerestory.scene.view import View
-from clerestory.scene.window import Window
+from clerestory.engine.work import Tracer, Unit
 
 # Streams of random numbers, apart from those of sensors and of window patches
 _WHOLE, _DIRECT = 0, 1
 
 
-def trace_pixel_view(
-    scene: Scene,
-    windows: tuple[Window, ...],
-    view: View,
-    columns: int,
-    rows: int,
-    effort: Effort,
-    *,
-    direct: bool,
-) -> Estimate:
-    """Trace from pixels to the patches of all windows (columns: window by window).
+def prepare_pixel_view(job: PixelViewJob) -> Tracer:
+    """Return what traces from pixels to windows."""
+    origin = np.asarray(job.view.position, dtype=float)
+    model = lower(job.scene, origin=origin, receivers=job.windows)
+    rays = PixelRays.of(job.view, job.columns, job.rows)
+    limit = (1 << 30) if job.bounces is None else job.bounces + 1
 
-    The relative error is that of the mean pixel under windows of uniform radiance.
-    """
-    origin = np.asarray(view.position, dtype=float)
-    model = lower(scene, origin=origin, receivers=windows)
-    target = matrix_target(model, None, model.windows.columns)
-    rays = PixelRays.of(view, columns, rows)
-    limit = (1 << 30) if effort.bounces is None else effort.bounces + 1
-
-    def launch(target: Target, rows: np.ndarray, first: int, count: int) -> None:
-        sequence = points(first, count)
-        stream = _DIRECT if direct else _WHOLE
-        paths = lanes(
-            sequence, rows=rows, batches=effort.batches, seed=effort.seed, stream=stream
-        )
+    def launch(target: Target, sequence: Points, paths: Lanes, _unit: Unit) -> None:
         x = _number(sequence, paths, sampling.DIRECTION_U)
         y = _number(sequence, paths, sampling.DIRECTION_V)
         ray, valid = rays.through(paths.number, x, y, origin)
-        if direct:
+        if job.direct:
             _connect_first(target, sequence, paths, ray, valid)
         else:
             walk(
@@ -76,14 +50,9 @@ def trace_pixel_view(
                 paths.seed, paths.index, valid, dr.opaque(mi.UInt32, limit),
             )  # fmt: skip
 
-    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
-        radiance = sums.means().sum(axis=2)
-        error = np.sqrt(np.mean(variance(radiance, axis=1)))
-        mean = float(radiance.mean())
-        ratio = error / (effort.relative_error * mean) if mean > 0 else 0.0
-        return np.full(len(sums.count), ratio > 1), float(ratio)
-
-    return estimate(launch, target, columns * rows, effort, noisy)
+    target = Target(model, None, mi.UInt64(), *job.shape[2:])
+    stream = _DIRECT if job.direct else _WHOLE
+    return matrix_tracer(job, target, launch, stream=stream)
 
 
 def _number(sequence, paths: Lanes, purpose: int):

@@ -16,14 +16,14 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine import points as sampling
+from clerestory.engine.estimate import FIXED_POINT
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.points import Points
 
-# One unit of a sum is 2⁻⁴⁰ of a weight; sums stay exact below 2²⁴. A weight is cut
-# into two whole numbers of twenty bits and more, which processors convert fastest.
-_HALF = float(1 << 20)
-FIXED_POINT = _HALF * _HALF
+# A weight is cut into two whole numbers of twenty bits and more, which processors
+# convert fastest.
+_HALF = FIXED_POINT**0.5
 
 # Weights are at most a few π; anything beyond this limit would overflow.
 _HEAVIEST = 2000.0

@@ -18,8 +18,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine import device as devices
 from clerestory.engine.device import Device
+from clerestory.engine.sunlit import PixelSunJob, trace_pixel_sun
+from clerestory.engine.traces import trace_pixel_view
+from clerestory.engine.work import Executor, Local
 from clerestory.errors import InputError, MatrixError
 from clerestory.image.picture import Picture
 from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
@@ -81,6 +83,7 @@ def picture_view_matrices(
     bounces: int | None = None,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> dict[str, TransferMatrix]:
     """View matrices of a picture by window name: radiance of pixels per patch's.
@@ -106,12 +109,12 @@ def picture_view_matrices(
         bounces=bounces,
         seed=seed,
         device=device,
+        executor=executor,
         progress=progress,
         batches=_BATCHES,
         components=False,
     )
-    engine = devices.load(device, "view_pixels")
-    estimate = engine.trace_pixel_view(
+    estimate = trace_pixel_view(
         scene,
         tuple(windows),
         camera.view,
@@ -148,6 +151,7 @@ def sun_pictures(
     samples: int = 16,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> SunPictures:
     """Return a function that traces direct-sun coefficients of a picture when asked.
@@ -157,8 +161,8 @@ def sun_pictures(
     """
     number = check_window(windows, window, bsdf, suns, samples)
     behind = suns @ windows[number].frame.normal < 0
-    engine: Any = devices.load(device, "sun_pixels")
-    pixels = engine.PixelSuns(
+    where = executor or Local()
+    job = PixelSunJob(
         scene,
         tuple(windows),
         number,
@@ -166,9 +170,11 @@ def sun_pictures(
         camera.view,
         camera.columns,
         camera.rows,
+        suns,
         peak=peak,
         samples=samples,
         seed=seed,
+        device=where.resolve(device),
     )
 
     def coefficients(asked: np.ndarray) -> np.ndarray:
@@ -176,7 +182,9 @@ def sun_pictures(
         lit = behind[asked]
         if lit.any():
             chosen = asked[lit]
-            values[..., lit] = pixels.trace(suns[chosen], chosen, progress)
+            values[..., lit] = trace_pixel_sun(
+                job, chosen, executor=where, progress=progress
+            )
         return values
 
     return coefficients
@@ -194,6 +202,7 @@ def picture_sun_coefficients(
     samples: int = 16,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> TransferMatrix:
     """Direct-sun coefficients of a picture: radiance per normal irradiance [1/sr].
@@ -207,7 +216,7 @@ def picture_sun_coefficients(
     """
     trace = sun_pictures(
         scene, windows, window, bsdf, camera, suns=suns, peak=peak, samples=samples,
-        seed=seed, device=device, progress=progress,
+        seed=seed, device=device, executor=executor, progress=progress,
     )  # fmt: skip
     values = trace(np.arange(len(suns)))
     return TransferMatrix(values, pixel_axis(len(camera)), sun_axis(len(suns)))

@@ -6,15 +6,16 @@ as `gensky` and `gendaylit` describe them. Every pixel and sensor has a standard
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
-from clerestory.engine import device as devices
 from clerestory.engine.device import Device
+from clerestory.engine.estimate import Effort
+from clerestory.engine.lit import trace_irradiance, trace_picture
+from clerestory.engine.work import Executor
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.phases.trace import matrix_effort, warn_if_short
@@ -76,6 +77,7 @@ def render(
     bounces: int | None = None,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Rendering:
     """Trace a picture.
@@ -91,6 +93,7 @@ def render(
     bounces : most diffuse reflections, as Radiance's -ab; no limit by default
     seed : whole number ≥ 0; the same seed on the same device gives the same bits
     device : "auto" takes a GPU if there is one
+    executor : where the work is done, such as a `Cluster`; this process by default
     progress : called with the share done, 0…1, and a note
 
     Raises
@@ -103,9 +106,8 @@ def render(
             f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected"
         )
     _check_light(scene)
-    effort = _effort(samples, relative_error, bounces, seed, device, progress)
-    engine = devices.load(device, "pixels")
-    lit = engine.trace_picture(scene, view, columns, rows, effort)
+    effort = _effort(samples, relative_error, bounces, seed, device, executor, progress)
+    lit = trace_picture(scene, view, columns, rows, effort)
     warn_if_short(lit, "picture", relative_error)
     picture = Picture(
         lit.value.reshape(rows, columns, 3).astype(np.float32),
@@ -124,6 +126,7 @@ def irradiance(
     bounces: int | None = None,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Gathered:
     """Trace the irradiance of sensors under the scene's own sky and lamps [W/m²].
@@ -138,9 +141,8 @@ def irradiance(
             "bounces = 0; the first gather of a sensor counts: 1 or more expected"
         )
     _check_light(scene)
-    effort = _effort(samples, relative_error, bounces, seed, device, progress)
-    engine = devices.load(device, "pixels")
-    lit = engine.trace_irradiance(scene, sensors, effort)
+    effort = _effort(samples, relative_error, bounces, seed, device, executor, progress)
+    lit = trace_irradiance(scene, sensors, effort)
     warn_if_short(lit, "irradiance", relative_error)
     return Gathered(lit.value, lit.error, lit.paths)
 
@@ -163,8 +165,9 @@ def _effort(
     bounces: int | None,
     seed: int,
     device: Device,
+    executor: Executor | None,
     progress: Progress | None,
-) -> Any:
+) -> Effort:
     if samples is None and relative_error is None:
         relative_error = DEFAULT_RELATIVE_ERROR
     return matrix_effort(
@@ -173,5 +176,6 @@ def _effort(
         bounces=bounces,
         seed=seed,
         device=device,
+        executor=executor,
         progress=progress,
     )

@@ -13,8 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine import device as devices
 from clerestory.engine.device import Device
+from clerestory.engine.sunlit import SunJob, trace_sun
+from clerestory.engine.work import Executor, Local
 from clerestory.errors import InputError
 from clerestory.matrix.axis import sensor_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -47,6 +48,7 @@ def sun_coefficients(
     samples: int = 64,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> TransferMatrix:
     """Direct-sun coefficients C_ds of one window: irradiance per normal irradiance.
@@ -65,6 +67,7 @@ def sun_coefficients(
         (as Radiance's aBSDF does)
     samples : paths per sensor and sun
     seed : whole number ≥ 0; the same seed on the same device gives the same bits
+    executor : where the work is done, such as a `Cluster`; this process by default
 
     Raises
     ------
@@ -73,8 +76,8 @@ def sun_coefficients(
     """
     number = check_window(windows, window, bsdf, suns, samples)
     behind = suns @ windows[number].frame.normal < 0
-    engine = devices.load(device, "direct_sun")
-    estimate = engine.trace_sun(
+    executor = executor or Local()
+    job = SunJob(
         blackened(scene),
         tuple(windows),
         number,
@@ -84,8 +87,9 @@ def sun_coefficients(
         peak=peak,
         samples=samples,
         seed=seed,
-        progress=progress,
+        device=executor.resolve(device),
     )
+    estimate = trace_sun(job, executor=executor, progress=progress)
     rows = sensor_axis(len(sensors.position), sensors.names)
     shape = (len(estimate.values), rows.size, len(suns))
     values = np.zeros(shape)

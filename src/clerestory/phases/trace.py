@@ -16,8 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from clerestory.engine import device as devices
 from clerestory.engine.device import Device
+from clerestory.engine.estimate import Effort, Estimate
+from clerestory.engine.traces import trace_coefficients, trace_daylight, trace_view
+from clerestory.engine.work import Executor, Local
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, window_axis
@@ -42,6 +44,7 @@ def view_matrix(
     bounces: int | None = None,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> TransferMatrix:
     """View matrix of one window: irradiance of sensors per radiance of patches [sr].
@@ -60,6 +63,8 @@ def view_matrix(
     bounces : most gathers, as Radiance's -ab; no limit by default
     seed : whole number ≥ 0; the same seed on the same device gives the same bits
     device : "auto" takes a GPU if there is one
+    executor : where the work is done, such as a `Cluster`; this process by default.
+        It changes no bit of the result
     progress : called with the share done, 0…1, and a note
 
     Raises
@@ -76,6 +81,7 @@ def view_matrix(
         bounces=bounces,
         seed=seed,
         device=device,
+        executor=executor,
         progress=progress,
     )
     return traced[window.name]
@@ -91,6 +97,7 @@ def view_matrices(
     bounces: int | None = None,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> dict[str, TransferMatrix]:
     """View matrices of several windows, traced at once, by window name.
@@ -100,8 +107,16 @@ def view_matrices(
     """
     _check_names(windows)
     rows = _sensor_rows(sensors, bounces)
-    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
-    estimate = engine.trace_view(scene, tuple(windows), sensors, effort)
+    effort = matrix_effort(
+        samples=samples,
+        relative_error=relative_error,
+        bounces=bounces,
+        seed=seed,
+        device=device,
+        executor=executor,
+        progress=progress,
+    )
+    estimate = trace_view(scene, tuple(windows), sensors, effort)
     found, first = {}, 0
     for window in windows:
         columns = window_axis("interior", window.partition, window.name)
@@ -122,6 +137,7 @@ def daylight_matrix(
     bounces: int | None = None,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> TransferMatrix:
     """Daylight matrix of one window: radiance of its patches per radiance of the sky's.
@@ -139,9 +155,17 @@ def daylight_matrix(
 
     The other parameters are those of `view_matrix`.
     """
-    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
+    effort = matrix_effort(
+        samples=samples,
+        relative_error=relative_error,
+        bounces=bounces,
+        seed=seed,
+        device=device,
+        executor=executor,
+        progress=progress,
+    )
     sky = reinhart(subdivision)
-    estimate = engine.trace_daylight(scene, window, sky, effort)
+    estimate = trace_daylight(scene, window, sky, effort)
     warn_if_short(estimate, f"daylight matrix of {window.name!r}", relative_error)
     rows = window_axis("exterior", window.partition, window.name)
     return _matrix(estimate, rows, sky_axis(sky), slice(None))
@@ -157,6 +181,7 @@ def daylight_matrices(
     bounces: int | None = None,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> dict[str, TransferMatrix]:
     """Daylight matrices of several windows by window name; see `daylight_matrix`."""
@@ -172,6 +197,7 @@ def daylight_matrices(
             bounces=bounces,
             seed=seed + number,
             device=device,
+            executor=executor,
             progress=_part(progress, number, len(windows), window.name),
         )
     return found
@@ -187,6 +213,7 @@ def daylight_coefficients(
     bounces: int | None = None,
     seed: int = 0,
     device: Device = "auto",
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> TransferMatrix:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr].
@@ -195,30 +222,19 @@ def daylight_coefficients(
     at is that of the irradiance under a uniform sky. See `view_matrix`.
     """
     rows = _sensor_rows(sensors, bounces)
-    engine, effort = _engine(samples, relative_error, bounces, seed, device, progress)
-    sky = reinhart(subdivision)
-    estimate = engine.trace_coefficients(scene, sky, sensors, effort)
-    warn_if_short(estimate, "daylight coefficients", relative_error)
-    return _matrix(estimate, rows, sky_axis(sky), slice(None))
-
-
-def _engine(
-    samples: int | None,
-    relative_error: float | None,
-    bounces: int | None,
-    seed: int,
-    device: Device,
-    progress: Progress | None,
-) -> tuple[Any, Any]:
     effort = matrix_effort(
         samples=samples,
         relative_error=relative_error,
         bounces=bounces,
         seed=seed,
         device=device,
+        executor=executor,
         progress=progress,
     )
-    return devices.load(device), effort
+    sky = reinhart(subdivision)
+    estimate = trace_coefficients(scene, sky, sensors, effort)
+    warn_if_short(estimate, "daylight coefficients", relative_error)
+    return _matrix(estimate, rows, sky_axis(sky), slice(None))
 
 
 def matrix_effort(
@@ -228,10 +244,11 @@ def matrix_effort(
     bounces: int | None,
     seed: int,
     device: Device,
+    executor: Executor | None,
     progress: Progress | None,
     **more: Any,
-) -> Any:
-    """Check how long to trace, before the device is started, and then start it.
+) -> Effort:
+    """Check how long to trace, and find the device that it is done on.
 
     Raises
     ------
@@ -249,12 +266,15 @@ def matrix_effort(
         raise InputError(f"bounces = {bounces}; 0 or more expected")
     if not 0 <= seed < 1 << 32:
         raise InputError(f"seed = {seed}; a whole number from 0 to 2^32 - 1 expected")
-    return devices.load(device).Effort(
+    executor = executor or Local()
+    return Effort(
         samples=samples,
         relative_error=relative_error,
         bounces=bounces,
         seed=seed,
         progress=progress,
+        device=executor.resolve(device),
+        executor=executor,
         **more,
     )
 
@@ -280,7 +300,9 @@ def _sensor_rows(sensors: Sensors, bounces: int | None) -> Axis:
     return sensor_axis(len(sensors.position), sensors.names)
 
 
-def _matrix(estimate: Any, rows: Axis, columns: Axis, part: slice) -> TransferMatrix:
+def _matrix(
+    estimate: Estimate, rows: Axis, columns: Axis, part: slice
+) -> TransferMatrix:
     values = np.ascontiguousarray(estimate.values[:, :, part])
     components = np.ascontiguousarray(estimate.components[:, :, :, part])
     return TransferMatrix(values, rows, columns, components)

@@ -1,0 +1,186 @@
+"""Jobs for pictures and sensors at one instant: rounds, batches and their errors.
+
+Every pixel or sensor is estimated by independent batches, each along its own
+scrambled sequence; their spread gives the standard error. More accuracy lengthens
+the sequences. What shines has no largest radiance, so sums are floating-point; they
+are added in the order of their units, whoever traced them.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.estimate import Effort
+from clerestory.engine.work import Job, Unit
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.view import View
+
+# Independent batches of a picture's pixel, and of a sensor.
+PICTURE_BATCHES, SENSOR_BATCHES = 8, 16
+
+# Most paths in one unit, fewest points of a batch in it, most points of a batch.
+_PATHS = 1 << 21
+_SHORTEST = 8
+_LONGEST = 1 << 20
+
+# Sample points of a batch in the first round, when an error is aimed at.
+_PILOT = 8
+
+# Rows darker than this share of the mean need not reach the relative error.
+_DARK = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """Light that was gathered.
+
+    Attributes
+    ----------
+    value : RGB radiance of pixels or irradiance of sensors
+    error : standard error of each
+    paths : traced in all
+    reached : whether the relative error aimed at was reached
+    """
+
+    value: Float[np.ndarray, "row 3"]
+    error: Float[np.ndarray, "row 3"]
+    paths: int
+    reached: bool
+
+
+@dataclass(frozen=True, eq=False)
+class PictureJob:
+    """Radiance of a view's pixels, row by row from the top."""
+
+    tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_picture")
+    batches: ClassVar[int] = PICTURE_BATCHES
+
+    scene: Scene
+    view: View
+    columns: int
+    rows: int
+    bounces: int | None
+    seed: int
+    device: Literal["cpu", "cuda"]
+
+
+@dataclass(frozen=True, eq=False)
+class IrradianceJob:
+    """Irradiance of sensors."""
+
+    tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_irradiance")
+    batches: ClassVar[int] = SENSOR_BATCHES
+
+    scene: Scene
+    sensors: Sensors
+    bounces: int | None
+    seed: int
+    device: Literal["cpu", "cuda"]
+
+
+@dataclass
+class Batches:
+    """Sums over the sample points of each batch."""
+
+    total: Float[np.ndarray, "batch row 3"]
+    count: int = 0
+
+    def mean(self) -> Float[np.ndarray, "row 3"]:
+        """Mean over all batches."""
+        mean: np.ndarray = self.total.mean(axis=0) / self.count
+        return mean
+
+    def error(self) -> Float[np.ndarray, "row 3"]:
+        """Standard error of the mean."""
+        spread: np.ndarray = self.total.std(axis=0, ddof=1)
+        return spread / (self.count * math.sqrt(len(self.total)))
+
+
+def trace_picture(
+    scene: Scene, view: View, columns: int, rows: int, effort: Effort
+) -> Lit:
+    """Return the radiance of a view's pixels, row by row from the top.
+
+    The relative error is that of the mean pixel: the root mean square of the standard
+    errors over the mean radiance.
+    """
+    walk = effort.bounces, effort.seed, effort.device
+    job = PictureJob(scene, view, columns, rows, *walk)
+
+    def error(values: Batches) -> float:
+        mean, deviation = values.mean(), values.error()
+        return float(np.sqrt(np.mean(deviation**2)) / max(mean.mean(), 1e-30))
+
+    return _estimate(job, columns * rows, job.batches, effort, error)
+
+
+def trace_irradiance(scene: Scene, sensors: Sensors, effort: Effort) -> Lit:
+    """Return the irradiance of sensors; every one reaches the relative error."""
+    job = IrradianceJob(scene, sensors, effort.bounces, effort.seed, effort.device)
+
+    def error(values: Batches) -> float:
+        mean, deviation = values.mean(), values.error()
+        floor = np.maximum(mean, _DARK * mean.mean())
+        return float(np.max(deviation / np.where(floor > 0, floor, 1), initial=0.0))
+
+    return _estimate(job, len(sensors), job.batches, effort, error)
+
+
+def _estimate(
+    job: Job,
+    rows: int,
+    batches: int,
+    effort: Effort,
+    error: Callable[[Batches], float],
+) -> Lit:
+    sums = Batches(np.zeros((batches, rows, 3)))
+    length = _PILOT
+    if effort.samples is not None:
+        length = max(1, -(-effort.samples // batches))
+    start, share = 0.0, 1.0 if effort.samples is not None else 0.05
+    while True:
+        _lengthen(job, sums, length, effort, start, share)
+        if effort.samples is not None:
+            reached = True
+            break
+        ratio = error(sums) / (effort.relative_error or 1.0)
+        reached = ratio <= 1
+        if reached or length >= _LONGEST:
+            break
+        growth = float(np.clip(ratio**1.6, 2, 16))
+        start, share = start + share, (1 - start - share) * 0.8
+        length = min(int(length * 2 ** np.ceil(np.log2(growth))), _LONGEST)
+    if effort.progress:
+        effort.progress(1.0, "done")
+    return Lit(sums.mean(), sums.error(), rows * batches * sums.count, reached)
+
+
+def _lengthen(
+    job: Job, sums: Batches, length: int, effort: Effort, start: float, share: float
+) -> None:
+    # Bring every batch to `length` sample points, unit by unit
+    batches, rows, _ = sums.total.shape
+    units = list(_units(rows, batches, sums.count, length))
+    work, done = rows * (length - sums.count), 0
+    for unit, part in zip(units, effort.executor.map(job, units), strict=True):
+        sums.total[:, unit.rows] += part
+        done += len(unit.rows) * unit.count
+        if effort.progress:
+            note = f"{length * batches} samples"
+            effort.progress(start + share * done / work, note)
+    sums.count = length
+
+
+def _units(rows: int, batches: int, have: int, length: int) -> Iterator[Unit]:
+    # Many rows or many points each; the cut must not depend on the machine
+    while have < length:
+        count = min(length - have, max(_SHORTEST, _PATHS // (batches * rows)))
+        block = max(1, _PATHS // (batches * count))
+        for first in range(0, rows, block):
+            yield Unit(np.arange(first, min(first + block, rows)), have, count)
+        have += count

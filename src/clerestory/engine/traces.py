@@ -1,0 +1,242 @@
+"""Jobs that trace transfer matrices, and when their rows are good enough.
+
+    V  sensors or pixels × interior patches     trace_view, trace_pixel_view
+    D  exterior patches × sky                   trace_daylight
+    C  sensors × sky                            trace_coefficients
+
+Nothing here needs a compute device: the jobs are plain values, and what traces them
+lies in `launches` and `view_pixels`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.estimate import (
+    Effort,
+    Estimate,
+    Sums,
+    Unfinished,
+    estimate,
+    estimate_blocks,
+    variance,
+)
+from clerestory.engine.grey import channels_of
+from clerestory.hemisphere.reinhart import SkyPartition
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.view import View
+from clerestory.scene.window import Window
+
+# Rows darker than this share of the mean row need not reach the relative error.
+_DARK = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class ViewJob:
+    """From irradiance sensors to the patches of windows.
+
+    Attributes
+    ----------
+    bounces : most gathers; None: no limit
+    """
+
+    tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_view")
+
+    scene: Scene
+    windows: tuple[Window, ...]
+    sensors: Sensors
+    bounces: int | None
+    seed: int
+    batches: int
+    device: Literal["cpu", "cuda"]
+
+    @cached_property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Rows, batches, columns and channels."""
+        columns = sum(len(window.partition) for window in self.windows)
+        return len(self.sensors), self.batches, columns, channels_of(self.scene)
+
+
+@dataclass(frozen=True, eq=False)
+class CoefficientsJob:
+    """From irradiance sensors to the patches of the sky."""
+
+    tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_coefficients")
+
+    scene: Scene
+    sky: SkyPartition
+    sensors: Sensors
+    bounces: int | None
+    seed: int
+    batches: int
+    device: Literal["cpu", "cuda"]
+
+    @cached_property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Rows, batches, columns and channels."""
+        rows, columns = len(self.sensors), len(self.sky)
+        return rows, self.batches, columns, channels_of(self.scene)
+
+
+@dataclass(frozen=True, eq=False)
+class DaylightJob:
+    """From the outer side of a window's patches to the patches of the sky."""
+
+    tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_daylight")
+
+    scene: Scene
+    window: Window
+    sky: SkyPartition
+    bounces: int | None
+    seed: int
+    batches: int
+    device: Literal["cpu", "cuda"]
+
+    @cached_property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Rows, batches, columns and channels."""
+        rows, columns = len(self.window.partition), len(self.sky)
+        return rows, self.batches, columns, channels_of(self.scene)
+
+
+@dataclass(frozen=True, eq=False)
+class PixelViewJob:
+    """From the pixels of a view to the patches of windows.
+
+    Attributes
+    ----------
+    columns, rows : size of the picture
+    direct : whether paths stop at the first surface
+    """
+
+    tracer: ClassVar[tuple[str, str]] = ("view_pixels", "prepare_pixel_view")
+
+    scene: Scene
+    windows: tuple[Window, ...]
+    view: View
+    columns: int
+    rows: int
+    direct: bool
+    bounces: int | None
+    seed: int
+    batches: int
+    device: Literal["cpu", "cuda"]
+
+    @cached_property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Pixels, batches, columns and channels."""
+        columns = sum(len(window.partition) for window in self.windows)
+        pixels = self.columns * self.rows
+        return pixels, self.batches, columns, channels_of(self.scene)
+
+
+def trace_view(
+    scene: Scene, windows: tuple[Window, ...], sensors: Sensors, effort: Effort
+) -> Estimate:
+    """Trace from sensors to the patches of all windows (columns: window by window).
+
+    The relative error of a row is that of the irradiance [W/m²] under windows of
+    uniform radiance; every row goes on until it reaches it.
+    """
+    job = ViewJob(scene, windows, sensors, *_walk(effort))
+    return estimate(job, effort, dim_rows(effort))
+
+
+def trace_view_blocks(
+    scene: Scene, windows: tuple[Window, ...], sensors: Sensors, effort: Effort
+) -> Iterator[Estimate]:
+    """Yield what `trace_view` returns by consecutive blocks of sensors."""
+    job = ViewJob(scene, windows, sensors, *_walk(effort))
+    return estimate_blocks(job, effort, dim_rows(effort))
+
+
+def trace_coefficients(
+    scene: Scene, sky: SkyPartition, sensors: Sensors, effort: Effort
+) -> Estimate:
+    """Trace from sensors to the patches of the sky.
+
+    The relative error of a row is that of the irradiance under a uniform sky.
+    """
+    job = CoefficientsJob(scene, sky, sensors, *_walk(effort))
+    return estimate(job, effort, dim_rows(effort))
+
+
+def trace_daylight(
+    scene: Scene, window: Window, sky: SkyPartition, effort: Effort
+) -> Estimate:
+    """Trace from the outer side of a window's patches to the patches of the sky.
+
+    The relative error is the root mean square, over the sky's patches, of the error
+    of the window's irradiance from one patch, relative to the mean patch: it holds
+    for a sun that stands in any patch, not only for a uniform sky.
+    """
+    job = DaylightJob(scene, window, sky, *_walk(effort))
+    projected = window.partition.projected_solid_angles()
+
+    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
+        irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
+        error = float(np.sqrt(np.mean(variance(irradiance, axis=0))))
+        return _all_rows(sums, error, float(np.mean(irradiance)), effort)
+
+    return estimate(job, effort, noisy, together=True)
+
+
+def trace_pixel_view(
+    scene: Scene,
+    windows: tuple[Window, ...],
+    view: View,
+    columns: int,
+    rows: int,
+    effort: Effort,
+    *,
+    direct: bool,
+) -> Estimate:
+    """Trace from pixels to the patches of all windows (columns: window by window).
+
+    The relative error is that of the mean pixel under windows of uniform radiance.
+    """
+    picture = view, columns, rows, direct
+    job = PixelViewJob(scene, windows, *picture, *_walk(effort))
+
+    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
+        radiance = sums.collected()
+        error = float(np.sqrt(np.mean(variance(radiance, axis=1))))
+        return _all_rows(sums, error, float(radiance.mean()), effort)
+
+    return estimate(job, effort, noisy)
+
+
+def _walk(
+    effort: Effort,
+) -> tuple[int | None, int, int, Literal["cpu", "cuda"]]:
+    return effort.bounces, effort.seed, effort.batches, effort.device
+
+
+def _all_rows(
+    sums: Sums, error: float, mean: float, effort: Effort
+) -> tuple[np.ndarray, float]:
+    # Every row goes on until the error of all of them is reached
+    aim = (effort.relative_error or 1.0) * mean
+    ratio = error / aim if mean > 0 else 0.0
+    return np.full(len(sums.count), ratio > 1), ratio
+
+
+def dim_rows(effort: Effort) -> Unfinished:
+    """Return a judge by which each row goes on until it reaches its error."""
+    aim = effort.relative_error or 1.0
+
+    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
+        irradiance: Float[np.ndarray, "row batch channel"] = sums.collected()
+        mean = irradiance.mean(axis=1)
+        error = np.sqrt(variance(irradiance, axis=1))
+        floor = np.maximum(mean, _DARK * mean.mean())
+        share = np.max(error / np.where(floor > 0, floor, 1), axis=-1)
+        ratio = share / aim
+        return ratio > 1, float(ratio.max(initial=0.0))
+
+    return noisy
