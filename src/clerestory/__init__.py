@@ -56,6 +56,7 @@ _HOME = {
     "daylight_matrix": "phases.trace",
     "daylight_matrices": "phases.trace",
     "daylight_coefficients": "phases.trace",
+    "Cluster": "cluster.cluster",
     "irradiance": "phases.render",
     "render": "phases.render",
     "sky_at": "scene.sky",
