@@ -13,7 +13,8 @@ from clerestory.cli.metrics import metrics
 from clerestory.cli.multiply import multiply
 from clerestory.cli.picture_capture import calibrate, merge, reproject
 from clerestory.cli.render import render
-from clerestory.cli.run import demo, report, run
+from clerestory.cli.report import report
+from clerestory.cli.run import demo, run
 from clerestory.cli.start import main, new_app
 
 __all__ = ["app", "main"]

@@ -14,8 +14,9 @@ from clerestory.engine.device import Device
 from clerestory.report.page import write_report
 from clerestory.study.config import Study, read_study
 from clerestory.study.demo import write_demo
-from clerestory.study.results import Results, read_results
+from clerestory.study.results import Results
 from clerestory.study.run import run_study
+from clerestory.study.views import PICTURE_FOLDER
 
 REPORT_FILE = "report.html"
 
@@ -68,28 +69,11 @@ def demo(
     _run(chosen, folder / "results", quiet=quiet)
 
 
-def report(
-    results: Annotated[
-        Path, typer.Argument(metavar="RESULTS", help="Results folder or results.nc.")
-    ],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="The page to write.")
-    ] = None,
-    quiet: Quiet = False,
-) -> None:
-    """Write the report of an earlier run anew."""
-    folder = results if results.is_dir() else results.parent
-    page = output or folder / REPORT_FILE
-    write_report(read_results(results), page)
-    if not quiet:
-        typer.echo(f"report: {page}")
-
-
 def _run(study: Study, folder: Path, *, quiet: bool) -> None:
     with progress_display(quiet=quiet) as display:
         results = run_study(study, out=folder, display=display)
     page = folder / REPORT_FILE
-    write_report(results, page)
+    write_report(results, page, pictures=folder / PICTURE_FOLDER)
     if not quiet:
         Console().print(_summary(results))
         typer.echo(f"results: {folder}")

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,15 @@ from clerestory.report.content import (
     FactTable,
     ReportContent,
     Room,
-    SensorPoints,
     WindowSurface,
 )
+from clerestory.report.electric import lamp_zones
+from clerestory.report.equation import equation_terms
+from clerestory.report.film import film
+from clerestory.report.moments import view_pictures
+from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.view_glare import view_glare
+from clerestory.report.window_states import window_states
 from clerestory.study.results import Results
 
 _SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
@@ -27,24 +34,34 @@ _STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedu
 _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 
 
-def from_results(results: Results) -> ReportContent:
+def from_results(
+    results: Results, *, pictures: str | Path | None = None
+) -> ReportContent:
     """Return what the report of a run shows.
+
+    Parameters
+    ----------
+    results : of the run
+    pictures : folder that holds its pictures; without it the report has none
 
     Raises
     ------
-    InputError : the results hold values that are not numbers
+    InputError : the results hold values that are not numbers, or a picture is damaged
     """
     data, run = results.data, results.run
     study = json.loads(data.attrs.get("study", "{}"))
     occupied = np.asarray(data["occupied"].values, dtype=bool)
     if not occupied.any():
         occupied = np.ones(len(occupied), dtype=bool)
+    times = data["time"].values
+    lux = np.asarray(data["illuminance"].values, dtype=np.float32)
+    views = () if pictures is None else view_pictures(data, pictures)
     return ReportContent(
         title=results.title,
         method=str(data.attrs.get("method", "")),
         place=place_words(data.attrs, study),
-        times=data["time"].values,
-        illuminance=np.asarray(data["illuminance"].values, dtype=np.float32),
+        times=times,
+        illuminance=lux,
         standard_error=np.asarray(data["standard_error"].values, dtype=np.float32),
         occupied=occupied,
         schedule=schedule_words(study.get("schedule", {})),
@@ -61,6 +78,12 @@ def from_results(results: Results) -> ReportContent:
         tables=study_tables(study) + run_tables(run),
         seconds={str(k): float(v) for k, v in dict(run.get("seconds", {})).items()},
         warnings=tuple(map(str, run.get("warnings", ()))),
+        states=window_states(data),
+        glare=view_glare(data),
+        pictures=views,
+        film=film(views, times, brightness=lux.mean(axis=0)),
+        terms=equation_terms(data),
+        lamps=lamp_zones(data),
     )
 
 

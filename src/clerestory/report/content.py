@@ -8,9 +8,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
 from clerestory.errors import InputError
+from clerestory.report.electric import LampZone
+from clerestory.report.equation import EquationTerms
+from clerestory.report.film import Film
+from clerestory.report.moments import ViewPictures
+from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.view_glare import ViewGlare
+from clerestory.report.window_states import WindowStates
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,32 +69,6 @@ class WindowSurface:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class SensorPoints:
-    """Where the sensors are.
-
-    Attributes
-    ----------
-    names : one per sensor
-    grids : name of the grid each belongs to
-    position : points [m]
-    direction : unit vectors they face
-    """
-
-    names: tuple[str, ...]
-    grids: tuple[str, ...]
-    position: Float[np.ndarray, "sensor 3"]
-    direction: Float[np.ndarray, "sensor 3"]
-
-    def __len__(self) -> int:
-        return len(self.names)
-
-    def by_grid(self) -> dict[str, Int[np.ndarray, " member"]]:
-        """Return the numbers of the sensors of each grid, in the order of the grids."""
-        grids = np.array(self.grids, dtype=object)
-        return {name: np.flatnonzero(grids == name) for name in dict.fromkeys(grids)}
-
-
 @dataclass(frozen=True)
 class FactTable:
     """A titled list of labels and values, such as the parameters of tracing."""
@@ -115,6 +96,12 @@ class ReportContent:
     tables : parameters, versions, seeds, device
     seconds : run time of each phase [s]
     warnings : what the run warned of
+    states : of the windows that have several
+    glare : of each view
+    pictures : that the run wrote
+    film : of a day
+    terms : of the five-phase equation
+    lamps : electric light, zone by zone
 
     Raises
     ------
@@ -137,6 +124,12 @@ class ReportContent:
     tables: tuple[FactTable, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    states: tuple[WindowStates, ...] = ()
+    glare: tuple[ViewGlare, ...] = ()
+    pictures: tuple[ViewPictures, ...] = ()
+    film: Film | None = None
+    terms: EquationTerms | None = None
+    lamps: tuple[LampZone, ...] = ()
 
     def __post_init__(self) -> None:
         shape = (len(self.sensors), len(self.times))

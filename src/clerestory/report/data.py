@@ -4,6 +4,7 @@ Hourly series are the bulk of a page. The mean of each grid always goes in; of
 the sensors as many as fit, evenly spread.
 """
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,16 @@ from jaxtyping import Int
 
 from clerestory.report.colour import illuminance_scale
 from clerestory.report.content import ReportContent
+from clerestory.report.course import day_maps, moment_note
+from clerestory.report.day_map import day_map_data
+from clerestory.report.equation import equation_data
+from clerestory.report.figure import Figure
+from clerestory.report.film import film_data
 from clerestory.report.heatmap import DARKEST_LUX, day_hour_grid
 from clerestory.report.pixels import code_step, illuminance_codes, packed
 from clerestory.report.plan import PlanFrame, plan_frame
 from clerestory.report.room_view import room_view
-from clerestory.report.summary import Figure, metric_maps
+from clerestory.report.summary import metric_maps
 
 # Hourly values that a page carries: about 3 MB once compressed
 _MOST_VALUES = 1_500_000
@@ -42,6 +48,12 @@ def page_data(content: ReportContent) -> dict[str, Any]:
         },
         "metrics": metrics,
         "year": _year_data(content),
+        "maps": {
+            shown.identifier: day_map_data(shown, content.times)
+            for shown in day_maps(content)
+        },
+        "film": _film_data(content),
+        "terms": _terms_data(content),
         "view": room_view(content, means=maps[0].values, scale=mean_scale),
     }
 
@@ -79,6 +91,18 @@ def _grid_data(frame: PlanFrame, members: Int[np.ndarray, " member"]) -> dict[st
         "y": place[:, 1].round(1).tolist(),
         "reach": round(1.05 * reach, 1),
     }
+
+
+def _film_data(content: ReportContent) -> dict[str, Any] | None:
+    if content.film is None:
+        return None
+    return film_data(content.film, content.times, note=partial(moment_note, content))
+
+
+def _terms_data(content: ReportContent) -> dict[str, Any] | None:
+    if content.terms is None:
+        return None
+    return equation_data(content.terms, content.sensors, content.times)
 
 
 def _year_data(content: ReportContent) -> dict[str, Any]:

@@ -1,16 +1,19 @@
 """The top of the page: what was studied, what came out, how sure it is."""
 
+from clerestory.glare.classes import glare_autonomy
 from clerestory.metrics.useful import LIMITS_LUX
 from clerestory.report.accuracy import error_words
 from clerestory.report.content import ReportContent
+from clerestory.report.figure import Figure
 from clerestory.report.markup import Markup, element
 from clerestory.report.orientation import orientation
 from clerestory.report.period import hours_in, period_words
-from clerestory.report.summary import Figure, MetricMap, metric_maps, useful_share
+from clerestory.report.summary import MetricMap, metric_maps, useful_share
 
 _METHODS = {
     "2-phase": "Two-phase method: daylight coefficients",
     "3-phase": "Three-phase method: view, transmission, daylight and sky matrices",
+    "5-phase": "Five-phase method: three phases, with the direct sun at its true place",
 }
 
 
@@ -51,7 +54,20 @@ def lead_words(content: ReportContent) -> str:
         f" Daylight alone gives {target_words(content)} or more in"
         f" {maps['autonomy'].mean(members)} of these"
         f" {hours_in(content.times, content.occupied):,.0f} hours."
+        f"{_glare_words(content)}"
     )
+
+
+def _glare_words(content: ReportContent) -> str:
+    # Of several views the one with most glare
+    if not content.glare:
+        return ""
+    use = content.occupied
+    worst = min(content.glare, key=lambda view: glare_autonomy(view.rated()[use]))
+    share = 100 * (1 - float(glare_autonomy(worst.rated()[use])))
+    where = f"At “{worst.view}”" if len(content.glare) == 1 else "In the worst view"
+    name = "" if len(content.glare) == 1 else f", “{worst.view}”,"
+    return f" {where}{name} glare is disturbing in {share:.1f} % of them."
 
 
 def target_words(content: ReportContent) -> str:

@@ -100,6 +100,7 @@ def heat_map(
     image: str,
     occupied: Bool[np.ndarray, " time"],
     label: str,
+    identifier: str = "heat-map",
 ) -> Markup:
     """Return the drawing: axes around a picture given as a data address."""
     picture = element(
@@ -127,7 +128,7 @@ def heat_map(
         role="img",
         aria_label=label,
         class_="heat-map",
-        id="heat-map",
+        id=identifier,
         data_left=_LEFT,
         data_top=_TOP,
         data_width=_WIDTH,

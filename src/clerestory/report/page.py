@@ -17,6 +17,7 @@ from clerestory.report.appendix import (
     words_section,
 )
 from clerestory.report.content import ReportContent
+from clerestory.report.course import course_sections
 from clerestory.report.data import page_data
 from clerestory.report.headline import headline
 from clerestory.report.markup import Markup, element, embedded_json, join
@@ -29,32 +30,66 @@ _SCRIPTS = (
     "solids.js",
     "plan.js",
     "year.js",
+    "maps.js",
+    "film.js",
+    "terms.js",
     "view.js",
     "start.js",
 )
 
 
-def write_report(results: Results, path: str | Path) -> None:
+def write_report(
+    results: Results, path: str | Path, *, pictures: str | Path | None = None
+) -> None:
     """Write the report of a run as one HTML file that opens anywhere, offline.
+
+    Parameters
+    ----------
+    results : of the run
+    path : the page
+    pictures : folder that holds the run's pictures; without it the page has none
 
     Raises
     ------
-    InputError : the results hold values that are not numbers
+    InputError : the results hold values that are not numbers, or a picture is damaged
     OutputError : the file cannot be written
     """
-    write_text(path, report_page(from_results(results)))
+    write_text(path, report_page(from_results(results, pictures=pictures)))
+
+
+# Sections that a page may have, and their names in the list of contents
+_CONTENTS = (
+    ("plans", "Plans"),
+    ("year", "Year"),
+    ("states", "States of windows"),
+    ("film", "A day in pictures"),
+    ("pictures", "Pictures"),
+    ("glare", "Glare"),
+    ("lamps", "Electric light"),
+    ("equation", "Direct correction"),
+    ("layers", "BSDFs"),
+    ("room", "Room"),
+    ("accuracy", "Accuracy"),
+    ("making", "How computed"),
+    ("words", "Words"),
+)
 
 
 def report_page(content: ReportContent) -> str:
     """Return the report as HTML."""
-    body = join(
-        headline(content),
+    sections = join(
         plans_section(content),
         year_section(content),
+        course_sections(content),
         room_section(content),
         accuracy_section(content),
         making_section(content),
         words_section(content),
+    )
+    body = join(
+        headline(content),
+        _contents(sections),
+        sections,
         element(
             "footer",
             f"Made by Clerestory {clerestory.__version__}. This file is complete: it"
@@ -72,3 +107,12 @@ def report_page(content: ReportContent) -> str:
         data=embedded_json("data", page_data(content)),
         script=script,
     )
+
+
+def _contents(sections: Markup) -> Markup:
+    links = (
+        element("a", words, href=f"#{identifier}")
+        for identifier, words in _CONTENTS
+        if f' id="{identifier}"' in sections
+    )
+    return element("nav", *links, class_="contents", aria_label="Contents")

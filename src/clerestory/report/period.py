@@ -33,6 +33,25 @@ def period_words(times: np.ndarray) -> str:
     return f"{span}, {steps} of {step_minutes(times):g} minutes"
 
 
+def moment_words(moment: np.datetime64) -> str:
+    """Return a moment in words, without its year.
+
+    >>> moment_words(np.datetime64("2023-09-21T12:30"))
+    '21 September 12:30'
+    """
+    clock = str(moment.astype("datetime64[m]"))[11:]
+    return f"{date_words(moment)} {clock}"
+
+
+def date_words(moment: np.datetime64) -> str:
+    """Return the day of a moment in words, without its year.
+
+    >>> date_words(np.datetime64("2023-09-21T12:30"))
+    '21 September'
+    """
+    return _date(moment.astype("datetime64[D]"))
+
+
 def _date(day: np.datetime64) -> str:
     date = day.astype(object)
     return f"{date.day} {date:%B}"

@@ -5,8 +5,9 @@ import gzip
 import io
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
 from matplotlib.image import imsave
+from PIL import Image
 
 from clerestory.report.colour import ColourScale
 
@@ -45,6 +46,22 @@ def picture(values: Float[np.ndarray, "bin day"], scale: ColourScale) -> str:
     rgba = np.zeros((*values.shape, 4), dtype=np.uint8)
     rgba[..., :3] = scale.colours(np.where(known, values, scale.low))
     rgba[..., 3] = 255 * known
+    return png(rgba[::-1])
+
+
+def png(rgba: UInt8[np.ndarray, "row column 4"]) -> str:
+    """Return pixels as a data address of a PNG picture."""
     stream = io.BytesIO()
-    imsave(stream, rgba[::-1], format="png", metadata={"Software": ""})
+    imsave(stream, rgba, format="png", metadata={"Software": ""})
     return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()
+
+
+def jpeg(rgb: UInt8[np.ndarray, "row column 3"], *, width: int, quality: int) -> str:
+    """Return a picture as a data address of a JPEG, shrunk to a width if need be."""
+    picture = Image.fromarray(rgb)
+    if picture.width > width:
+        height = max(1, round(picture.height * width / picture.width))
+        picture = picture.resize((width, height), Image.Resampling.LANCZOS)
+    stream = io.BytesIO()
+    picture.save(stream, format="JPEG", quality=quality, optimize=True)
+    return "data:image/jpeg;base64," + base64.b64encode(stream.getvalue()).decode()

@@ -149,41 +149,6 @@ def walls_definition(frame: PlanFrame) -> Markup:
     )
 
 
-def legend(scale: ColourScale) -> Markup:
-    """Return the colour bar of a scale, with its ticks."""
-    stops = [
-        element("stop", offset=f"{k / 16:.4f}", stop_color=colour)
-        for k, colour in enumerate(
-            "#{:02x}{:02x}{:02x}".format(*rgb)
-            for rgb in scale.table()[
-                np.linspace(0, 127, 17).round().astype(int)
-            ].tolist()
-        )
-    ]
-    name = f"scale-{scale.palette}-{scale.unit}-{scale.high:.0f}".replace(
-        "%", "percent"
-    )
-    gradient = element("linearGradient", *stops, id=name)
-    ticks = [
-        element("text", f"{tick:,.0f}", x=f"{20 + 280 * float(x):.1f}", y=25)
-        for tick, x in zip(
-            scale.ticks(), scale.fraction(np.array(scale.ticks())), strict=True
-        )
-    ]
-    bar = element("rect", x=20, y=2, width=280, height=8, fill=f"url(#{name})")
-    unit = element("text", scale.unit, x=318, y=11, class_="unit")
-    return element(
-        "svg",
-        element("defs", gradient),
-        bar,
-        *ticks,
-        unit,
-        viewBox="0 0 340 30",
-        class_="legend",
-        aria_hidden="true",
-    )
-
-
 def _arrows(
     points: Float[np.ndarray, "sensor 2"],
     towards: Float[np.ndarray, "sensor 2"],

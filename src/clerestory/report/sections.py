@@ -6,10 +6,11 @@ from clerestory.report.colour import ColourScale, illuminance_scale, percent_sca
 from clerestory.report.content import ReportContent
 from clerestory.report.data import grid_frames, series_names
 from clerestory.report.heatmap import DARKEST_LUX, day_hour_grid, heat_map
+from clerestory.report.legend import legend
 from clerestory.report.markup import Markup, element
 from clerestory.report.orientation import orientation, orientation_table
 from clerestory.report.pixels import picture
-from clerestory.report.plan import legend, plan, walls_definition
+from clerestory.report.plan import plan, walls_definition
 from clerestory.report.room_view import MOST_TRIANGLES
 from clerestory.report.summary import MetricMap, metric_maps
 from clerestory.report.tables import sensor_table

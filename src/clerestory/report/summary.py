@@ -12,28 +12,7 @@ from jaxtyping import Float, Int
 
 from clerestory.metrics.useful import BANDS, LIMITS_LUX
 from clerestory.report.content import ReportContent
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A number and its standard error, both in the unit shown."""
-
-    value: float
-    error: float
-    unit: str
-
-    def __str__(self) -> str:
-        """Value and error, rounded to what the error allows.
-
-        >>> str(Figure(612.34, 4.2, "lux")), str(Figure(57.96, 0.3, "%"))
-        ('612 ± 4 lux', '58.0 ± 0.3 %')
-        """
-        if self.error <= 0:
-            shown = f"{self.value:.1f}" if self.unit == "%" else number(self.value)
-            return f"{shown} {self.unit}"
-        digits = next((k for k in (0, 1) if self.error >= 0.95 / 10**k), 2)
-        error = f"{self.error:,.{digits}f}" if self.error >= 0.005 else "<0.01"
-        return f"{self.value:,.{digits}f} ± {error} {self.unit}"
+from clerestory.report.figure import Figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,17 +88,6 @@ def relative_errors(content: ReportContent, *, above: float) -> Float[np.ndarray
     counted = content.illuminance > above
     lux, error = content.illuminance[counted], content.standard_error[counted]
     return np.asarray(100 * error / lux)
-
-
-def number(value: float) -> str:
-    """Return a number with three digits or so, as people write it.
-
-    >>> [number(x) for x in (12345.6, 345.67, 7.891, 0.04567, 0.0)]
-    ['12,346', '346', '7.89', '0.0457', '0']
-    """
-    if abs(value) >= 100:
-        return f"{value:,.0f}"
-    return f"{value:.3g}"
 
 
 def _values(metrics: xr.Dataset, name: str) -> Float[np.ndarray, " sensor"]:

@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 
-from clerestory.report.content import FactTable, SensorPoints
+from clerestory.report.content import FactTable
+from clerestory.report.figure import Figure
 from clerestory.report.markup import Markup, element
-from clerestory.report.summary import Figure, MetricMap
+from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.summary import MetricMap
 
 _MOST_ROWS = 500
 

@@ -1,4 +1,4 @@
-"""The analytic room for the tests of the report."""
+"""The analytic room and its course through the year for the tests of the report."""
 
 import importlib.util
 from pathlib import Path
@@ -6,11 +6,21 @@ from pathlib import Path
 import pytest
 
 
-@pytest.fixture(scope="session")
-def room():
-    """Module that makes results in closed form."""
-    file = Path(__file__).with_name("analytic_room.py")
-    spec = importlib.util.spec_from_file_location("analytic_room", file)
+def load(name):
+    file = Path(__file__).with_name(f"{name}.py")
+    spec = importlib.util.spec_from_file_location(name, file)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="session")
+def room():
+    """Module that makes results in closed form."""
+    return load("analytic_room")
+
+
+@pytest.fixture(scope="session")
+def course():
+    """Module that adds states, glare, terms and pictures in closed form."""
+    return load("course")

@@ -12,8 +12,9 @@ from clerestory.report.adapter import (
     schedule_words,
     study_tables,
 )
+from clerestory.report.figure import Figure
 from clerestory.report.markup import element, embedded_json
-from clerestory.report.summary import Figure, metric_maps
+from clerestory.report.summary import metric_maps
 from clerestory.report.tables import duration, time_table
 
 

@@ -7,6 +7,9 @@ async function start() {
   let choose = () => {};
   startPlans(data, sensor => choose(sensor));
   choose = await startYear(data, sensor => markChosen(data, sensor));
+  await startMaps(data);
+  startFilm(data.film);
+  await startTerms(data.terms);
   await startView(data.view);
   root.dataset.scripts = "done";
 }

@@ -34,6 +34,22 @@ function paintYear(year, values) {
   return canvas.toDataURL();
 }
 
+// The day and hour under the pointer, in any drawing of a year
+function yearCell(year, svg, event) {
+  const at = svgPoint(svg, event), box = svg.dataset;
+  const day = Math.floor((at.x - box.left) / box.width * year.days);
+  const bin = Math.floor((1 - (at.y - box.top) / box.height) * year.bins);
+  const inside = day >= 0 && day < year.days && bin >= 0 && bin < year.bins;
+  return inside ? { day, bin } : null;
+}
+
+function cellWords(year, { day, bin }) {
+  const date = new Date(year.dates[day] * 864e5), step = 1440 / year.bins;
+  const when = date.toLocaleDateString("en-GB", { day: "numeric", month: "short", timeZone: "UTC" });
+  const clock = minute => `${String(Math.floor(minute / 60)).padStart(2, "0")}:${String(minute % 60).padStart(2, "0")}`;
+  return `${when}, ${clock(bin * step)}–${clock((bin + 1) * step)}`;
+}
+
 async function startYear(data, onChoose) {
   const svg = document.getElementById("heat-map"), list = document.getElementById("series");
   const year = data.year, picture = svg.querySelector("image");
@@ -54,17 +70,11 @@ async function startYear(data, onChoose) {
 
   list.addEventListener("change", () => show(+list.value));
   svg.addEventListener("pointermove", event => {
-    const at = svgPoint(svg, event), box = svg.dataset;
-    const day = Math.floor((at.x - box.left) / box.width * year.days);
-    const bin = Math.floor((1 - (at.y - box.top) / box.height) * year.bins);
-    const inside = day >= 0 && day < year.days && bin >= 0 && bin < year.bins;
-    if (!inside) return showTip(event, "");
-    const date = new Date(year.dates[day] * 864e5);
-    const when = date.toLocaleDateString("en-GB", { day: "numeric", month: "short", timeZone: "UTC" });
-    const clock = minute => `${String(Math.floor(minute / 60)).padStart(2, "0")}:${String(minute % 60).padStart(2, "0")}`;
-    const step = 1440 / year.bins, lux = shown[day * year.bins + bin];
+    const place = yearCell(year, svg, event);
+    if (!place) return showTip(event, "");
+    const lux = shown[place.day * year.bins + place.bin];
     const value = Number.isNaN(lux) ? "no data" : `${Math.round(lux).toLocaleString("en")} lux`;
-    showTip(event, `${when}, ${clock(bin * step)}–${clock((bin + 1) * step)}\n${name}: ${value}`);
+    showTip(event, `${cellWords(year, place)}\n${name}: ${value}`);
   });
   svg.addEventListener("pointerleave", event => showTip(event, ""));
   await show(0);

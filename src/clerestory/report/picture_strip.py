@@ -1,0 +1,99 @@
+"""Chosen moments of each view: what is seen, and the luminances behind it."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from clerestory.report.legend import legend
+from clerestory.report.markup import Markup, element
+from clerestory.report.moments import (
+    Moment,
+    ViewPictures,
+    as_luminance,
+    as_seen,
+    exposures,
+    luminance_scale,
+    read_small,
+)
+from clerestory.report.period import moment_words
+from clerestory.report.pixels import jpeg
+
+# Pictures of a view that the page shows, and their size
+_MOST = 6
+_WIDTH = 480
+_QUALITY = 82
+
+
+def pictures_section(
+    views: Sequence[ViewPictures],
+    times: np.ndarray,
+    *,
+    note: Callable[[str, int], str],
+) -> Markup:
+    """Return the pictures with false colour beneath.
+
+    Parameters
+    ----------
+    views : what the run wrote
+    times : of all steps
+    note : what to say of a view in a step, beside its moment
+    """
+    if not views:
+        return Markup("")
+    intro = (
+        "Below each picture its luminances in false colour, on one scale for all"
+        " moments of a view. The pictures’ exposure follows the brightness half-way,"
+        " so that dark moments look darker. The .hdr files of the run hold the"
+        " radiances themselves."
+    )
+    blocks = [element("h2", "Pictures"), element("p", intro, class_="note")]
+    for view in views:
+        chosen = spread(view.moments)
+        blocks.append(element("h3", _title(view, len(chosen))))
+        blocks.append(_strip(view.view, chosen, times, note))
+    return element("section", *blocks, id="pictures")
+
+
+def spread(moments: Sequence[Moment]) -> list[Moment]:
+    """Return the moments to show: all, or six of them, evenly spread."""
+    count = min(len(moments), _MOST)
+    places = np.unique(np.linspace(0, len(moments) - 1, count).round().astype(int))
+    return [moments[k] for k in places.tolist()]
+
+
+def _title(view: ViewPictures, shown: int) -> str:
+    total = len(view.moments)
+    return view.view if shown == total else f"{view.view} · {shown} of {total} moments"
+
+
+def _strip(
+    view: str,
+    moments: Sequence[Moment],
+    times: np.ndarray,
+    note: Callable[[str, int], str],
+) -> Markup:
+    pictures = [read_small(moment.file, width=_WIDTH) for moment in moments]
+    scale = luminance_scale(pictures)
+    figures = []
+    for moment, picture, white in zip(
+        moments, pictures, exposures(pictures), strict=True
+    ):
+        when = moment_words(times[moment.step])
+        said = note(view, moment.step)
+        figures.append(
+            element(
+                "figure",
+                element("figcaption", element("b", when), said),
+                _image(as_seen(picture, white), f"{view}, {when}"),
+                _image(as_luminance(picture, scale), f"Luminances of {view}, {when}"),
+            )
+        )
+    wide = pictures[0].columns > 1.2 * pictures[0].rows
+    strip = element("div", *figures, class_="strip wide-view" if wide else "strip")
+    return element("div", strip, legend(scale))
+
+
+def _image(pixels: np.ndarray, words: str) -> Markup:
+    rows, columns = pixels.shape[:2]
+    address = jpeg(pixels, width=_WIDTH, quality=_QUALITY)
+    return element("img", src=address, alt=words, width=columns, height=rows)

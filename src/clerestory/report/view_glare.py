@@ -1,0 +1,244 @@
+"""Glare through the year of each view: how much, when, and the worst moments."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float, Int, UInt8
+
+from clerestory.glare.classes import (
+    CATEGORIES,
+    EXCEEDANCE,
+    LIMITS,
+    category,
+    exceeded_dgp,
+    glare_autonomy,
+    protection_level,
+)
+from clerestory.report.day_map import DayMap, day_map, keys
+from clerestory.report.figure import number
+from clerestory.report.markup import Markup, element
+from clerestory.report.period import hours_in, moment_words
+
+# From calm to alarming, told apart by brightness too
+COLOURS = np.array(
+    [[158, 196, 222], [246, 213, 92], [237, 125, 58], [156, 27, 47]], dtype=np.uint8
+)
+
+# Steps of DGP that the page tells apart, and how many moments it lists
+_STEP = 0.01
+_WORST = 5
+
+# DGP of an eye that hardly receives light, the constant of its formula; its colour
+_PALEST = 0.16
+_PALE = np.array([235.0, 243.0, 249.0])
+
+
+@dataclass(frozen=True, eq=False)
+class ViewGlare:
+    """Glare of one view.
+
+    Attributes
+    ----------
+    view : its name
+    dgp : of each step, NaN in the dark
+    illuminance : on the eye [lux], NaN in the dark
+    brightest : luminance of the brightest pixel [cd/m²], NaN in the dark
+    """
+
+    view: str
+    dgp: Float[np.ndarray, " time"]
+    illuminance: Float[np.ndarray, " time"]
+    brightest: Float[np.ndarray, " time"]
+
+    def class_of(self, step: int) -> str:
+        """Return the category of glare in a step."""
+        return CATEGORIES[int(category(self.dgp[step : step + 1])[0])]
+
+    def rated(self) -> Float[np.ndarray, " time"]:
+        """DGP of each step, 0 in the dark."""
+        return np.asarray(np.nan_to_num(self.dgp, nan=0.0))
+
+
+def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
+    """Return the glare of the views in results, none where there are none."""
+    if "glare_dgp" not in data:
+        return ()
+
+    def values(name: str, view: object) -> Float[np.ndarray, " time"]:
+        if name not in data:
+            return np.full(data.sizes["time"], np.nan)
+        chosen = data[name].sel(view=view).transpose("time")
+        return np.asarray(chosen.values, dtype=float)
+
+    return tuple(
+        ViewGlare(
+            str(view),
+            values("glare_dgp", view),
+            values("glare_illuminance", view),
+            values("glare_brightest_luminance", view),
+        )
+        for view in data["view"].values
+    )
+
+
+def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
+    """Return the year of each view as a map of DGP in steps of 0.01."""
+    level = np.arange(round(1 / _STEP) + 1) * _STEP
+    group = category(level)
+    texts = tuple(
+        f"DGP {x:.2f}, {CATEGORIES[k]}" for x, k in zip(level, group, strict=True)
+    )
+    return [
+        DayMap(
+            f"glare-{number}",
+            f"Glare at {glare.view} by day and hour",
+            _steps(glare.dgp),
+            texts,
+            shades(level),
+        )
+        for number, glare in enumerate(views)
+    ]
+
+
+def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
+    """Colour of DGPs: that of their class, paler for what is far from perceptible."""
+    colours = COLOURS[category(dgp)].astype(float)
+    calm = dgp <= LIMITS[0]
+    share = np.clip((dgp[calm] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[:, None]
+    colours[calm] = _PALE + share * (COLOURS[0] - _PALE)
+    return np.asarray(np.round(colours), dtype=np.uint8)
+
+
+def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
+    # Rounded so that no step changes its class
+    low = np.round(np.clip(dgp, 0, 1) / _STEP)
+    low = np.where(np.isnan(dgp), 0, low).astype(int)
+    level = low * _STEP
+    low = low + (category(level) < category(np.nan_to_num(dgp)))
+    low = low - (category(level) > category(np.nan_to_num(dgp)))
+    return np.asarray(np.where(np.isnan(dgp), -1, low))
+
+
+def glare_section(
+    views: Sequence[ViewGlare],
+    times: np.ndarray,
+    *,
+    occupied: Bool[np.ndarray, " time"],
+) -> Markup:
+    """Return the year of each view, its classes and its worst moments."""
+    if not views:
+        return Markup("")
+    intro = (
+        "Daylight glare probability (DGP) of each view in every step. Steps without"
+        " daylight are left blank, and are free of glare in the numbers, which count"
+        " the occupied hours."
+    )
+    blocks = []
+    for glare, shown in zip(views, glare_maps(views), strict=True):
+        blocks += [
+            element("h3", glare.view),
+            element("p", glare_words(glare, occupied)),
+            day_map(shown, times, occupied=occupied),
+        ]
+    edges = (f"to {x:.2f}" for x in LIMITS)
+    words = [f"{c}, DGP {e}" for c, e in zip(CATEGORIES, edges, strict=False)]
+    words.append(f"{CATEGORIES[-1]}, above {LIMITS[-1]:.2f}")
+    return element(
+        "section",
+        element("h2", "Glare through the year"),
+        element("p", intro, class_="note"),
+        *blocks,
+        keys(words, COLOURS),
+        _class_table(views, times, occupied),
+        _worst_table(views, times, occupied),
+        id="glare",
+    )
+
+
+def glare_words(glare: ViewGlare, occupied: Bool[np.ndarray, " time"]) -> str:
+    """Return the year of a view in a sentence."""
+    dgp = glare.rated()[occupied]
+    top = float(exceeded_dgp(dgp))
+    level = protection_level(top)
+    protection = "no" if level == "none" else f"{level}"
+    free = 100 * float(glare_autonomy(dgp))
+    return (
+        f"A DGP of {top:.2f} is exceeded in {100 * EXCEEDANCE:.0f} % of the occupied"
+        f" hours: {protection} protection from glare after EN 17037. {free:.1f} % of the hours"
+        " are free of disturbing glare."
+    )
+
+
+def glare_note(views: Sequence[ViewGlare], view: str, step: int) -> str:
+    """Return the glare of a view in a step in words, empty where none is known."""
+    glare = next((each for each in views if each.view == view), None)
+    if glare is None or not np.isfinite(glare.dgp[step]):
+        return ""
+    words = f"DGP {glare.dgp[step]:.2f}, {glare.class_of(step)}"
+    if np.isfinite(glare.illuminance[step]):
+        words += f"; {number(float(glare.illuminance[step]))} lux at the eye"
+    return words
+
+
+def _class_table(
+    views: Sequence[ViewGlare], times: np.ndarray, occupied: Bool[np.ndarray, " time"]
+) -> Markup:
+    head = ("Occupied hours", *(c.capitalize() for c in CATEGORIES))
+    rows = []
+    for glare in views:
+        found = category(glare.rated())
+        cells = [element("th", glare.view, scope="row")]
+        for kind in range(len(CATEGORIES)):
+            chosen = occupied & (found == kind)
+            share = 100 * chosen.sum() / max(occupied.sum(), 1)
+            words = f"{hours_in(times, chosen):,.0f} h, {share:.1f} %"
+            cells.append(element("td", words))
+        rows.append(element("tr", *cells))
+    return _table(head, rows)
+
+
+def _worst_table(
+    views: Sequence[ViewGlare], times: np.ndarray, occupied: Bool[np.ndarray, " time"]
+) -> Markup:
+    head = ("Worst days", "DGP", "Class", "At the eye [lux]", "Brightest [cd/m²]")
+    rows = []
+    for glare in views:
+        for step in worst_steps(glare, times, occupied).tolist():
+            where = f"{glare.view}, {moment_words(times[step])}"
+            cells = (
+                f"{glare.dgp[step]:.2f}",
+                glare.class_of(step),
+                _or_dash(float(glare.illuminance[step])),
+                _or_dash(float(glare.brightest[step])),
+            )
+            name = element("th", where, scope="row")
+            rows.append(element("tr", name, *(element("td", c) for c in cells)))
+    return _table(head, rows) if rows else Markup("")
+
+
+def worst_steps(
+    glare: ViewGlare, times: np.ndarray, occupied: Bool[np.ndarray, " time"]
+) -> Int[np.ndarray, " step"]:
+    """Occupied steps of highest DGP, one a day, the worst first; five at most."""
+    rated = np.where(occupied & np.isfinite(glare.dgp), glare.rated(), -1.0)
+    order = np.argsort(-rated, kind="stable")
+    order = order[rated[order] >= 0]
+    _, first = np.unique(times[order].astype("datetime64[D]"), return_index=True)
+    return np.asarray(order[np.sort(first)][:_WORST])
+
+
+def _or_dash(value: float) -> str:
+    return number(value) if np.isfinite(value) else "–"
+
+
+def _table(head: Sequence[str], rows: Sequence[Markup]) -> Markup:
+    titles = (element("th", title, scope="col") for title in head)
+    table = element(
+        "table",
+        element("thead", element("tr", *titles)),
+        element("tbody", *rows),
+        class_="numbers",
+    )
+    return element("div", table, class_="wide")

@@ -1,0 +1,144 @@
+"""The states of the windows through the year, as the control chose them."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Int, UInt8
+from matplotlib import colormaps
+
+from clerestory.report.day_map import DayMap, day_map, keys
+from clerestory.report.markup import Markup, element
+from clerestory.report.period import hours_in
+
+
+@dataclass(frozen=True, eq=False)
+class WindowStates:
+    """Which state a window group is in.
+
+    Attributes
+    ----------
+    window : name of the group
+    names : of its states, most open first
+    rule : what chose them, in words; may be empty
+    state : number of the state in each step
+    """
+
+    window: str
+    names: tuple[str, ...]
+    rule: str
+    state: Int[np.ndarray, " time"]
+
+    def colours(self) -> UInt8[np.ndarray, "kind 3"]:
+        """Colour of each state, from light for open to dark for closed."""
+        place = np.linspace(0.08, 0.92, max(len(self.names), 2))[: len(self.names)]
+        shades = colormaps["YlGnBu"](place)
+        return np.round(255 * shades[:, :3]).astype(np.uint8)
+
+
+def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
+    """Return the states in results, none for windows that have but one."""
+    if "state" not in data:
+        return ()
+    study = json.loads(data.attrs.get("study", "{}"))
+    rules = {_label(t): _rule_words(t.get("control")) for t in study.get("window", [])}
+    found = []
+    for window in data["window"].values.tolist():
+        names = state_names(data, str(window))
+        if len(names) > 1:
+            state = np.asarray(data["state"].sel(window=window).values, dtype=int)
+            group = str(window).split(".")[0]
+            rule = rules.get(str(window), rules.get(group, ""))
+            found.append(WindowStates(str(window), names, rule, state))
+    return tuple(found)
+
+
+def state_maps(states: Sequence[WindowStates]) -> list[DayMap]:
+    """Return the year of each window as a map of its states."""
+    return [
+        DayMap(
+            f"states-{number}",
+            f"State of window {each.window} by day and hour",
+            each.state,
+            each.names,
+            each.colours(),
+        )
+        for number, each in enumerate(states)
+    ]
+
+
+def states_section(
+    states: Sequence[WindowStates],
+    times: np.ndarray,
+    *,
+    occupied: Bool[np.ndarray, " time"],
+) -> Markup:
+    """Return the year of each window, with the share of each of its states."""
+    if not states:
+        return Markup("")
+    intro = (
+        "The state of each window group in every step. All other numbers of this"
+        " report are for these states. Shares count the occupied hours."
+    )
+    blocks = []
+    for each, shown in zip(states, state_maps(states), strict=True):
+        blocks.append(element("h3", each.window))
+        if each.rule:
+            blocks.append(element("p", f"Rule: {each.rule}", class_="note"))
+        blocks.append(day_map(shown, times, occupied=occupied))
+        blocks.append(keys(state_shares(each, times, occupied), each.colours()))
+    return element(
+        "section",
+        element("h2", "The windows’ states through the year"),
+        element("p", intro, class_="note"),
+        *blocks,
+        id="states",
+    )
+
+
+def state_shares(
+    each: WindowStates, times: np.ndarray, occupied: Bool[np.ndarray, " time"]
+) -> list[str]:
+    """Return name, share and hours of each state in the occupied hours."""
+    words = []
+    for number, name in enumerate(each.names):
+        chosen = occupied & (each.state == number)
+        share = 100 * chosen.sum() / max(occupied.sum(), 1)
+        words.append(f"{name}: {share:.1f} %, {hours_in(times, chosen):,.0f} h")
+    return words
+
+
+def states_note(states: Sequence[WindowStates], step: int) -> str:
+    """Return the states of a step in words, empty for windows with one state."""
+    return "; ".join(
+        f"{each.window}: {each.names[each.state[step]]}" for each in states
+    )
+
+
+def state_names(data: xr.Dataset, window: str) -> tuple[str, ...]:
+    """Return the names of the states of a window in results, most open first."""
+    every = json.loads(data["state"].attrs.get("names", "{}"))
+    number = int(data["state"].sel(window=window).max()) + 1
+    names = tuple(str(name) for name in every.get(window, ()))
+    return names + tuple(f"state {k}" for k in range(len(names), number))
+
+
+def _label(table: dict[str, Any]) -> str:
+    return str(table.get("name") or Path(str(table.get("file", ""))).stem)
+
+
+def _rule_words(control: dict[str, Any] | None) -> str:
+    # The rule's name and its own numbers, as the study file has them
+    if not control:
+        return ""
+    keys = {k: v for k, v in control.items() if k != "rule" and v not in (None, [], "")}
+    words = ", ".join(f"{k.replace('_', ' ')} {_plain(v)}" for k, v in keys.items())
+    return f"{control.get('rule', '')}: {words}" if words else str(control.get("rule"))
+
+
+def _plain(value: Any) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
