@@ -83,6 +83,14 @@ Seed = Annotated[
     typer.Option("--seed", help="Random numbers: same seed, same result.", min=0),
 ]
 DeviceOption = Annotated[Device, typer.Option("--device", help="Where to compute.")]
+ClusterAddress = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster",
+        help="Scheduler of a dask cluster that traces, such as tcp://10.0.0.1:8786.",
+        metavar="ADDRESS",
+    ),
+]
 Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", help="Say nothing but errors and warnings.")
 ]

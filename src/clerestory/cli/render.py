@@ -11,6 +11,7 @@ import typer
 
 from clerestory.cli.options import (
     Bounces,
+    ClusterAddress,
     DeviceOption,
     Quiet,
     RelativeError,
@@ -21,6 +22,7 @@ from clerestory.cli.options import (
     Seed,
 )
 from clerestory.cli.progress import progress_display
+from clerestory.cluster.cluster import executor_at
 from clerestory.errors import InputError
 from clerestory.image.picture import photometric
 from clerestory.image.write import write_picture
@@ -76,6 +78,7 @@ def render(
     error: ErrorOutput = None,
     seed: Seed = 1,
     device: DeviceOption = "auto",
+    cluster: ClusterAddress = None,
     quiet: Quiet = False,
 ) -> None:
     """Render a picture of a scene under a sky.
@@ -88,7 +91,7 @@ def render(
     room = room + _sky(sky, moment, weather)
     camera = view_of(view)
     columns, rows = camera.size_for(resolution)
-    with progress_display(quiet=quiet) as display:
+    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         made = render_picture(
             room,
             camera,
@@ -99,6 +102,7 @@ def render(
             bounces=bounces,
             seed=seed,
             device=device,
+            executor=executor,
             progress=display("picture"),
         )
     write_picture(made.picture, output)

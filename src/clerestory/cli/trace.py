@@ -14,6 +14,7 @@ from clerestory.cli.matrix_files import write_pictures
 from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.options import (
     Bounces,
+    ClusterAddress,
     DeviceOption,
     Format,
     Output,
@@ -30,6 +31,7 @@ from clerestory.cli.options import (
     WindowFiles,
 )
 from clerestory.cli.progress import progress_display
+from clerestory.cluster.cluster import executor_at
 from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.matrix.radiance_format import Encoding
@@ -96,6 +98,7 @@ def view(
     bounces: Bounces = None,
     seed: Seed = 1,
     device: DeviceOption = "auto",
+    cluster: ClusterAddress = None,
     encoding: Format = "float",
     quiet: Quiet = False,
 ) -> None:
@@ -116,8 +119,9 @@ def view(
         "seed": seed,
         "device": device,
     }
-    with progress_display(quiet=quiet) as display:
+    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         progress = display("view matrix")
+        effort["executor"] = executor
         if isinstance(receiver, Camera):
             traced = picture_view_matrices(
                 room, windows, receiver, direct=direct, progress=progress, **effort
@@ -157,6 +161,7 @@ def sun(
     samples: SunSamples = 64,
     seed: Seed = 1,
     device: DeviceOption = "auto",
+    cluster: ClusterAddress = None,
     encoding: Format = "float",
     quiet: Quiet = False,
 ) -> None:
@@ -178,9 +183,10 @@ def sun(
         "device": device,
     }
     traced = {}
-    with progress_display(quiet=quiet) as display:
+    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         for each in windows:
             options["progress"] = display(f"direct sun through {each.name}")
+            options["executor"] = executor
             common = room, windows, each.name, layer
             if isinstance(receiver, Camera):
                 found = picture_sun_coefficients(*common, receiver, **options)
@@ -212,6 +218,7 @@ def daylight(
     bounces: Bounces = None,
     seed: Seed = 1,
     device: DeviceOption = "auto",
+    cluster: ClusterAddress = None,
     encoding: Format = "float",
     quiet: Quiet = False,
 ) -> None:
@@ -222,7 +229,7 @@ def daylight(
     begin = time.perf_counter()
     room, windows = read_rad(*scene), read_windows(*window)
     _warn_of_doubts(room, windows)
-    with progress_display(quiet=quiet) as display:
+    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         traced = daylight_matrices(
             room,
             windows,
@@ -232,6 +239,7 @@ def daylight(
             bounces=bounces,
             seed=seed,
             device=device,
+            executor=executor,
             progress=display("daylight matrix"),
         )
     _write("daylight", traced, output, encoding=encoding, quiet=quiet, begin=begin)
@@ -251,6 +259,7 @@ def coefficients(
     bounces: Bounces = None,
     seed: Seed = 1,
     device: DeviceOption = "auto",
+    cluster: ClusterAddress = None,
     encoding: Format = "float",
     quiet: Quiet = False,
 ) -> None:
@@ -258,7 +267,7 @@ def coefficients(
     begin = time.perf_counter()
     room, points = read_rad(*scene), read_sensors(sensors)
     _warn_of_doubts(room, (), points)
-    with progress_display(quiet=quiet) as display:
+    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         traced = daylight_coefficients(
             room,
             sensors=points,
@@ -268,6 +277,7 @@ def coefficients(
             bounces=bounces,
             seed=seed,
             device=device,
+            executor=executor,
             progress=display("daylight coefficients"),
         )
     _write(

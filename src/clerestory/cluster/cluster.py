@@ -14,6 +14,7 @@ import time
 import warnings
 from collections import deque
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, Literal
 
@@ -21,7 +22,7 @@ import numpy as np
 
 from clerestory.cluster import optional
 from clerestory.engine.device import Device
-from clerestory.engine.work import Grain, Job, Unit
+from clerestory.engine.work import Executor, Grain, Job, Local, Unit
 from clerestory.errors import ClerestoryError, ClerestoryWarning, DeviceError
 
 # Units are small beside launches on one machine: many workers share a round, and what
@@ -130,9 +131,7 @@ class Cluster:
             self._sent = None
             self._sent = self._client.scatter(job, broadcast=True, hash=False)
             self._job = job
-        return self._client.submit(
-            self._worker.do_unit, self._sent, unit, pure=False, retries=_TRIES
-        )
+        return self._client.submit(self._worker.do_unit, self._sent, unit, pure=False)
 
     def _result(self, job: Job, unit: Unit, future: Any) -> np.ndarray:
         # Wait for a unit; do it again as long as only workers are lost
@@ -171,3 +170,13 @@ class Cluster:
                         f"worker {worker} has {name} {theirs[name]};"
                         f" {version} expected, as here"
                     )
+
+
+@contextmanager
+def executor_at(address: str | None) -> Iterator[Executor]:
+    """Yield the cluster at an address, or this process where there is none."""
+    if address is None:
+        yield Local()
+        return
+    with Cluster(address) as cluster:
+        yield cluster
