@@ -53,6 +53,7 @@ def generate_bsdf(
     samples: int | None = None,
     relative_error: float | None = None,
     bounces: int | None = None,
+    symmetry: bool = True,
     reciprocal: bool = False,
     reduction: float = 0.0,
     geometry: bool = True,
@@ -83,6 +84,8 @@ def generate_bsdf(
     relative_error : instead of samples: root mean square of the standard errors of
         all values, relative to their mean
     bounces : most diffuse reflections of a path, as Radiance's -ab; None: no limit
+    symmetry : for matrices: where the geometry is its own mirror image, trace from one
+        of two patches that are alike, with the same errors in less time
     reciprocal : average light that goes forth with light that goes back; right only
         for a periodic or endless piece
     reduction : share of the blocks of smallest cells of a tree to give up [%]
@@ -122,7 +125,9 @@ def generate_bsdf(
     for doubt in check_system(system.scene, system.area):
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
     product = _product(system, geometry)
-    request = TraceRequest(system.area, _BACKS[sides], system.bands, colour, effort)
+    request = TraceRequest(
+        system.area, _BACKS[sides], system.bands, colour, effort, symmetry
+    )
     if basis in ("tree3", "tree4"):
         engine = devices.load(device, "sample_area_tree")
         rank = int(basis[-1])

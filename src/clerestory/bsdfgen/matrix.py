@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdfgen.bands import band_values, tristimulus
+from clerestory.bsdfgen.mirror import NO_MIRROR, Orbits, mirrors
 from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
@@ -23,30 +24,38 @@ def trace_matrices(
 ) -> Traced:
     """Return matrices of transmission and reflection for light from some sides.
 
+    Light is traced from one of the patches that the system's own mirrors make alike.
+
     Parameters
     ----------
     engine : module `engine.sample_area_matrix`
     """
+    flips = mirrors(scene, request.area) if request.symmetry else NO_MIRROR
+    orbits = Orbits.of(partition, flips)
     traced = engine.trace_matrix(
         scene,
         request.area.slab(),
         partition,
+        orbits.chosen,
+        stands_for=np.bincount(orbits.kind),
         periodic=request.area.periodic,
         sides=request.backs,
         effort=engine.Effort(**asdict(request.effort), batches=_BATCHES),
     )
-    count = len(partition)
+    count, rows = len(partition), len(orbits.chosen)
     functions: Functions = {}
     for number, back in enumerate(request.backs):
         side = "back" if back else "front"
-        incident = slice(number * count, (number + 1) * count)
+        incident = slice(number * rows, (number + 1) * rows)
         for kind, exits in (
             ("transmission", slice(0, count)),
             ("reflection", slice(count, 2 * count)),
         ):
             name: Any = f"{kind}_{side}"
-            part = traced.values[:, incident, exits]
-            spread = np.moveaxis(traced.components[:, :, incident, exits], 0, 1)
+            part = orbits.unfolded(traced.values[:, incident, exits])
+            spread = orbits.unfolded(
+                np.moveaxis(traced.components[:, :, incident, exits], 0, 1)
+            )
             for band, weights in request.bands.items():
                 value, error = (band_values(of, weights) for of in (part, spread))
                 functions[band, name] = _matrix(value, error, partition)

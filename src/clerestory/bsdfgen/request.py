@@ -22,6 +22,7 @@ class TraceRequest:
     bands : of the result, with weights of the three channels
     colour : whether to add colour to them
     effort : how long to trace
+    symmetry : whether light is traced from one of two directions that are alike
     """
 
     area: SampleArea
@@ -29,6 +30,7 @@ class TraceRequest:
     bands: Mapping[str, Weights]
     colour: bool
     effort: TraceEffort
+    symmetry: bool = True
 
 
 @dataclass(frozen=True, eq=False)

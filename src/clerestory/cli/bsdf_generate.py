@@ -129,6 +129,13 @@ def generate(
         ),
     ] = None,
     bounces: Bounces = None,
+    symmetry: Annotated[
+        bool,
+        typer.Option(
+            "--symmetry/--no-symmetry",
+            help="Trace matrices from one of two patches that the geometry mirrors.",
+        ),
+    ] = True,
     reciprocal: Annotated[
         bool, typer.Option("--reciprocal", help="Average light forth with light back.")
     ] = False,
@@ -184,6 +191,7 @@ def generate(
             samples=samples,
             relative_error=relative_error,
             bounces=bounces,
+            symmetry=symmetry,
             reciprocal=reciprocal,
             reduction=reduction,
             geometry=geometry,
