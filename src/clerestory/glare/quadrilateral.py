@@ -13,17 +13,21 @@ from clerestory.glare.rays import PixelRays, directions
 from clerestory.scene.projection import TINY
 from clerestory.scene.view import View
 
-# Rows worked on at a time
-_BLOCK = 16
-
 _Vectors = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def quadrilaterals(
-    view: View, columns: int, rows: int
+    view: View, columns: int, rows: int, some: slice | None = None
 ) -> Float[np.ndarray, "row column"]:
     """Return the solid angles of the pixels of a picture [sr].
 
+    Parameters
+    ----------
+    columns, rows : size of the picture
+    some : rows wanted, counted from the top; all if not given
+
+    Examples
+    --------
     >>> view = View(kind="angular", horizontal=180, vertical=180)
     >>> float(quadrilaterals(view, 100, 100)[50, 50].round(8))
     0.00098696
@@ -33,28 +37,22 @@ def quadrilaterals(
     # evalglare mirrors the picture here, which only rounding tells in a level view
     mirrored = view.lift == 0
     low, high = (under, over) if mirrored else (under[::-1], over[::-1])
+    some = some or slice(None)
+    low, high = low[some], high[some]
     x, columns_of = np.unique(np.concatenate([left, right]), return_inverse=True)
     y, rows_of = np.unique(np.concatenate([low, high]), return_inverse=True)
     grid = directions(view, x, y)
-    rows_of, columns_of = rows_of.reshape(2, rows), columns_of.reshape(2, columns)
-
-    result = np.empty((rows, columns))
-    for start in range(0, rows, _BLOCK):
-        some = slice(start, start + _BLOCK)
-        result[some] = _angles(grid, rows_of[:, some], columns_of)
-    return result
+    return _angles(grid, rows_of.reshape(2, -1), columns_of.reshape(2, -1))
 
 
 def _angles(grid: PixelRays, rows_of: np.ndarray, columns_of: np.ndarray) -> np.ndarray:
-    # Of the pixels of some rows; a few rows at a time stay in the processor's cache
     places = ((0, 0), (1, 0), (1, 1), (0, 1))
     corners, whole = [], np.ones((rows_of.shape[1], columns_of.shape[1]), dtype=bool)
-    lines = [(grid.direction[at], grid.covered[at]) for at in rows_of]
+    planes = np.ascontiguousarray(np.moveaxis(grid.direction, -1, 0))
     for row, column in places:
-        at = columns_of[column]
-        x, y, z = np.ascontiguousarray(lines[row][0][:, at].transpose(2, 0, 1))
+        x, y, z = planes[:, rows_of[row]].take(columns_of[column], axis=2)
         corners.append((x, y, z))
-        whole &= lines[row][1][:, at]
+        whole &= grid.covered[rows_of[row]].take(columns_of[column], axis=1)
     sides = [_plane(corners[i], corners[(i + 1) % 4]) for i in range(4)]
     turns = [
         np.arccos(np.clip(_dot(sides[i], sides[(i + 1) % 4]), -1, 1)) for i in range(4)
@@ -76,10 +74,14 @@ def _plane(a: _Vectors, b: _Vectors) -> _Vectors:
     normal = a[1] * z - a[2] * y, a[2] * x - a[0] * z, a[0] * y - a[1] * x
     square = normal[0] * normal[0] + (normal[2] * normal[2] + normal[1] * normal[1])
     with np.errstate(divide="ignore"):
-        scale = np.where(
-            np.abs(square - 1) <= TINY, 2 - (0.5 + 0.5 * square), 1 / np.sqrt(square)
-        )
-    scale[square == 0] = 0
+        scale = 1 / np.sqrt(square)
+
+    # To first order where the length is almost one; corners may fall together
+    near = np.abs(square - 1) <= TINY
+    if near.any():
+        scale[near] = 2 - (0.5 + 0.5 * square[near])
+    if not square.all():
+        scale[square == 0] = 0
     return normal[0] * scale, normal[1] * scale, normal[2] * scale
 
 

@@ -31,16 +31,25 @@ class PixelRays(NamedTuple):
     up: Float[np.ndarray, "row column"]
 
 
-def pixel_rays(view: View, columns: int, rows: int) -> PixelRays:
+def pixel_rays(
+    view: View, columns: int, rows: int, some: slice | None = None
+) -> PixelRays:
     """Return the directions of pixel centres.
 
+    Parameters
+    ----------
+    columns, rows : size of the picture
+    some : rows wanted, counted from the top; all if not given
+
+    Examples
+    --------
     >>> rays = pixel_rays(View(kind="angular", horizontal=180, vertical=180), 3, 3)
     >>> rays.direction[1, 1].tolist()
     [0.0, 1.0, 0.0]
     """
     x = (np.arange(columns) + 0.5) / columns
     y = (np.arange(rows)[::-1] + 0.5) / rows
-    return directions(view, x, y)
+    return directions(view, x, y if some is None else y[some])
 
 
 def directions(

@@ -14,9 +14,11 @@ from jaxtyping import Bool, Float
 
 from clerestory.errors import InputError
 from clerestory.glare.field_of_view import FieldOfView, in_field
+from clerestory.glare.pitch import Pitch, pixel_pitch
 from clerestory.glare.position_index import PositionModel, position_index
 from clerestory.glare.quadrilateral import quadrilaterals
 from clerestory.glare.rays import pixel_rays
+from clerestory.glare.row_blocks import by_rows
 from clerestory.scene.projection import Kind
 from clerestory.scene.view import View
 
@@ -81,18 +83,13 @@ class GlareView:
         return angle
 
     @cached_property
-    def _pitch(self) -> tuple[np.ndarray, np.ndarray]:
-        # Least and most angle between a pixel and the next, over all ways to go [rad]
-        down, across = np.gradient(self.direction, axis=(0, 1))
-        e, g = (down * down).sum(axis=-1), (across * across).sum(axis=-1)
-        f = (down * across).sum(axis=-1)
-        middle, spread = (e + g) / 2, np.hypot((e - g) / 2, f)
-        return np.sqrt(np.maximum(middle - spread, 0)), np.sqrt(middle + spread)
+    def _pitch(self) -> Pitch:
+        return pixel_pitch(self.direction)
 
     @cached_property
     def _least_pitch(self) -> float:
         # Over all pixels that count [rad]
-        least = self._pitch[0][self.valid]
+        least = self._pitch.least[self.valid]
         return float(least[least > 0].min(initial=np.inf))
 
     def farthest_within(self, angle: float) -> int:
@@ -104,7 +101,7 @@ class GlareView:
     def surely_within(self, angle: float) -> Float[np.ndarray, "row column"]:
         """Pixels to go from each pixel in any way and stay within an angle [rad]."""
         with np.errstate(divide="ignore"):
-            reach: np.ndarray = angle / self._pitch[1]
+            reach: np.ndarray = angle / self._pitch.most
         return reach
 
     def pixel_angle(self) -> float:
@@ -177,20 +174,28 @@ def _glare_view(key: _Key, columns: int, rows: int, model: PositionModel) -> Gla
     view = View(
         key.kind, np.zeros(3), np.array(key.direction), np.array(key.up), *key.size
     )
-    direction, covered, up = pixel_rays(view, columns, rows)
-    cosine = np.clip(direction @ view.direction, -1, 1)
-    sigma = np.arccos(cosine)
-    tau = _tau(view, direction, cosine)
-    counts = covered & (cosine >= 0)
-    return GlareView(
-        view=view,
-        direction=direction,
-        solid_angle=np.where(counts, quadrilaterals(view, columns, rows), 0),
-        cosine=np.where(counts, cosine, 0),
-        position_index=position_index(sigma, tau, up < 0, model=model),
-        sigma=sigma,
-        tau=tau,
-    )
+    direction = np.empty((rows, columns, 3))
+    parts = {
+        name: np.empty((rows, columns))
+        for name in ("solid_angle", "cosine", "position_index", "sigma", "tau")
+    }
+
+    def fill(some: slice) -> None:
+        rays = pixel_rays(view, columns, rows, some)
+        cosine = np.clip(rays.direction @ view.direction, -1, 1)
+        sigma, tau = np.arccos(cosine), _tau(view, rays.direction, cosine)
+        counts = rays.covered & (cosine >= 0)
+        omega = quadrilaterals(view, columns, rows, some)
+        direction[some] = rays.direction
+        parts["solid_angle"][some] = np.where(counts, omega, 0)
+        parts["cosine"][some] = np.where(counts, cosine, 0)
+        parts["position_index"][some] = position_index(
+            sigma, tau, rays.up < 0, model=model
+        )
+        parts["sigma"][some], parts["tau"][some] = sigma, tau
+
+    by_rows(fill, rows, columns)
+    return GlareView(view=view, direction=direction, **parts)
 
 
 def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
