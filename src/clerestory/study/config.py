@@ -153,6 +153,11 @@ class Study(Table):
         """The method; the first where several are compared."""
         return self.methods[0]
 
+    @property
+    def folder(self) -> Path:
+        """Folder of the study file."""
+        return self._folder
+
     def with_method(self, method: Method) -> "Study":
         """Return the study by one method; the two-phase one makes no pictures."""
         change: dict[str, Any] = {"methods": [method]}

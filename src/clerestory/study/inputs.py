@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int
 
 from clerestory.errors import InputError
 from clerestory.phases.pictures import Camera
@@ -43,6 +44,11 @@ class Inputs:
             np.concatenate([grid.position for grid in grids]),
             np.concatenate([grid.direction for grid in grids]),
         )
+
+    def rows(self, grid: str) -> Int[np.ndarray, " sensor"]:
+        """Numbers of the sensors of a grid; of all if it has no name."""
+        owner = np.repeat(list(self.grids), [len(s) for s in self.grids.values()])
+        return np.flatnonzero((owner == grid) | (not grid))
 
 
 def read_inputs(study: Study) -> Inputs:

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from clerestory.control.schedule import StateSchedule, write_schedule
 from clerestory.files import write_text
+from clerestory.study.config import Study
 from clerestory.study.results import Results
 
 # Columns of metrics.csv: name in the results, heading, factor
@@ -25,6 +27,44 @@ _METRICS = (
     ("useful", "useful illuminance [%]", 100),
     ("useful_error", "useful illuminance, error [%]", 100),
 )
+
+
+def write_tables(study: Study, results: Results, out: Path) -> None:
+    """Write the tables that a study asks for into a folder."""
+    if study.output.csv:
+        write_metrics(results, out / "metrics.csv")
+        if "state" in results.data:
+            write_states(results, out / "states.csv")
+        if "dimming" in results.data:
+            write_lighting(results, out / "lighting.csv")
+    for grid in results.grids():
+        if study.output.csv:
+            write_hourly(results, out / f"illuminance_{grid}.csv", grid=grid)
+        if study.output.ill:
+            write_ill(results, out / f"{grid}.ill", grid=grid)
+
+
+def write_states(results: Results, path: str | Path) -> None:
+    """Write the states of all window groups, as the rule "schedule" reads them."""
+    data = results.data
+    states = {
+        str(name): data["state"].values[number].astype(int)
+        for number, name in enumerate(data["window"].values)
+    }
+    write_schedule(path, StateSchedule(data["time"].values, states))
+
+
+def write_lighting(results: Results, path: str | Path) -> None:
+    """Write a line for every step: output and power of each lighting zone."""
+    data = results.data
+    zones = [str(name) or "lighting" for name in data["zone"].values]
+    head = ["time", *(f"{z} output" for z in zones), *(f"{z} [W]" for z in zones)]
+    figures = np.concatenate([data["dimming"].values, data["lighting_power"].values])
+    lines = [",".join(_quoted(text) for text in head)]
+    for moment, row in zip(data["time"].values, figures.T, strict=True):
+        stamp = str(moment.astype("datetime64[m]")).replace("T", " ")
+        lines.append(stamp + "".join(f",{value:.4g}" for value in row))
+    write_text(path, "\n".join(lines) + "\n")
 
 
 def write_metrics(results: Results, path: str | Path) -> None:

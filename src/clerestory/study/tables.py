@@ -184,6 +184,7 @@ class SunTable(Table):
     tolerance_deg: float = Field(0.25, ge=0, le=5)
     samples: int = Field(64, ge=1, le=1 << 16)
     picture_samples: int = Field(16, ge=1, le=1 << 12)
+    keep_gb: float = Field(1.0, ge=0)
 
 
 class TraceTable(Table):

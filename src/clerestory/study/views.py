@@ -1,43 +1,40 @@
-"""Pictures of a study: glare at every step, and the pictures asked for.
+"""Pictures of a study: glare at every step, and files of the moments asked for.
 
-Pictures come one after the other and are judged at once; only those asked for by
-name are written.
+No picture is kept: they come one after the other and are judged at once; only those
+asked for by name are written.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
 from clerestory.files import make_folder
 from clerestory.glare.annual import annual_glare
 from clerestory.image.picture import Picture
 from clerestory.image.write import write_picture
-from clerestory.phases.pictures import (
-    Camera,
-    PicturePhases,
-    Progress,
-    pictures_over_time,
-    sun_pictures,
-)
-from clerestory.phases.three import WindowPhases
-from clerestory.study.config import Study
-from clerestory.study.inputs import Inputs
+from clerestory.phases.shaded import States
+from clerestory.phases.trace import Progress
+from clerestory.study.evidence import Judge
+from clerestory.study.job import Display
+from clerestory.study.lamps import Lamps
 from clerestory.study.tables import EVERY, ViewTable
-from clerestory.study.tracing import Display, Job, Skies, Tracing, picture_views
+from clerestory.study.tracing import Skies
+from clerestory.study.view_tracing import ViewTracing
 
 PICTURE_FOLDER = "pictures"
 
 
 def study_views(
-    study: Study,
-    inputs: Inputs,
-    tracing: Tracing,
+    views: Sequence[ViewTracing],
     skies: Skies,
+    states: States,
     *,
-    job: Job,
+    lamps: Lamps,
+    output: Float[np.ndarray, "zone time"],
     out: Path,
     display: Display,
 ) -> xr.Dataset:
@@ -45,96 +42,132 @@ def study_views(
 
     Steps without light have no glare: NaN.
 
+    Parameters
+    ----------
+    states : of every window group, over time
+    lamps, output : electric light that is added, and the share of it that is on
+
     Returns
     -------
     variables `glare_…` over (view, time), such as `glare_dgp` and `glare_illuminance`,
     the vertical illuminance at the eye [lux]
     """
+    times = skies.whole.times
+    daylight = skies.whole.diffuse.max(axis=0) > 0
+    steps = np.flatnonzero(daylight | (output > 0).any(axis=0))
     found = []
-    for table, camera in zip(study.view, inputs.cameras, strict=True):
-        lit = skies.whole.diffuse.max(axis=0) > 0
-        times = skies.whole.times[lit]
-        windows = _phases(job, inputs, tracing, camera, table.label)
-        suns = None if tracing.suns is None else tracing.suns.select(lit)
-        series = pictures_over_time(
-            windows,
-            camera,
-            skies.whole.select(lit),
-            sun_in_patches=None if skies.sun is None else skies.sun.select(lit),
-            suns=suns,
+    for view in views:
+        kept = _asked_for(view.table, times, steps)
+        show = _counted(display(f"pictures of {view.table.label}"), len(steps))
+        lit = lamps.pictures(view.table.label)
+        series = _written(
+            _with_lamps(view.pictures(states, skies, steps), lit, output),
+            kept,
+            out / PICTURE_FOLDER,
+            view.table.label,
         )
-        kept = _asked_for(table, times)
-        show = _counted(display(f"pictures of {table.label}"), len(times))
-        luminance = _written(series, kept, out / PICTURE_FOLDER, table.label)
-        glare = annual_glare(
-            luminance,
-            camera.view,
-            times=times,
-            progress=show,
-        )
-        found.append(glare.reindex(time=skies.whole.times))
+        glare = _glare(series, view, times, steps, states, progress=show)
+        found.append(glare.sortby("time").reindex(time=times))
     if not found:
         return xr.Dataset()
-    names = [table.label for table in study.view]
+    names = [view.table.label for view in views]
     every = xr.concat(found, dim="view").assign_coords(view=names)
     return every.rename({name: f"glare_{name}" for name in every.data_vars})
 
 
-def _phases(
-    job: Job, inputs: Inputs, tracing: Tracing, camera: Camera, label: str
-) -> list[PicturePhases]:
-    whole, direct = picture_views(job, camera, label)
-    windows = [group.inner for group in inputs.groups]
-    parts = []
-    for number, group in enumerate(inputs.groups):
-        daylight = tracing.windows[number].daylight
-        seen = WindowPhases(whole[group.name], group.states[0].transmission, daylight)
-        if direct is None or tracing.suns is None:
-            parts.append(PicturePhases(seen))
-            continue
-        black = tracing.direct[number].direct.daylight
-        sun = sun_pictures(
-            inputs.scene,
-            windows,
-            group.name,
-            group.states[0].fine,
-            camera,
-            suns=tracing.suns.directions,
-            peak=group.states[0].peak,
-            samples=job.study.sun.picture_samples,
-            seed=job.study.trace.seed,
-            device=job.study.trace.device,
-        )
-        shown = WindowPhases(direct[group.name], group.states[0].transmission, black)
-        parts.append(PicturePhases(seen, shown, sun))
-    return parts
+def glare_judge(
+    views: Sequence[ViewTracing], skies: Skies, *, display: Display
+) -> Judge:
+    """Return what tells rules the glare of some steps, electric light left out.
+
+    Steps without daylight have none: 0.
+    """
+    times = skies.whole.times
+    lit = skies.whole.diffuse.max(axis=0) > 0
+
+    def judge(
+        states: States, steps: Int[np.ndarray, " step"], names: Sequence[str]
+    ) -> Float[np.ndarray, " step"]:
+        worst = np.zeros(len(steps))
+        bright = steps[lit[steps]]
+        for view in views:
+            if len(bright) and (not names or view.table.label in names):
+                series = view.pictures(states, skies, bright)
+                glare = _glare(
+                    (picture.luminance() for _, picture in series),
+                    view,
+                    times,
+                    bright,
+                    states,
+                    progress=_counted(
+                        display(f"glare in {view.table.label}"), len(bright)
+                    ),
+                )
+                dgp = glare.sortby("time")["dgp"].values
+                worst[lit[steps]] = np.maximum(worst[lit[steps]], dgp)
+        return worst
+
+    return judge
+
+
+def _glare(
+    series: Iterator[np.ndarray],
+    view: ViewTracing,
+    times: np.ndarray,
+    steps: np.ndarray,
+    states: States,
+    *,
+    progress: Callable[[int], None] | None = None,
+) -> xr.Dataset:
+    # The pictures come by combinations of states; their times say where they belong
+    order = view.order(states, steps)
+    return annual_glare(series, view.camera.view, times=times[order], progress=progress)
 
 
 def _counted(progress: Progress, count: int) -> Callable[[int], None]:
     return lambda done: progress(done / count, f"{done} of {count} steps")
 
 
-def _asked_for(table: ViewTable, times: np.ndarray) -> dict[int, str]:
+def _asked_for(
+    table: ViewTable, times: np.ndarray, steps: np.ndarray
+) -> dict[int, str]:
     # Number of the step of each picture, and the words of the study for it
-    found = {}
-    stamps = np.datetime_as_string(times, unit="m")
+    stamps = {
+        str(np.datetime_as_string(times[step], unit="m"))[5:]: int(step)
+        for step in steps
+    }
     if EVERY in table.pictures:
-        return {step: stamp[5:] for step, stamp in enumerate(stamps)}
+        return {step: stamp for stamp, step in stamps.items()}
     for moment in table.pictures:
-        steps = [i for i, stamp in enumerate(stamps) if stamp[5:] == moment]
-        if not steps:
+        if moment not in stamps:
             raise InputError(
                 f'view "{table.label}": no step with light at {moment}; one such as'
-                f" {stamps[len(stamps) // 2][5:]} expected"
+                f" {list(stamps)[len(stamps) // 2]} expected"
             )
-        found[steps[0]] = moment
-    return found
+    return {stamps[moment]: moment for moment in table.pictures}
+
+
+def _with_lamps(
+    series: Iterator[tuple[int, Picture]],
+    lamps: Sequence[np.ndarray],
+    output: Float[np.ndarray, "zone time"],
+) -> Iterator[tuple[int, Picture]]:
+    # Add the light of every zone as far as it is on
+    for step, picture in series:
+        pixels = picture.radiance
+        for lit, share in zip(lamps, output[:, step], strict=True):
+            if share > 0:
+                pixels = pixels + np.float32(share) * lit.reshape(pixels.shape)
+        yield step, Picture(pixels, view=picture.view, header=picture.header)
 
 
 def _written(
-    series: Iterator[Picture], kept: dict[int, str], folder: Path, label: str
+    series: Iterator[tuple[int, Picture]],
+    kept: dict[int, str],
+    folder: Path,
+    label: str,
 ) -> Iterator[np.ndarray]:
-    for step, picture in enumerate(series):
+    for step, picture in series:
         if step in kept:
             make_folder(folder)
             name = f"{label}_{kept[step].replace(':', '')}.hdr"

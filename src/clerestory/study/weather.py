@@ -1,5 +1,7 @@
 """The weather of a study: read or made, and cut to the steps that are simulated."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from clerestory.errors import InputError
@@ -25,7 +27,8 @@ def study_weather(study: Study) -> Weather:
     weather = select_days(
         _whole(table), first=table.first_day or "01-01", last=table.last_day or "12-31"
     )
-    weather = weather.select(_chosen(weather, table))
+    step = weather.step_minutes * table.every
+    weather = replace(weather.select(_chosen(weather, table)), step_minutes=step)
     start, end = study.schedule.from_hour, study.schedule.to_hour
     if not occupied_hours(weather.times, from_hour=start, to_hour=end).any():
         raise InputError(

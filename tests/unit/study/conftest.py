@@ -12,7 +12,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.study import tracing
+from clerestory.study import coefficients, tracing
 
 ROOM = Path(__file__).parents[2] / "cli" / "room"
 TRANSMITTANCE = 0.5
@@ -75,6 +75,10 @@ class FakeEngine:
 @pytest.fixture
 def engine(monkeypatch):
     fake = FakeEngine()
-    for name in ("view_matrices", "daylight_matrix", "daylight_coefficients"):
-        monkeypatch.setattr(tracing, name, getattr(fake, name))
+    for module, name in (
+        (tracing, "view_matrices"),
+        (tracing, "daylight_matrix"),
+        (coefficients, "daylight_coefficients"),
+    ):
+        monkeypatch.setattr(module, name, getattr(fake, name))
     return fake

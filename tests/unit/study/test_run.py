@@ -13,6 +13,7 @@ from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
+from clerestory.study.job import Job
 from clerestory.study.results import read_results
 from clerestory.study.run import run_study
 from clerestory.study.tracing import trace_study
@@ -110,7 +111,7 @@ def test_what_changed_is_traced_again_and_nothing_else(
     def trace():
         study = read_study(study_file)
         store = MatrixStore(tmp_path / "matrices")
-        return trace_study(study, read_inputs(study), store=store, display=silent)
+        return trace_study(Job(study, read_inputs(study), store, silent))
 
     trace()
     engine.calls.clear()

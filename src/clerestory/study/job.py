@@ -1,0 +1,90 @@
+"""What every matrix of a study needs: scene, seeds, effort, and where it is kept."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from clerestory import __version__
+from clerestory.engine.device import resolve
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.fingerprint import fingerprint
+from clerestory.phases.store import MatrixStore
+from clerestory.phases.trace import Progress
+from clerestory.scene.model import Scene
+from clerestory.study.config import Study
+from clerestory.study.inputs import Inputs
+
+# Starts the display of one phase, given its name
+Display = Callable[[str], Progress]
+
+# Random numbers of the direct phases, of the suns, of lamps and of the two-phase
+# method, apart from those of V and D
+DIRECT, SUN, LAMPS, COEFFICIENTS = 0x10000, 0x20000, 0x30000, 0x40000
+
+# Apart the states of one window
+STATE = 0x100
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """What every matrix of a study needs.
+
+    Attributes
+    ----------
+    found : whether each matrix was found in the store, by its file's name; grows
+        while the study is traced
+    """
+
+    study: Study
+    inputs: Inputs
+    store: MatrixStore
+    display: Display
+    found: dict[str, bool] = field(default_factory=dict)
+
+    @property
+    def scene(self) -> Scene:
+        """The room without its windows."""
+        return self.inputs.scene
+
+    @cached_property
+    def scene_key(self) -> str:
+        """Fingerprint of the scene."""
+        return fingerprint(__version__, self.scene)
+
+    @property
+    def device(self) -> str:
+        """The device that is used, "cpu" or "cuda"."""
+        return str(resolve(self.study.trace.device))
+
+    def seed(self, stream: int = 0) -> int:
+        """Random numbers of one matrix, apart from those of the others."""
+        return (self.study.trace.seed + stream) % 2**32
+
+    def options(self, stream: int = 0) -> dict[str, Any]:
+        """How long to trace, and with which random numbers."""
+        trace = self.study.trace
+        return {
+            **trace.goal(),
+            "bounces": trace.bounces,
+            "seed": self.seed(stream),
+            "device": self.device,
+        }
+
+    def matrix(
+        self, name: str, key: str, make: Callable[[], TransferMatrix]
+    ) -> TransferMatrix:
+        """Return a matrix of an earlier run, or make and keep it."""
+        return self.matrices([name], key, lambda: {name: make()})[name]
+
+    def matrices(
+        self,
+        names: list[str],
+        key: str,
+        make: Callable[[], Mapping[str, TransferMatrix]],
+    ) -> dict[str, TransferMatrix]:
+        """Return matrices that are traced together, of an earlier run or just made."""
+        for name in names:
+            file = self.store.path(name, key).name
+            self.found.setdefault(file, self.store.holds(name, key))
+        return self.store.matrices(names, key, make)

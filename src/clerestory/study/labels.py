@@ -1,0 +1,132 @@
+"""Label what a run found: names, places, hours that count, states, drawings."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool
+
+from clerestory.metrics.hours import occupied_hours
+from clerestory.metrics.summary import sensor_metrics
+from clerestory.study.config import Study
+from clerestory.study.drawing import room_drawing, window_drawing
+from clerestory.study.evidence import Evidence
+from clerestory.study.inputs import Inputs
+from clerestory.study.operation import Operation
+from clerestory.study.results import sensor_names
+
+
+def sensor_labels(inputs: Inputs) -> list[str]:
+    """Names of all sensors of a study."""
+    grids = inputs.grids.items()
+    return [name for grid, s in grids for name in sensor_names(grid, len(s))]
+
+
+def occupied_steps(study: Study, times: np.ndarray) -> Bool[np.ndarray, " time"]:
+    """Whether each step lies within the study's schedule."""
+    table = study.schedule
+    return occupied_hours(times, from_hour=table.from_hour, to_hour=table.to_hour)
+
+
+def label_results(
+    study: Study,
+    inputs: Inputs,
+    hourly: xr.Dataset,
+    parts: Sequence[xr.Dataset],
+    evidence: Evidence,
+    acts: Operation,
+) -> xr.Dataset:
+    """Return all that a run found as one dataset; see `Results`.
+
+    Parameters
+    ----------
+    hourly : daylight at the sensors
+    parts : what else is known: electric light, glare
+    acts : states of the shades
+    """
+    sensors = inputs.sensors()
+    grids = np.repeat(list(inputs.grids), [len(s) for s in inputs.grids.values()])
+    hours = occupied_steps(study, hourly["time"].values)
+    labelled = hourly.assign_coords(
+        sensor=np.array(sensor_labels(inputs)),
+        grid=("sensor", grids),
+        position=(("sensor", "xyz"), sensors.position),
+        direction=(("sensor", "xyz"), sensors.direction),
+    )
+    data = xr.merge(
+        [
+            labelled.assign(occupied=("time", hours)),
+            sensor_metrics(labelled, hours, target_lux=study.metrics.target_lux),
+            room_drawing(inputs.scene),
+            window_drawing([group.inner for group in inputs.groups]),
+            _states(evidence, acts),
+            *(_sensors_left_out(part) for part in parts),
+        ],
+        combine_attrs="drop_conflicts",
+        join="outer",
+        compat="no_conflicts",
+    )
+    return data.assign_attrs(
+        title=study.title,
+        method=study.method,
+        place=inputs.weather.place,
+        latitude_deg=inputs.weather.latitude_deg,
+        longitude_deg=inputs.weather.longitude_deg,
+        utc_offset_hours=inputs.weather.utc_offset_hours,
+        step_minutes=inputs.weather.step_minutes,
+        rotation_deg=study.sky.rotation_deg,
+        study=study.to_json(),
+    )
+
+
+def _sensors_left_out(part: xr.Dataset) -> xr.Dataset:
+    # Sensors get their names from the daylight beside
+    return part.drop_vars("sensor", errors="ignore")
+
+
+def _states(evidence: Evidence, acts: Operation) -> xr.Dataset:
+    # What the shades did and what they looked at, where there is a choice
+    groups = evidence.inputs.groups
+    if all(len(group.states) == 1 for group in groups):
+        return xr.Dataset()
+    most = max(len(group.states) for group in groups)
+    names = [
+        [state.name for state in group.states] + [""] * (most - len(group.states))
+        for group in groups
+    ]
+    rules = [group.control.rule if group.control else "fixed" for group in groups]
+    numbers = range(len(groups))
+    axes = ("window", "time")
+    found = xr.Dataset(
+        {
+            "state": (axes, np.stack(acts.states).astype(np.int8)),
+            "state_name": (("window", "state_number"), np.array(names, dtype=str)),
+            "control": ("window", np.array(rules, dtype=str)),
+            "facade_irradiance": (
+                axes,
+                _single([evidence.irradiance(n) for n in numbers]),
+                {"units": "W/m2"},
+            ),
+            "profile_angle": (
+                axes,
+                _single([evidence.profile(n) for n in numbers]),
+                {"units": "rad"},
+            ),
+        },
+        coords={"time": evidence.times},
+    )
+    if acts.kept is not None:
+        found["rule_kept"] = ("time", acts.kept)
+    if evidence.tracing.direct:
+        opened = [np.zeros_like(state) for state in acts.states]
+        sun = evidence.tracing.direct_illuminance(evidence.skies, opened)
+        found["direct_open"] = (
+            ("sensor", "time"),
+            sun.astype(np.float32),
+            {"units": "lux"},
+        )
+    return found
+
+
+def _single(rows: Sequence[np.ndarray]) -> np.ndarray:
+    return np.stack(rows).astype(np.float32)

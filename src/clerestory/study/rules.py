@@ -1,0 +1,324 @@
+"""Rules of the study file as states over time: one function for each kind.
+
+What a rule sees of the room depends on the other windows. Those decided before are in
+their states; those still to be decided count as closed, so that a limit that can be
+kept is kept, and the first in the file stays the most open.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.control.choice import Limit, best_states, least_closed
+from clerestory.control.profile import blocking_states
+from clerestory.control.rule import Situation, apply_rule
+from clerestory.control.schedule import StateSchedule, read_schedule
+from clerestory.control.threshold import staged_states, threshold_states
+from clerestory.control.user_rule import load_rule
+from clerestory.errors import InputError
+from clerestory.study.evidence import Evidence
+from clerestory.study.window_tables import ControlTable
+
+DGP_BELOW = 0.40
+
+# Simplified glare probability from vertical illuminance (J. Wienold, Building
+# Simulation 2009): DGPs = 6.22e-5 Ev + 0.184
+_DGPS_SLOPE, _DGPS_OFFSET = 6.22e-5, 0.184
+
+_StateTimes = Int[np.ndarray, " time"]
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A window group that is to be decided.
+
+    Attributes
+    ----------
+    number : of the group
+    control : its rule
+    others : states of all groups as they stand; the group's own do not matter
+    """
+
+    evidence: Evidence
+    number: int
+    control: ControlTable
+    others: list[_StateTimes]
+
+    @property
+    def count(self) -> int:
+        """Number of states of the group."""
+        return len(self.evidence.inputs.groups[self.number].states)
+
+    def with_state(self, state: int) -> list[_StateTimes]:
+        """States of all groups with this one in a given state at all steps."""
+        states = list(self.others)
+        states[self.number] = np.full_like(states[self.number], state)
+        return states
+
+    def every_step(self) -> Int[np.ndarray, " time"]:
+        """Numbers of all steps."""
+        return np.arange(len(self.evidence.times))
+
+
+def fixed(case: Case) -> _StateTimes:
+    """Return the same state at all steps."""
+    group = case.evidence.inputs.groups[case.number]
+    return np.full(len(case.evidence.times), group.number_of(case.control.state))
+
+
+def cut_off(case: Case) -> _StateTimes:
+    """Return the most open tilt that stops the sun, where it shines."""
+    control = case.control
+    width, spacing = control.slat_width, control.slat_spacing
+    if width is None or spacing is None:
+        raise InputError('rule "cut-off" without the size of the slats')
+    return blocking_states(
+        case.evidence.profile(case.number, vertical=control.vertical),
+        tilts=np.radians(control.tilts_deg),
+        width=width,
+        spacing=spacing,
+        sunny=_sunny(case),
+    )
+
+
+def by_profile(case: Case) -> _StateTimes:
+    """Return the number of angles that the sun's profile angle is below."""
+    angle = case.evidence.profile(case.number, vertical=case.control.vertical)
+    if case.control.vertical:
+        angle = np.abs(angle)
+    below = [angle < np.radians(limit) for limit in case.control.angles_deg]
+    return np.where(_sunny(case), np.sum(below, axis=0), 0)
+
+
+def by_threshold(case: Case) -> _StateTimes:
+    """Return states that follow one quantity over time."""
+    control = case.control
+    quantity = _quantity(case)
+    delays = {
+        "close_after": _steps(case, control.close_after),
+        "open_after": _steps(case, control.open_after),
+    }
+    low = control.open_below
+    if len(control.close_above) == 1:
+        closed = threshold_states(
+            quantity,
+            close_above=control.close_above[0],
+            open_below=low[0] if low else None,
+            **delays,
+        )
+        return closed * (case.count - 1)
+    return staged_states(
+        quantity,
+        close_above=np.array(control.close_above),
+        open_below=np.array(low) if low else None,
+        **delays,
+    )
+
+
+def by_glare(case: Case) -> _StateTimes:
+    """Return the least closed state with glare below the limit."""
+    bound = case.control.dgp_below or DGP_BELOW
+    if case.control.grid:
+        return least_closed([Limit(_simplified_glare(case), bound)])
+    return least_closed([Limit(_glare_until(case, bound), bound)])
+
+
+def by_score(case: Case) -> _StateTimes:
+    """Return the state that gives most of the light worth having, within limits."""
+    control, evidence = case.control, case.evidence
+    target = control.target_lux or evidence.study.metrics.target_lux
+    lux = [
+        evidence.illuminance(case.with_state(state), control.grid)
+        for state in range(case.count)
+    ]
+    score = np.stack([np.minimum(each, target).mean(axis=0) for each in lux])
+    limits = []
+    if control.lux_below is not None:
+        most = np.stack([each.max(axis=0) for each in lux])
+        limits.append(Limit(most, control.lux_below))
+    if control.dgp_below is not None:
+        limits.append(Limit(_glare(case), control.dgp_below))
+    return best_states(score, limits)
+
+
+def by_schedule(case: Case) -> _StateTimes:
+    """Return the states of a file: a line holds until the next one."""
+    group = case.evidence.inputs.groups[case.number]
+    file = case.control.file
+    if file is None:
+        raise InputError('rule "schedule" without a file')
+    schedule = read_schedule(file)
+    if group.name not in schedule.states:
+        raise InputError(
+            f'no column "{group.name}"; one for each window group that asks expected',
+            file=file,
+        )
+    states = held(schedule, case.evidence.times)[group.name]
+    if int(states.max()) >= case.count:
+        raise InputError(
+            f'window "{group.name}" in state {states.max()}; 0 to {case.count - 1}'
+            " expected",
+            file=file,
+        )
+    return states
+
+
+def held(schedule: StateSchedule, times: np.ndarray) -> dict[str, _StateTimes]:
+    """States at some times, each line of a schedule holding until the next.
+
+    The year does not matter. Before the first line the last one holds, as in a year
+    that comes again.
+
+    Examples
+    --------
+    >>> lines = np.array(["2001-01-01T08:00", "2001-01-01T18:00"], "datetime64[s]")
+    >>> schedule = StateSchedule(lines, {"south": np.array([1, 0])})
+    >>> day = np.array(["2023-01-01T07:30", "2023-01-01T09:30"], "datetime64[s]")
+    >>> held(schedule, day)["south"].tolist()
+    [0, 1]
+    """
+    if len(schedule.times) == 0:
+        raise InputError("a schedule without lines; at least one expected")
+    lines, steps = _of_the_year(schedule.times), _of_the_year(times)
+    order = np.argsort(lines, kind="stable")
+    at = order[np.searchsorted(lines[order], steps, side="right") - 1]
+    return {group: np.asarray(states)[at] for group, states in schedule.states.items()}
+
+
+def by_function(case: Case) -> _StateTimes:
+    """Return what the user's own function says."""
+    file, function = case.control.function.rsplit(":", 1)
+    rule = load_rule(case.evidence.study.folder / file, function)
+    try:
+        return apply_rule(rule, situation(case))
+    except InputError:
+        raise
+    except Exception as error:  # whatever the user's function does
+        told = " ".join(str(error).split())[:200]
+        raise InputError(
+            f'rule "{function}" ended with {type(error).__name__}: {told}', file=file
+        ) from error
+
+
+def situation(case: Case) -> Situation:
+    """Return all that a user's function may look at."""
+    evidence, number = case.evidence, case.number
+    weather = evidence.inputs.weather
+    return Situation(
+        evidence.times,
+        case.count,
+        evidence.occupied,
+        {
+            "irradiance": evidence.irradiance(number),
+            "illuminance": evidence.facade_illuminance(number),
+            "direct irradiance": evidence.direct_irradiance(number),
+            "direct normal": weather.direct_normal,
+            "diffuse horizontal": weather.diffuse_horizontal,
+            "profile": evidence.profile(number),
+            "altitude": np.arcsin(np.clip(evidence.sun[:, 2], -1, 1)),
+        },
+        _wanted(case),
+    )
+
+
+def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
+    # What the function wants to know for every state
+    found, needs = {}, case.control.needs
+    if "illuminance" in needs:
+        for grid in case.evidence.inputs.grids:
+            lux = [
+                case.evidence.illuminance(case.with_state(s), grid).mean(axis=0)
+                for s in range(case.count)
+            ]
+            found[f"illuminance {grid}"] = np.stack(lux)
+    if "glare" in needs:
+        found["dgp"] = _glare(case)
+    return found
+
+
+# Rules that look at the sky and the façade alone, and rules that look at the room
+OUTSIDE: dict[str, Callable[[Case], _StateTimes]] = {
+    "fixed": fixed,
+    "cut-off": cut_off,
+    "profile angle": by_profile,
+    "threshold": by_threshold,
+    "schedule": by_schedule,
+}
+INSIDE: dict[str, Callable[[Case], _StateTimes]] = {
+    "glare": by_glare,
+    "best": by_score,
+    "python": by_function,
+}
+
+
+def _sunny(case: Case) -> np.ndarray:
+    direct = case.evidence.direct_irradiance(case.number)
+    return np.asarray(direct > case.control.sun_above)
+
+
+def _steps(case: Case, minutes: float) -> int:
+    return max(1, int(np.ceil(minutes / case.evidence.step_minutes - 1e-9)))
+
+
+def _quantity(case: Case) -> Float[np.ndarray, " time"]:
+    evidence, number = case.evidence, case.number
+    weather = evidence.inputs.weather
+    match case.control.quantity:
+        case "facade irradiance":
+            return evidence.irradiance(number)
+        case "facade illuminance":
+            return evidence.facade_illuminance(number)
+        case "facade direct irradiance":
+            return evidence.direct_irradiance(number)
+        case "direct normal":
+            return weather.direct_normal
+        case "diffuse horizontal":
+            return weather.diffuse_horizontal
+        case "global horizontal":
+            level = weather.direct_normal * np.maximum(evidence.sun[:, 2], 0)
+            return np.asarray(weather.diffuse_horizontal + level)
+        case "illuminance":
+            opened = [np.zeros_like(state) for state in case.others]
+            lux = evidence.illuminance(opened, case.control.grid)
+            return np.asarray(lux.mean(axis=0))
+
+
+def _glare(case: Case) -> Float[np.ndarray, "state time"]:
+    judge, views = case.evidence.judge, case.control.views
+    steps = case.every_step()
+    return np.stack(
+        [judge(case.with_state(s), steps, views) for s in range(case.count)]
+    )
+
+
+def _glare_until(case: Case, bound: float) -> Float[np.ndarray, "state time"]:
+    # More closed states are judged only at the steps where no other was good
+    steps = case.every_step()
+    glare = np.full((case.count, len(steps)), np.inf)
+    for state in range(case.count):
+        if len(steps):
+            found = case.evidence.judge(
+                case.with_state(state), steps, case.control.views
+            )
+            glare[state, steps] = found
+            steps = steps[found > bound]
+    return glare
+
+
+def _simplified_glare(case: Case) -> Float[np.ndarray, "state time"]:
+    lux = [
+        case.evidence.illuminance(case.with_state(state), case.control.grid)
+        for state in range(case.count)
+    ]
+    return np.stack([_DGPS_SLOPE * e.max(axis=0) + _DGPS_OFFSET for e in lux])
+
+
+def _of_the_year(times: np.ndarray) -> np.ndarray:
+    # Month, day and time as one growing number: minutes of a leap year
+    moments = times.astype("datetime64[m]")
+    months = moments.astype("datetime64[M]")
+    month = months.astype(int) % 12
+    leap = (np.datetime64("2024-01", "M") + month).astype("datetime64[m]")
+    return np.asarray((leap + (moments - months)).astype(int))
