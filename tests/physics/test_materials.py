@@ -13,6 +13,8 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine import materials
+from clerestory.scene.cal.program import Program
+from clerestory.scene.cal.syntax import parse_expression
 from clerestory.scene.model import (
     Dielectric,
     Illum,
@@ -21,12 +23,15 @@ from clerestory.scene.model import (
     Metal2,
     Mirror,
     Mixture,
+    Patterned,
     Plastic,
     Plastic2,
+    Textured,
     Trans,
     Trans2,
     Void,
 )
+from clerestory.scene.pattern_function import FunctionPattern
 
 WHITE = np.ones(3)
 TINTED = np.array([0.6, 0.5, 0.4])
@@ -34,9 +39,16 @@ UP = np.array([0.3, 1.0, 0.2])
 ELLIPSE = np.array([0.1, 0.35])
 
 
+def function(*texts):
+    """A pattern of expressions."""
+    return FunctionPattern(Program(), tuple(parse_expression(t) for t in texts))
+
+
 def sheets(colour):
     """Thin sheets that scatter, of a colour."""
     rough = Trans("", colour, 0.1, 0.2, 0.7, 0.6)
+    matt = Plastic("", colour, 0.05, 0.1)
+    bump = function(".3", "-.2", ".1")
     return {
         "metal": Metal("", colour, 0.8, 0.15),
         "smooth plastic": Plastic("", colour, 0.05, 0.0),
@@ -47,12 +59,19 @@ def sheets(colour):
         "trans2": Trans2("", colour, 0.1, ELLIPSE, 0.7, 0.6, UP),
         "mixture": Mixture("", Plastic("", colour, 0.3, 0.2), rough, 0.3),
         "perforated": Mixture("", rough, Void(), 0.4),
+        "varying mixture": Mixture("", matt, rough, function(".2+.5*(1+Px)")),
+        "patterned": Patterned("", matt, function("1", ".5+Px", ".2")),
+        "bumpy plastic": Textured("", matt, bump),
+        "bumpy trans": Textured("", rough, bump),
     }
 
 
 SHEETS = sheets(TINTED)
 # Radiance weakens the diffuse part of smooth coats by one of the two angles only
-RECIPROCAL = sorted(set(SHEETS) - {"smooth plastic", "smooth trans"})
+# and bent normals weigh the two directions by different cosines
+RECIPROCAL = sorted(
+    set(SHEETS) - {"smooth plastic", "smooth trans", "bumpy plastic", "bumpy trans"}
+)
 
 
 @pytest.fixture
@@ -66,6 +85,7 @@ def interaction(n, wi, *, distance=1.0):
     """Points of a surface that light leaves in a direction, in a turned frame."""
     si = dr.zeros(mi.SurfaceInteraction3f, n)
     si.sh_frame = mi.Frame3f(dr.normalize(mi.Vector3f(1, -2, 3)))
+    si.n = si.sh_frame.n
     si.wi = mi.Vector3f(wi)
     si.t = distance
     return si

@@ -12,6 +12,8 @@ from clerestory.scene.composite import (
     Material,
     Mirror,
     Mixture,
+    Patterned,
+    Textured,
     Void,
 )
 from clerestory.scene.emitter import Glow, Light, Spotlight
@@ -31,6 +33,8 @@ from clerestory.scene.material import (
 def colour(material: Material) -> Float[np.ndarray, "3"]:
     """Return the colour in which a drawing shows a material, 0…1; lamps are white.
 
+    Patterns are left out, and mixtures that vary are taken as half and half.
+
     Examples
     --------
     >>> colour(Mixture("net", Plastic("", np.full(3, 0.5)), Void(), 0.5)).tolist()
@@ -48,9 +52,11 @@ def colour(material: Material) -> Float[np.ndarray, "3"]:
         case Mirror(alternate=other) | Illum(alternate=other):
             shown = np.ones(3) if other is None else colour(other)
         case Mixture():
-            share = material.amount
+            share = material.amount if isinstance(material.amount, float) else 0.5
             shown = share * colour(material.foreground)
             shown = shown + (1 - share) * colour(material.background)
+        case Patterned() | Textured():
+            shown = colour(material.base)
         case BsdfSurface() | Void() | Light() | Glow() | Spotlight():
             shown = np.ones(3)
     return np.asarray(np.clip(shown, 0, 1))
@@ -75,5 +81,7 @@ def is_opaque(material: Material) -> bool:
             return other is None or is_opaque(other)
         case Mixture():
             return is_opaque(material.foreground) and is_opaque(material.background)
+        case Patterned() | Textured():
+            return is_opaque(material.base)
         case Light() | Glow() | Spotlight():
             return True

@@ -24,6 +24,7 @@ from clerestory.scene.material import (
     Trans2,
 )
 from clerestory.scene.pattern import Pattern
+from clerestory.scene.pattern_function import DataPattern, FunctionPattern
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,13 +59,45 @@ class Mixture:
     Attributes
     ----------
     foreground, background : what is mixed
-    amount : share of the foreground, 0…1
+    amount : share of the foreground, 0…1, or a pattern of which it is the first channel
     """
 
     name: str
     foreground: "Material"
     background: "Material"
-    amount: float
+    amount: float | Pattern
+    source: Source | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Patterned:
+    """A material whose colour varies.
+
+    Attributes
+    ----------
+    base : plastic, metal, trans, glass or mirror; of glass the transmission varies
+    pattern : multiplier of its colour
+    """
+
+    name: str
+    base: "Material"
+    pattern: Pattern
+    source: Source | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Textured:
+    """A material that scatters as if its surface were bumpy.
+
+    Attributes
+    ----------
+    texture : of which three values are added to the unit normal, in the coordinates
+        of the function
+    """
+
+    name: str
+    base: "Material"
+    texture: FunctionPattern | DataPattern
     source: Source | None = None
 
 
@@ -130,6 +163,8 @@ Material = (
     | Interface
     | Mirror
     | Mixture
+    | Patterned
+    | Textured
     | BsdfSurface
     | Void
     | Emitter

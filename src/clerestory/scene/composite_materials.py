@@ -12,6 +12,8 @@ from clerestory.scene.composite import (
     Void,
 )
 from clerestory.scene.emitter import Glow, Light, Spotlight
+from clerestory.scene.pattern_function import constant_value
+from clerestory.scene.pattern_reader import read_share
 
 
 def mirror(made: Definition) -> Material:
@@ -21,21 +23,21 @@ def mirror(made: Definition) -> Material:
     return Mirror(made.item.name, colour, alternate, made.source)
 
 
-def mixfunc(made: Definition) -> Material:
-    """Return a mixture of two materials in constant shares."""
+def mixture(made: Definition) -> Material:
+    """Return a mixture of two materials, in shares that a pattern gives."""
     words = made.item.strings
     if len(words) < 4:
         raise made.error(
             f"{len(words)} string arguments; foreground, background, share and"
             " function file expected"
         )
-    amount = made.constant("its share of the foreground", 2)
-    made.transform(4)
+    share = read_share(made, made.placed)
+    constant = constant_value(share)
     return Mixture(
         made.item.name,
         made.named(words[0]),
         made.named(words[1]),
-        float(np.clip(amount, 0, 1)),
+        share if constant is None else float(np.clip(constant[0], 0, 1)),
         made.source,
     )
 

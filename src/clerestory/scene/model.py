@@ -22,6 +22,8 @@ from clerestory.scene.composite import (
     Material,
     Mirror,
     Mixture,
+    Patterned,
+    Textured,
     Void,
     insert_material,
     same_material,
@@ -67,6 +69,7 @@ __all__ = [
     "Metal2",
     "Mirror",
     "Mixture",
+    "Patterned",
     "Plastic",
     "Plastic2",
     "Polygon",
@@ -77,6 +80,7 @@ __all__ = [
     "Sphere",
     "Spotlight",
     "Surface",
+    "Textured",
     "Trans",
     "Trans2",
     "TriangleMesh",
@@ -153,6 +157,8 @@ def _check_up(surface: Polygon | Ring, material: Material) -> None:
         case Mixture():
             _check_up(surface, material.foreground)
             _check_up(surface, material.background)
+        case Textured():
+            _check_up(surface, material.base)
         case Mirror(alternate=other) | Illum(alternate=other) if other is not None:
             _check_up(surface, other)
         case BsdfSurface():

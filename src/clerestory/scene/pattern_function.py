@@ -31,8 +31,8 @@ _CHANNELS = (
     *("Dx", "Dy", "Dz", "Nx", "Ny", "Nz", "Px", "Py", "Pz", "T", "Rdot", "S"),
     *("Tx", "Ty", "Tz", "Ix", "Iy", "Iz", "Jx", "Jy", "Jz", "Kx", "Ky", "Kz"),
 )
-_NUMBERED = {f"${i}": name for i, name in enumerate(_CHANNELS, start=1) if name != "T"}
-KNOWN = frozenset(_DIRECTION | _NORMAL | _POINT | _FRAME | set(_NUMBERED))
+NUMBERED = {f"${i}": name for i, name in enumerate(_CHANNELS, start=1) if name != "T"}
+KNOWN = frozenset(_DIRECTION | _NORMAL | _POINT | _FRAME | set(NUMBERED))
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +171,7 @@ def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
 
 
 def _aliases(names: frozenset[str]) -> frozenset[str]:
-    return frozenset(_NUMBERED.get(name, name) for name in names)
+    return frozenset(NUMBERED.get(name, name) for name in names)
 
 
 def _inputs(
@@ -199,7 +199,7 @@ def _inputs(
     given |= {f"N{a}P": given[f"N{a}"] for a in "xyz"}
     rdot = np.clip(-np.einsum("rx,rx->r", sight, facing), -1, 1)
     given |= {"Rdot": rdot, "RdotP": rdot, "S": np.full(count, scale)}
-    return given | {number: given[name] for number, name in _NUMBERED.items()}
+    return given | {number: given[name] for number, name in NUMBERED.items()}
 
 
 def _multipliers(

@@ -1,12 +1,11 @@
-"""Patterns as scene files write them, and the emitters they modify.
+"""Patterns, textures and shares of mixtures as scene files write them.
 
-A function file named skybright.cal, perezlum.cal or source.cal stands for functions
-of our own, unless a file of that name lies beside the scene or in the current
+A function file of Radiance's library that its generators name (`cal.files`) stands for
+functions of our own, unless a file of that name lies beside the scene or in the current
 directory. Other files are looked for like every file that a scene names.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.scene.arguments import Arguments
-from clerestory.scene.cal.files import NATIVE_FILES
+from clerestory.scene.cal.files import NATIVE_FILES, TEXT_FILES
 from clerestory.scene.cal.program import Program
 from clerestory.scene.cal.syntax import (
     Definition,
@@ -23,114 +22,90 @@ from clerestory.scene.cal.syntax import (
     parse_definitions,
     parse_expression,
 )
-from clerestory.scene.composite import Illum, Material
 from clerestory.scene.data_array import DataArray, read_data_array
-from clerestory.scene.emitter import Glow, Light, Spotlight
+from clerestory.scene.finish import Finish
 from clerestory.scene.library import library_file
-from clerestory.scene.material import Metal, Plastic, Trans
-from clerestory.scene.pattern import Pattern, Product
-from clerestory.scene.pattern_function import (
-    KNOWN,
-    DataPattern,
-    FunctionPattern,
-    constant_value,
-)
+from clerestory.scene.pattern_function import KNOWN, DataPattern, FunctionPattern
 from clerestory.scene.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
 from clerestory.scene.photometry.table import intensity_table
 from clerestory.scene.statements import Primitive
 from clerestory.scene.xform import Transform
 
 
-def read_pattern(item: Primitive, *, file: str, placed: Transform) -> Pattern:
-    """Return the pattern that a primitive describes.
+def read_finish(item: Primitive, *, file: str, placed: Transform) -> Finish:
+    """Return the pattern or texture that a primitive describes.
 
     Parameters
     ----------
-    item : a brightfunc, colorfunc, brightdata or colordata
+    item : one of `FINISHES`
     file : where it stands
     placed : transform of the file that holds it
 
     Raises
     ------
     InputError : with file and line, where a function or table is missing, malformed,
-        or asks for what a pattern of an emitter cannot know
+        or asks for what a pattern cannot know
     """
-    given = Arguments(item, file)
+    made = _read(Arguments(item, file), placed)
+    return Finish((), (made,)) if item.kind in _TEXTURES else Finish((made,))
+
+
+def read_share(given: Arguments, placed: Transform) -> FunctionPattern | DataPattern:
+    """Return how the foreground of a mixture varies, as the first channel.
+
+    Its function is the third string argument, after the two materials.
+    """
+    return _read(given, placed)
+
+
+def _read(given: Arguments, placed: Transform) -> FunctionPattern | DataPattern:
     try:
-        return PATTERNS[item.kind](given, placed)
+        count, first, tables = _FORMS[given.item.kind]
+        if tables is None:
+            return _function(given, placed, count, first)
+        return _data(given, placed, count, first, tables)
     except InputError as error:
         if error.file is not None:
             raise
         raise given.error(error.message) from error
 
 
-def with_pattern(
-    material: Material, pattern: Pattern, *, item: Primitive, file: str
-) -> Material:
-    """Return a material whose light is multiplied by a pattern.
-
-    Materials that reflect take patterns that are the same everywhere.
-
-    Parameters
-    ----------
-    item, file : where the material stands
-
-    Raises
-    ------
-    InputError : with file and line, where the pattern varies and the material does
-        not shine by itself
-    """
-    match material:
-        case Light() | Glow() | Spotlight() | Illum():
-            inner = material.pattern
-            both = pattern if inner is None else Product((pattern, inner))
-            return replace(material, pattern=both)
-        case Plastic() | Metal() | Trans():
-            factor = constant_value(pattern)
-            if factor is not None:
-                return replace(material, reflectance=material.reflectance * factor)
-    raise Arguments(item, file).error(
-        f'it is modified by the pattern "{item.modifier}", which varies; only light,'
-        " glow, illum and spotlight take such a pattern, void expected"
-    )
-
-
-def modified(pattern: Pattern, outer: Pattern | None) -> Pattern:
-    """Return a pattern that is itself modified by another, or by none."""
-    return pattern if outer is None else Product((outer, pattern))
-
-
-def _function(given: Arguments, placed: Transform) -> Pattern:
-    # brightfunc: expression, file, transform; colorfunc: three expressions
-    count = 1 if given.item.kind == "brightfunc" else 3
-    _strings(given, count + 1)
-    program = _program(given, count)
-    expressions = tuple(_expression(given, text) for text in given.item.strings[:count])
+def _function(
+    given: Arguments, placed: Transform, count: int, first: int
+) -> FunctionPattern:
+    # Expressions from the string `first` on, then file and transform
+    at = first + count
+    _strings(given, at + 1)
+    program = _program(given, at)
+    expressions = tuple(_expression(given, t) for t in given.item.strings[first:at])
     pattern = FunctionPattern(
         program,
         expressions,
         given.item.reals,
-        _transform(given, count + 1, placed),
+        _transform(given, at + 1, placed),
         given.source,
     )
     _check(given, program, expressions)
     return pattern
 
 
-def _data(given: Arguments, placed: Transform) -> Pattern:
-    # brightdata: function, table, file, coordinates, transform; colordata: three each
-    count = 1 if given.item.kind == "brightdata" else 3
-    _strings(given, 2 * count + 2)
-    strings, at = given.item.strings, 2 * count + 1
-    tables = tuple(_table(given, name) for name in strings[count : 2 * count])
+def _data(
+    given: Arguments, placed: Transform, count: int, first: int, files: int
+) -> DataPattern:
+    # Functions, data files, function file, coordinates, transform
+    middle = first + count
+    at = middle + files + 1
+    _strings(given, at)
+    strings = given.item.strings
+    tables = tuple(_table(given, name) for name in strings[middle : at - 1])
     axes = len(tables[0].axes)
     if any(len(table.axes) != axes for table in tables):
         raise given.error("its tables have different numbers of axes; one expected")
     if len(strings) < at + axes:
         raise given.error(f"{len(strings) - at} coordinates for a table of {axes} axes")
-    program = _program(given, 2 * count)
+    program = _program(given, at - 1)
     places = tuple(_expression(given, text) for text in strings[at : at + axes])
-    functions = strings[:count]
+    functions = strings[first:middle]
     pattern = DataPattern(
         program,
         functions,
@@ -144,12 +119,19 @@ def _data(given: Arguments, placed: Transform) -> Pattern:
     return pattern
 
 
-PATTERNS: Mapping[str, Callable[[Arguments, Transform], Pattern]] = {
-    "brightfunc": _function,
-    "colorfunc": _function,
-    "brightdata": _data,
-    "colordata": _data,
+# Number of functions, the string the first of them is, and how many data files follow
+_FORMS: Mapping[str, tuple[int, int, int | None]] = {
+    "brightfunc": (1, 0, None),
+    "colorfunc": (3, 0, None),
+    "brightdata": (1, 0, 1),
+    "colordata": (3, 0, 3),
+    "texfunc": (3, 0, None),
+    "texdata": (3, 0, 3),
+    "mixfunc": (1, 2, None),
+    "mixdata": (1, 2, 1),
 }
+_TEXTURES = ("texfunc", "texdata")
+FINISHES = frozenset(_FORMS) - {"mixfunc", "mixdata"}
 
 
 def _table(given: Arguments, name: str) -> DataArray:
@@ -189,8 +171,11 @@ def _program(given: Arguments, at: int) -> Program:
         return Program()
     native = Path(name).name
     beside = (Path(given.file).parent / name, Path(name))
-    if native in NATIVE_FILES and not any(path.is_file() for path in beside):
-        return Program(native_file=native)
+    if not any(path.is_file() for path in beside):
+        if native in NATIVE_FILES:
+            return Program(native_file=native)
+        if native in TEXT_FILES:
+            return Program(TEXT_FILES[native])
     path = library_file(name, beside=given.file, line=given.item.line)
     definitions: dict[str, Definition] = parse_definitions(
         read_text(path), file=str(path)

@@ -14,12 +14,12 @@ from pathlib import Path
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import InputError
-from clerestory.scene.arguments import Definition
+from clerestory.scene.arguments import Arguments, Definition
 from clerestory.scene.definition import material
+from clerestory.scene.finish import Finish, finished
 from clerestory.scene.library import library_file
 from clerestory.scene.model import (
     DistantSource,
-    Emitter,
     Glow,
     Light,
     Material,
@@ -30,13 +30,7 @@ from clerestory.scene.model import (
     Void,
     insert_material,
 )
-from clerestory.scene.pattern import Pattern
-from clerestory.scene.pattern_reader import (
-    PATTERNS,
-    modified,
-    read_pattern,
-    with_pattern,
-)
+from clerestory.scene.pattern_reader import FINISHES, read_finish
 from clerestory.scene.placed import Placed, Scope, placed_items
 from clerestory.scene.placement import Placement
 from clerestory.scene.statements import Alias, Directive, PolygonRun, Primitive
@@ -88,12 +82,14 @@ class _Reading:
     surfaces: list[Surface] = field(default_factory=list)
     distant: list[DistantSource] = field(default_factory=list)
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
-    # Patterns with all that modifies them, and alone
-    patterns: dict[str, Pattern] = field(default_factory=dict)
-    outside: list[tuple[dict[str, str], dict[str, Pattern]]] = field(
+    # Patterns and textures with all that modifies them, and alone
+    finishes: dict[str, Finish] = field(default_factory=dict)
+    outside: list[tuple[dict[str, str], dict[str, Finish]]] = field(
         default_factory=list
     )
-    bare: dict[str, Pattern] = field(default_factory=dict)
+    bare: dict[str, Finish] = field(default_factory=dict)
+    # Materials without what modifies them, by key
+    unfinished: dict[str, Material] = field(default_factory=dict)
 
     def add(self, placed: Placed) -> None:
         match placed.item:
@@ -106,9 +102,9 @@ class _Reading:
             case DistantSource():
                 self._add_distant(placed.item)
             case Scope(opens=True):
-                self.outside.append((dict(self.in_force), dict(self.patterns)))
+                self.outside.append((dict(self.in_force), dict(self.finishes)))
             case Scope():
-                self.in_force, self.patterns = self.outside.pop()
+                self.in_force, self.finishes = self.outside.pop()
             case Scene():
                 self._add_scene(placed.item, placed.file, placed.placement)
             case Directive():
@@ -120,7 +116,7 @@ class _Reading:
                     self.surfaces.append(replace(surface, material=key))
 
     def _key(self, modifier: str, file: str, line: int) -> str:
-        if modifier in self.patterns:
+        if modifier in self.finishes:
             raise InputError(
                 f'the modifier "{modifier}" is a pattern; a material expected',
                 file=file,
@@ -176,8 +172,8 @@ class _Reading:
         self.distant.append(replace(item, material=key))
 
     def _define(self, item: Primitive, file: str, placement: Placement) -> None:
-        if item.kind in PATTERNS:
-            self._define_pattern(item, file, placement)
+        if item.kind in FINISHES:
+            self._define_finish(item, file, placement)
             return
         value = material(
             Definition(
@@ -188,26 +184,38 @@ class _Reading:
                 bsdf=lambda name: self._bsdf(name, file, item.line),
             )
         )
-        pattern = self._modifying_pattern(item, file)
-        if pattern is not None:
-            value = with_pattern(value, pattern, item=item, file=file)
-        self.patterns.pop(item.name, None)
-        self.in_force[item.name] = insert_material(self.materials, value)
+        self._name_material(
+            item.name, value, self._modifying(item, file), Arguments(item, file)
+        )
 
-    def _define_pattern(self, item: Primitive, file: str, placement: Placement) -> None:
-        outer = self._modifying_pattern(item, file)
-        pattern = read_pattern(item, file=file, placed=placement.transform)
-        self._name_pattern(item.name, pattern, outer)
+    def _name_material(
+        self, name: str, value: Material, finish: Finish | None, given: Arguments
+    ) -> None:
+        made = value if finish is None else finished(value, finish, given)
+        self.finishes.pop(name, None)
+        key = insert_material(self.materials, made)
+        self.in_force[name] = key
+        if finish is not None:
+            self.unfinished[key] = value
 
-    def _name_pattern(self, name: str, pattern: Pattern, outer: Pattern | None) -> None:
-        self.bare[name] = pattern
-        self.patterns[name] = modified(pattern, outer)
+    def _define_finish(self, item: Primitive, file: str, placement: Placement) -> None:
+        finish = read_finish(item, file=file, placed=placement.transform)
+        if item.modifier not in self.finishes and item.modifier != "void":
+            # Between a material and what it covers: a material of its own
+            value = replace(self._named(item.modifier, file, item.line), name=item.name)
+            self._name_material(item.name, value, finish, Arguments(item, file))
+            return
+        self._name_finish(item.name, finish, self._modifying(item, file))
+
+    def _name_finish(self, name: str, finish: Finish, outer: Finish | None) -> None:
+        self.bare[name] = finish
+        self.finishes[name] = finish.within(outer)
         self.in_force.pop(name, None)
 
-    def _modifying_pattern(self, item: Primitive | Alias, file: str) -> Pattern | None:
-        # The pattern that modifies an item, None for void
-        if item.modifier in self.patterns:
-            return self.patterns[item.modifier]
+    def _modifying(self, item: Primitive | Alias, file: str) -> Finish | None:
+        # The finish that modifies an item, None for void
+        if item.modifier in self.finishes:
+            return self.finishes[item.modifier]
         if self._key(item.modifier, file, item.line) != _VOID:
             kind = item.kind if isinstance(item, Primitive) else "alias"
             raise InputError(
@@ -238,22 +246,18 @@ class _Reading:
                 line=item.line,
             )
         inherits = item.modifier == "inherit"
-        outer = None if inherits else self._modifying_pattern(item, file)
-        if item.target in self.patterns:
-            whole, bare = self.patterns[item.target], self.bare[item.target]
-            self._name_pattern(item.name, whole if inherits else bare, outer)
+        outer = None if inherits else self._modifying(item, file)
+        if item.target in self.finishes:
+            whole, bare = self.finishes[item.target], self.bare[item.target]
+            self._name_finish(item.name, whole if inherits else bare, outer)
             return
         key = self._key(item.target, file, item.line)
-        value = self.materials[key]
-        if not inherits and isinstance(value, Emitter):
-            value = replace(value, name=item.name, pattern=outer)
-            key = insert_material(self.materials, value)
-        elif outer is not None:
-            raise InputError(
-                f'alias "{item.name}" is modified by the pattern "{item.modifier}",'
-                " which only light, glow, illum and spotlight take here; void expected",
-                file=file,
-                line=item.line,
+        if not inherits and (outer or key in self.unfinished):
+            value = replace(
+                self.unfinished.get(key, self.materials[key]), name=item.name
             )
-        self.patterns.pop(item.name, None)
+            given = Primitive(item.modifier, "alias", item.name, (), (), item.line)
+            self._name_material(item.name, value, outer, Arguments(given, file))
+            return
+        self.finishes.pop(item.name, None)
         self.in_force[item.name] = key

@@ -119,7 +119,7 @@ class _Writer:
             case Illum():
                 _demand_even(material)
                 return "illum", [self.held(material.alternate)], material.radiance
-            case Mixture():
+            case Mixture(amount=float()):
                 parts = [self.held(material.foreground), self.held(material.background)]
                 return "mixfunc", [*parts, f"{material.amount:.12g}", "."], []
             case _:

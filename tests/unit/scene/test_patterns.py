@@ -5,6 +5,7 @@ import pytest
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.phases.fingerprint import fingerprint
+from clerestory.scene.model import Glow, Mixture, Patterned, Plastic, Textured
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.rad import read_rad
 
@@ -132,7 +133,7 @@ def test_no_pattern_takes_light_away_from_darkness(read):
         ("void brightfunc p 2 Dx+ . 0 0", 'main.rad:1: brightfunc "p": in "Dx+"'),
         ("void brightfunc p 2 far . 0 0", '"far" is not defined'),
         ("void brightfunc p 2 T . 0 0", '"T" is not defined, or not known'),
-        ("void brightfunc p 2 noise3(Px,Py,Pz) . 0 0", '"noise3" is not defined'),
+        ("void brightfunc p 2 fnoise3(Px,Py,Pz) . 0 0", '"fnoise3" is not defined'),
         ("void brightfunc p 2 A1 . 0 0", "real argument 1 is asked for; 0 given"),
         ("void brightfunc p 2 f gone.cal 0 0", 'the file "gone.cal" is missing'),
         ("void brightfunc p 2 f bad.cal 0 0", "bad.cal:2: "),
@@ -140,22 +141,16 @@ def test_no_pattern_takes_light_away_from_darkness(read):
         ("void brightfunc p 4 Dx . -rq 3 0 0", '"-rq" among its transform'),
         ("void brightfunc p 2 skybr skybright.cal 0 1 1", "takes 3 real arguments"),
         ("void brightdata p 4 noop gone.dat . Dx 0 0", 'file "gone.dat" is missing'),
-        ("void brightdata p 3 noop t.dat . 0 0", "3 string arguments; 4"),
+        ("void brightdata p 3 noop t.dat . 0 0", "0 coordinates for a table"),
         ("void brightdata p 4 huh t.dat . Dx 0 0", '"huh" is not defined'),
         (
-            "void brightfunc p 2 Dx . 0 0\np plastic x 0 0 5 .5 .5 .5 0 0",
-            "which varies",
-        ),
-        (
-            "void brightfunc p 2 2 . 0 0\np glass x 0 0 3 .5 .5 .5",
-            'main.rad:2: glass "x"',
+            "void brightfunc p 2 2 . 0 0\np dielectric x 0 0 5 .5 .5 .5 1.5 0",
+            'main.rad:2: dielectric "x": Dielectric does not take a pattern',
         ),
         ("void brightfunc p 2 2 . 0 0\np sphere s 0 0 4 0 0 0 1", '"p" is a pattern'),
-        (
-            "void light l 0 0 3 1 1 1\nl brightfunc p 2 2 . 0 0",
-            "modified by the material",
-        ),
-        ("void texfunc p 4 a b c . 0 0", 'main.rad:1: texfunc "p": this type'),
+        ("void texfunc p 4 a b c . 0 0", '"a" is not defined'),
+        ("void texfunc p 3 1 1 1 0 0", "3 string arguments; 4"),
+        ("void colorpict p 7 r g b x.hdr . 0 0 0 0", "this type is not supported"),
     ],
 )
 def test_what_cannot_be_is_refused_with_its_line(read, text, message):
@@ -168,3 +163,74 @@ def test_what_cannot_be_is_refused_with_its_line(read, text, message):
         read(text, **files)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+PAIR = (
+    "void plastic a 0 0 5 .8 .8 .8 0 0\nvoid plastic b 0 0 5 .1 .1 .1 0 0\n"
+    "void mixfunc both 4 a b .25 . 0 0\n"
+)
+
+
+def test_what_reflects_takes_patterns_that_vary(read):
+    text = "void brightfunc p 2 frac(Px) . 0 0\np {0}"
+    for words in ("plastic x 0 0 5 1 1 1 0 0", "glass x 0 0 3 1 1 1"):
+        made = read(text.format(words))["x"]
+        assert isinstance(made, Patterned)
+        assert made.base.name == "x"
+
+
+def test_a_pattern_over_a_mixture_is_over_both(read):
+    made = read(PAIR + "both brightfunc x 2 .5 . 0 0")["x"]
+    assert isinstance(made, Mixture)
+    assert made.foreground.reflectance == pytest.approx(0.4)
+    assert made.background.reflectance == pytest.approx(0.05)
+
+
+def test_patterns_stand_above_or_below_the_material(read):
+    """Radiance applies what stands between the surface and its material as well."""
+    above = "void brightfunc p 2 Px . 0 0\np plastic m 0 0 5 .5 .5 .5 0 0\n"
+    below = "void plastic q 0 0 5 .5 .5 .5 0 0\nq brightfunc m 2 Px . 0 0\n"
+    for text in (above, below):
+        made = read(text)["m"]
+        at = np.array([[0.3, 0.0, 0.0]])
+        assert made.pattern.value(UP, UP, at)[0, 0] == pytest.approx(0.3)
+        assert made.base.reflectance == pytest.approx(0.5)
+
+
+def test_textures_bend_what_reflects_and_leave_lamps(read):
+    text = "void texfunc t 4 0.1 0 0 . 0 0\n"
+    made = read(text + "t metal x 0 0 5 .5 .5 .5 .9 .1\nt glow y 0 0 4 1 1 1 0")
+    assert isinstance(made["x"], Textured)
+    assert isinstance(made["y"], Glow)
+    assert made["y"].pattern is None
+
+
+def test_an_alias_of_void_takes_the_pattern_off(read):
+    text = "void brightfunc p 2 Px . 0 0\np plastic x 0 0 5 .5 .5 .5 0 0\n"
+    made = read(text + "void alias bare x\ninherit alias same x\np alias again x")
+    assert isinstance(made["bare"], Plastic)
+    assert isinstance(made["again"], Patterned)
+    assert "same" not in made
+
+
+def test_shares_of_mixtures_may_vary(read):
+    made = read(PAIR.replace(".25 .", "Px+A1 .").replace(". 0 0\n", ". 0 1 .25\n"))
+    assert isinstance(made["both"].amount, Pattern)
+    words = "mixdata both 6 a b noop t.dat . Px"
+    text = PAIR.replace("mixfunc both 4 a b .25 .", words)
+    data = read(text, t_dat="1 0 1 2 0 1")
+    assert data["both"].amount.value(UP, UP, SLANT)[0, 0] == pytest.approx(0.6)
+
+
+def test_smoothing_files_of_radiance_are_known(read):
+    """rev.cal: about the axis, A3 r + A4 outwards and A1 z + A2 along it."""
+    text = "void plastic a 0 0 5 .8 .8 .8 0 0\n"
+    text += "a texfunc x 4 rev_dx rev_dy rev_dz rev.cal 0 4 1 2 3 4"
+    bump = read(text)["x"].texture
+    value = bump.program.values(
+        bump.expressions,
+        {"Px": np.array([3.0]), "Py": np.array([4.0]), "Pz": np.array([5.0]),
+         "S": np.ones(1)},
+        bump.arguments,
+    ).value  # fmt: skip
+    np.testing.assert_allclose(value, [[19 * 0.6, 19 * 0.8, 7]])

@@ -17,6 +17,7 @@ from clerestory.engine.materials import (
     mirror,
     mixture,
     plastic,
+    textured,
     trans,
 )
 from clerestory.engine.materials.coat import lamp_context
@@ -31,6 +32,7 @@ _PLUGINS = {
     "radiance_dielectric": dielectric,
     "radiance_mirror": mirror,
     "radiance_mixture": mixture,
+    "radiance_textured": textured,
 }
 
 _registered: set[str] = set()

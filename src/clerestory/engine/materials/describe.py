@@ -1,8 +1,14 @@
 """From a material of a scene to the description of its Mitsuba plugin."""
 
+from dataclasses import replace
+
 import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
 
 from clerestory.engine import bsdf_file
+from clerestory.engine.materials import textured
+from clerestory.engine.pattern_code import multiplier, perturbation, share
 from clerestory.scene.model import (
     BsdfSurface,
     Dielectric,
@@ -16,9 +22,11 @@ from clerestory.scene.model import (
     Metal2,
     Mirror,
     Mixture,
+    Patterned,
     Plastic,
     Plastic2,
     Spotlight,
+    Textured,
     Trans,
     Trans2,
     Void,
@@ -27,17 +35,28 @@ from clerestory.scene.model import (
 Description = dict[str, object]
 
 
-def load(material: Material) -> mi.BSDF:
-    """Return the Mitsuba BSDF of a material."""
-    made = plugin(material)
+_NOWHERE = np.zeros(3)
+
+
+def load(material: Material, origin: Float[np.ndarray, "3"] = _NOWHERE) -> mi.BSDF:
+    """Return the Mitsuba BSDF of a material.
+
+    Parameters
+    ----------
+    origin : point of the scene that lies at the device's origin [m]
+    """
+    made = plugin(material, origin)
     return made if isinstance(made, mi.BSDF) else mi.load_dict(made)
 
 
-def plugin(material: Material) -> Description | mi.BSDF:
-    """Return the Mitsuba description of a material; for a BSDF file, the plugin itself.
+def plugin(
+    material: Material, origin: Float[np.ndarray, "3"] = _NOWHERE
+) -> Description | mi.BSDF:
+    """Return the Mitsuba description of a material.
 
-    Surfaces that shine take part in a trace as absorbers: what they send is scored
-    elsewhere. An illum and a mirror with an alternate are what replaces them.
+    Where a file or a function takes part, it is the plugin itself. Surfaces that shine
+    take part in a trace as absorbers: what they send is scored elsewhere. An illum and
+    a mirror with an alternate are what replaces them.
     """
     match material:
         case Plastic() | Metal() | Plastic2() | Metal2():
@@ -78,15 +97,27 @@ def plugin(material: Material) -> Description | mi.BSDF:
                 "type": "radiance_mirror",
                 "reflectance": _rgb(material.reflectance),
             }
-        case Mixture():
+        case Mixture(amount=float(amount)):
             return {
                 "type": "radiance_mixture",
-                "amount": float(material.amount),
-                "foreground": plugin(material.foreground),
-                "background": plugin(material.background),
+                "amount": amount,
+                "foreground": plugin(material.foreground, origin),
+                "background": plugin(material.background, origin),
             }
+        case Mixture():
+            made = load(replace(material, amount=0.5), origin)
+            made.pattern = share(material.amount, origin)
+            return made
+        case Patterned():
+            made = load(material.base, origin)
+            made.paint.pattern = multiplier(material.pattern, origin)
+            return made
+        case Textured():
+            return textured.plugin(
+                load(material.base, origin), perturbation(material.texture, origin)
+            )
         case Mirror(alternate=other) | Illum(alternate=other):
-            return plugin(other)
+            return plugin(other, origin)
         case BsdfSurface():
             return bsdf_file.plugin(material)
         case Void():

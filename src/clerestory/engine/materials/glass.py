@@ -9,7 +9,7 @@ and E. Wolf, Principles of Optics, section 1.5.2 (Fresnel's formulas).
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine.materials.properties import colour
+from clerestory.engine.materials.properties import Paint
 
 
 def define() -> type:
@@ -25,9 +25,9 @@ def define() -> type:
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
-            self.colour = colour(props, "transmissivity", 0.96)
+            self.paint = Paint(props, "transmissivity", 0.96)
             self.index = mi.Float(props.get("index", 1.52))
-            dr.make_opaque(self.colour, self.index)
+            dr.make_opaque(self.index)
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [
                 mi.BSDFFlags.DeltaReflection | sides,
@@ -35,11 +35,11 @@ def define() -> type:
             ]
             self.m_flags = self.m_components[0] | self.m_components[1]
 
-        def coefficients(self, cos_theta):
+        def coefficients(self, si):
             """Reflectance and transmittance of the pane at an angle."""
-            cos_theta = dr.maximum(cos_theta, 1e-4)
+            cos_theta = dr.maximum(dr.abs(si.wi.z), 1e-4)
             inner = dr.sqrt(1 - (1 - dr.square(cos_theta)) / dr.square(self.index))
-            bulk = dr.maximum(self.colour, 1e-15) ** (1 / inner)
+            bulk = dr.maximum(self.paint.colour, 1e-15) ** (1 / inner)
             electric = (cos_theta - self.index * inner) / (
                 cos_theta + self.index * inner
             )
@@ -53,10 +53,13 @@ def define() -> type:
                 passed = dr.square(1 - r) * bulk / loss
                 transmitted += 0.5 * passed
                 reflected += 0.5 * (r + r * bulk * passed)
+            if self.paint.pattern is not None:
+                # Patterns tint what passes, and leave what is reflected
+                transmitted *= self.paint.pattern(si)
             return reflected, transmitted
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            reflected, transmitted = self.coefficients(dr.abs(si.wi.z))
+            reflected, transmitted = self.coefficients(si)
             through = mi.luminance(transmitted)
             choose = through / (through + mi.luminance(reflected))
             passes = sample1 < choose
@@ -75,7 +78,7 @@ def define() -> type:
             return bs, dr.select(active & (pdf > 0), weight, 0)
 
         def eval_null_transmission(self, si, active=True):
-            return self.coefficients(dr.abs(si.wi.z))[1]
+            return self.coefficients(si)[1]
 
         def eval(self, ctx, si, wo, active=True):
             return mi.Color3f(0)
@@ -91,10 +94,12 @@ def define() -> type:
             return mi.Color3f(0), mi.Float(0), bs, weight
 
         def traverse(self, callback):
-            callback.put("transmissivity", self.colour, mi.ParamFlags.Differentiable)
+            callback.put(
+                "transmissivity", self.paint.colour, mi.ParamFlags.Differentiable
+            )
             callback.put("index", self.index, mi.ParamFlags.Differentiable)
 
         def to_string(self):
-            return f"RadianceGlass[{self.colour}, {self.index}]"
+            return f"RadianceGlass[{self.paint.colour}, {self.index}]"
 
     return RadianceGlass

@@ -6,7 +6,7 @@
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine.materials.properties import colour
+from clerestory.engine.materials.properties import Paint
 
 
 def define() -> type:
@@ -17,7 +17,7 @@ def define() -> type:
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
-            self.colour = colour(props, "reflectance", 1.0)
+            self.paint = Paint(props, "reflectance", 1.0)
             self.m_components = [mi.BSDFFlags.DeltaReflection | mi.BSDFFlags.FrontSide]
             self.m_flags = self.m_components[0]
 
@@ -27,7 +27,7 @@ def define() -> type:
             bs.pdf = 1.0
             bs.eta = 1.0
             bs.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
-            return bs, dr.select(active & (si.wi.z > 0), self.colour, 0)
+            return bs, dr.select(active & (si.wi.z > 0), self.paint.at(si), 0)
 
         def eval(self, ctx, si, wo, active=True):
             return mi.Color3f(0)
@@ -43,9 +43,9 @@ def define() -> type:
             return mi.Color3f(0), mi.Float(0), bs, weight
 
         def traverse(self, callback):
-            callback.put("reflectance", self.colour, mi.ParamFlags.Differentiable)
+            callback.put("reflectance", self.paint.colour, mi.ParamFlags.Differentiable)
 
         def to_string(self):
-            return f"RadianceMirror[{self.colour}]"
+            return f"RadianceMirror[{self.paint.colour}]"
 
     return RadianceMirror

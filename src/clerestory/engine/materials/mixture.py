@@ -2,6 +2,8 @@
 
 {"type": "radiance_mixture", "amount": 0.8,
  "foreground": {"type": "radiance_plastic"}, "background": {"type": "null"}}
+
+The share of the foreground may vary from point to point (`pattern`).
 """
 
 import drjit as dr
@@ -19,6 +21,7 @@ def define() -> type:
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
             self.amount = number(props, "amount", 0.5)
+            self.pattern = None
             self.foreground = props["foreground"]
             self.background = props["background"]
             parts = (self.foreground, self.background)
@@ -27,13 +30,18 @@ def define() -> type:
             ]
             self.m_flags = parts[0].flags() | parts[1].flags()
 
+        def share(self, si):
+            """Share of the foreground at a point."""
+            return self.amount if self.pattern is None else self.pattern(si)
+
         def sample(self, ctx, si, sample1, sample2, active=True):
             # Choose one by its share, and use the random number again
-            front = sample1 < self.amount
+            amount = self.share(si)
+            front = sample1 < amount
             again = dr.select(
                 front,
-                sample1 / self.amount,
-                (sample1 - self.amount) / (1 - self.amount),
+                sample1 / amount,
+                (sample1 - amount) / (1 - amount),
             )
             again = dr.minimum(again, dr.one_minus_epsilon(mi.Float))
             one, gain = self.foreground.sample(ctx, si, again, sample2, active & front)
@@ -45,23 +53,23 @@ def define() -> type:
 
             # Either could have led to a direction that is not singular
             peak = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-            chance = dr.select(front, self.amount, 1 - self.amount)
+            chance = dr.select(front, amount, 1 - amount)
             bs.pdf = dr.select(
                 peak, bs.pdf * chance, self.pdf(ctx, si, bs.wo, active & ~peak)
             )
             return bs, dr.select(active, weight, 0)
 
         def eval_null_transmission(self, si, active=True):
-            return self.amount * self.foreground.eval_null_transmission(si, active) + (
-                1 - self.amount
+            amount = self.share(si)
+            return amount * self.foreground.eval_null_transmission(si, active) + (
+                1 - amount
             ) * self.background.eval_null_transmission(si, active)
 
         def eval_pdf(self, ctx, si, wo, active=True):
             value, pdf = self.foreground.eval_pdf(ctx, si, wo, active)
             other, other_pdf = self.background.eval_pdf(ctx, si, wo, active)
-            return dr.lerp(other, value, self.amount), dr.lerp(
-                other_pdf, pdf, self.amount
-            )
+            amount = self.share(si)
+            return dr.lerp(other, value, amount), dr.lerp(other_pdf, pdf, amount)
 
         def eval(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[0]

@@ -17,7 +17,7 @@ import mitsuba as mi
 
 from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
 from clerestory.engine.materials.highlight import Highlight
-from clerestory.engine.materials.properties import colour, number
+from clerestory.engine.materials.properties import Paint, number
 
 
 def define() -> type:
@@ -28,7 +28,7 @@ def define() -> type:
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
-            self.colour = colour(props, "reflectance", 0.5)
+            self.paint = Paint(props, "reflectance", 0.5)
             self.specularity = number(props, "specularity", 0.0)
             self.metallic = number(props, "metallic", False)
             self.highlight = Highlight(props)
@@ -38,13 +38,14 @@ def define() -> type:
             self.m_components = [diffuse | sides, glossy | sides]
             self.m_flags = self.m_components[0] | self.m_components[1]
 
-        def shares(self, cos_theta):
+        def shares(self, si, cos_theta):
             """Diffuse and specular reflectance, and the chance of the latter."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = 1 - self.specularity
-            tint = 1 - self.metallic * (1 - self.colour)
+            colour = self.paint.at(si)
+            tint = 1 - self.metallic * (1 - colour)
             specular = tint * (self.specularity * (1 - added)) + added
-            diffuse = self.colour * (rest * (1 - added))
+            diffuse = colour * (rest * (1 - added))
             strength = dr.max(specular)
             chance = strength / (strength + dr.max(diffuse))
             return diffuse, specular, dr.select(strength > 0, chance, 0)
@@ -52,7 +53,7 @@ def define() -> type:
         def evaluate(self, ctx, si, wi, wo, active):
             """BRDF × cosine and pdf, without the mirror's peak; wi at z > 0."""
             active = active & (wi.z > 0) & (wo.z > 0)
-            diffuse, specular, chance = self.shares(wi.z)
+            diffuse, specular, chance = self.shares(si, wi.z)
             value, pdf = self.highlight.reflected(self.highlight.at(si), wi, wo)
             peak = self.highlight.smooth
             value = dr.select(peak, 0, value * wo.z) * specular
@@ -66,7 +67,7 @@ def define() -> type:
         def sample(self, ctx, si, sample1, sample2, active=True):
             side = dr.sign(si.wi.z)
             wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
-            _, specular, chance = self.shares(wi.z)
+            _, specular, chance = self.shares(si, wi.z)
             shiny = sample1 < chance
             peak = shiny & self.highlight.smooth
 
@@ -115,10 +116,10 @@ def define() -> type:
             return value, pdf, bs, weight
 
         def traverse(self, callback):
-            callback.put("reflectance", self.colour, mi.ParamFlags.Differentiable)
+            callback.put("reflectance", self.paint.colour, mi.ParamFlags.Differentiable)
             callback.put("specularity", self.specularity, mi.ParamFlags.Differentiable)
 
         def to_string(self):
-            return f"RadiancePlastic[{self.colour}, {self.specularity}]"
+            return f"RadiancePlastic[{self.paint.colour}, {self.specularity}]"
 
     return RadiancePlastic

@@ -1,11 +1,34 @@
 """Parameters of plugins, made opaque to the compiler.
 
 Literal parameters would give each instance its own code; opaque ones let any number
-of instances share one kernel.
+of instances share one kernel. A pattern gives its instance code of its own.
 """
+
+from collections.abc import Callable
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
+
+
+class Paint:
+    """A colour, and the pattern that varies it where there is one.
+
+    Attributes
+    ----------
+    colour : without the pattern
+    pattern : function of an interaction that returns what to multiply by
+    """
+
+    def __init__(self, props, name: str, default: float):
+        self.colour = colour(props, name, default)
+        self.pattern: Callable[[Any], mi.Color3f] | None = None
+
+    def at(self, si) -> mi.Color3f:
+        """Return the colour at a point of the surface."""
+        if self.pattern is None:
+            return self.colour
+        return self.colour * self.pattern(si)
 
 
 def colour(props, name: str, default: float):

@@ -13,7 +13,7 @@ import mitsuba as mi
 
 from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
 from clerestory.engine.materials.highlight import Highlight
-from clerestory.engine.materials.properties import colour, number
+from clerestory.engine.materials.properties import Paint, number
 
 
 def define() -> type:
@@ -24,7 +24,7 @@ def define() -> type:
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
-            self.colour = colour(props, "reflectance", 0.5)
+            self.paint = Paint(props, "reflectance", 0.5)
             self.specularity = number(props, "specularity", 0.0)
             self.transmission = number(props, "transmission", 0.5)
             self.unscattered = number(props, "transmitted_specular", 0.0)
@@ -45,17 +45,18 @@ def define() -> type:
             for component in self.m_components:
                 self.m_flags = self.m_flags | component
 
-        def shares(self, cos_theta):
+        def shares(self, si, cos_theta):
             """Shares: diffuse back and through, specular back and through."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = (1 - self.specularity) * (1 - added)
             passed = self.transmission * rest
             straight = passed * self.unscattered
+            colour = self.paint.at(si)
             return (
-                self.colour * (rest - passed),
-                self.colour * (passed - straight),
+                colour * (rest - passed),
+                colour * (passed - straight),
                 mi.Color3f(1 - rest),
-                self.colour * straight,
+                colour * straight,
             )
 
         def chances(self, shares):
@@ -67,7 +68,7 @@ def define() -> type:
         def evaluate(self, ctx, si, wi, wo, active):
             """BSDF × cosine and pdf, without peaks; wi on the side z > 0."""
             active = active & (wi.z > 0) & (wo.z != 0)
-            shares = self.shares(wi.z)
+            shares = self.shares(si, wi.z)
             chances = self.chances(shares)
             shape, smooth = self.highlight.at(si), self.highlight.smooth
             cosine = dr.abs(wo.z)
@@ -96,7 +97,7 @@ def define() -> type:
         def sample(self, ctx, si, sample1, sample2, active=True):
             side = dr.sign(si.wi.z)
             wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
-            shares = self.shares(wi.z)
+            shares = self.shares(si, wi.z)
             chances = self.chances(shares)
             shape = self.highlight.at(si)
 
@@ -153,7 +154,7 @@ def define() -> type:
             )
 
         def eval_null_transmission(self, si, active=True):
-            straight = self.shares(dr.abs(si.wi.z))[3]
+            straight = self.shares(si, dr.abs(si.wi.z))[3]
             return dr.select(self.highlight.smooth & active, straight, 0)
 
         def eval_pdf(self, ctx, si, wo, active=True):
@@ -174,7 +175,7 @@ def define() -> type:
 
         def traverse(self, callback):
             for name, value in (
-                ("reflectance", self.colour),
+                ("reflectance", self.paint.colour),
                 ("specularity", self.specularity),
                 ("transmission", self.transmission),
                 ("transmitted_specular", self.unscattered),
@@ -182,6 +183,6 @@ def define() -> type:
                 callback.put(name, value, mi.ParamFlags.Differentiable)
 
         def to_string(self):
-            return f"RadianceTrans[{self.colour}, {self.transmission}]"
+            return f"RadianceTrans[{self.paint.colour}, {self.transmission}]"
 
     return RadianceTrans

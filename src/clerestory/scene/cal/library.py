@@ -1,7 +1,7 @@
 """Functions and variables that every function file may use, over arrays.
 
 They are those of Radiance's calculator and of its start file (rayinit.cal), without
-noise and texture. As in Radiance, a division by zero or a root of a negative number
+fractal noise. As in Radiance, a division by zero or a root of a negative number
 is a fault: the value is 0, and the ray counts as not computed.
 
 Reference: G. Ward, Radiance, icalc and rayinit.cal (names and meanings).
@@ -16,6 +16,7 @@ from jaxtyping import Bool, Float
 from scipy import special
 
 from clerestory.errors import InputError
+from clerestory.scene.cal.noise import noise_of_arrays, slope_of
 
 Values = Float[np.ndarray, " rays"]
 
@@ -269,7 +270,13 @@ _START_FILE = {
     "clipgrey": Native(lambda env, *v: np.minimum(_grey(env, *v[:3]), 1), 3),
 } | {f"A{i}": _numbered(i) for i in range(1, 11)}
 
-LIBRARY: Mapping[str, Native] = _CALCULATOR | _START_FILE
+_NOISE = {"noise3": _plain(noise_of_arrays, 3)} | {
+    f"noise3{name}": _plain(slope_of(noise_of_arrays, axis), 3)
+    for names in ("xyz", "abc")
+    for axis, name in enumerate(names)
+}
+
+LIBRARY: Mapping[str, Native] = _CALCULATOR | _START_FILE | _NOISE
 
 # The same in the language itself, for functions that take functions
 PRELUDE = """

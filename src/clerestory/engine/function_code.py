@@ -1,0 +1,375 @@
+"""Function files as kernels: their expressions over Dr.Jit's arrays.
+
+An expression becomes arithmetic while a kernel is traced, in double precision as in
+Radiance. Both branches of a condition are computed unless it is known beforehand, so a
+function that calls itself must end by a condition on plain numbers. Where there is no
+value (a division by zero, a root of a negative number) the ray counts as faulty.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from clerestory.errors import InputError
+from clerestory.scene.cal.library import PRELUDE
+from clerestory.scene.cal.noise import TABLES, noise, slope_of
+from clerestory.scene.cal.program import Program
+from clerestory.scene.cal.rows import Frame
+from clerestory.scene.cal.syntax import (
+    Call,
+    Chain,
+    Definition,
+    Name,
+    Negative,
+    Node,
+    Number,
+    Power,
+    parse_definitions,
+)
+
+# Calls within calls, and nodes of one expression with all it calls
+_DEEPEST = 60
+_MOST_NODES = 20_000
+
+# What rayinit.cal offers beyond the calculator, in the language itself
+_START = parse_definitions(
+    PRELUDE
+    + """
+    PI : 3.14159265358979323846; DEGREE : PI/180; FTINY : 1e-7;
+    D(i) : select(i, Dx, Dy, Dz); N(i) : select(i, Nx, Ny, Nz);
+    P(i) : select(i, Px, Py, Pz);
+    level : Nx*Nx + Ny*Ny;
+    U : if(level - 1e-7, (Py*Nx - Px*Ny)/level, Px);
+    V : if(level - 1e-7, Pz - Nz*(Px*Nx + Py*Ny)/level, Py);
+    bound(a, x, b) : max(a, min(x, b));
+    Acos(x) : acos(bound(-1, x, 1)); Asin(x) : asin(bound(-1, x, 1));
+    Atan2(y, x) : atan2(y, x); Exp(x) : exp(max(x, -100));
+    Sqrt(x) : sqrt(max(x, 0));
+    and(a, b) : if(a, b, a); or(a, b) : if(a, a, b); not(a) : if(a, -1, 1);
+    xor(a, b) : if(a, if(b, -1, 1), b);
+    abs(x) : max(x, -x); sgn(x) : if(x, 1, if(-x, -1, 0)); sq(x) : x*x;
+    inside(a, x, b) : if(x - a, b - x, x - a);
+    frac(x) : x - floor(x); mod(n, d) : n - floor(n/d)*d;
+    tri(n, d) : abs(d - mod(n - d, 2*d));
+    linterp(t, p, q) : (1 - t)*p + t*q;
+    hermite(p, q, r, s, t) : p*(1 + 2*t)*sq(1 - t) + q*t*t*(3 - 2*t)
+        + r*t*sq(1 - t) - s*t*t*(1 - t);
+    bezier(a, b, c, d, t) : a*(1 - t)^3 + 3*t*(1 - t)*(b*(1 - t) + c*t) + d*t^3;
+    bspline(p, a, b, n, t) : (p*(1 - t)^3 + n*t^3 + a*(4 + t*t*(3*t - 6))
+        + b*(1 + 3*t*(1 + t*(1 - t))))/6;
+    noop(v) : v; clip(v) : bound(0, v, 1); noneg(v) : max(v, 0);
+    red(r, g, b) : noneg(r); green(r, g, b) : noneg(g); blue(r, g, b) : noneg(b);
+    grey(r, g, b) : noneg(.265074126*r + .670114631*g + .064811243*b);
+    clip_r(r, g, b) : clip(r); clip_g(r, g, b) : clip(g); clip_b(r, g, b) : clip(b);
+    clipgrey(r, g, b) : min(grey(r, g, b), 1);
+    """
+)
+
+
+@dataclass(frozen=True)
+class Value:
+    """A number or an array of them, and where it is faulty."""
+
+    value: Any
+    bad: Any = False
+
+
+def _or(one: Any, other: Any) -> Any:
+    # Plain truth values stay plain
+    if one is False:
+        return other
+    return one if other is False else one | other
+
+
+def _where(condition: Any, yes: Any, no: Any) -> Any:
+    return dr.select(condition, mi.Float64(yes), mi.Float64(no))
+
+
+def _guarded(function: Callable[..., Any], wrong: Callable[..., Any], safe: float):
+    # A function of one number that is 0 and faulty where `wrong` says
+    def compute(x: Value) -> Value:
+        bad = wrong(x.value)
+        if isinstance(bad, bool):
+            value = 0.0 if bad else function(x.value)
+            return Value(value, _or(x.bad, bad))
+        value = dr.select(bad, 0, function(dr.select(bad, safe, x.value)))
+        return Value(value, _or(x.bad, bad))
+
+    return compute
+
+
+def _plain(function: Callable[..., Any], arity: int = 1):
+    def compute(*given: Value) -> Value:
+        used = given[:arity]
+        bad = False
+        for each in used:
+            bad = _or(bad, each.bad)
+        return Value(function(*(each.value for each in used)), bad)
+
+    return compute
+
+
+def _folded(function: Callable[[Any, Any], Any]):
+    # Of any number of arguments
+    def compute(*given: Value) -> Value:
+        total = given[0]
+        for each in given[1:]:
+            total = Value(function(total.value, each.value), _or(total.bad, each.bad))
+        return total
+
+    return compute
+
+
+def _random(x: Any) -> Any:
+    # Radiance's rand(x): its hash of a number
+    mixed = x * (1 / (1 + x * x) + 2.71828182845904)
+    share = 1e5 / (mixed + 0.785398163397447 - dr.floor(mixed))
+    return share - dr.floor(share)
+
+
+def _noise(x: Any, y: Any, z: Any) -> Any:
+    tables = [mi.Float64(table) for table in TABLES]
+    dr.make_opaque(tables)
+
+    def take(table: int, place: Any) -> Any:
+        index = mi.UInt32(mi.Int32(place) & 255)
+        return dr.gather(mi.Float64, tables[table], index)
+
+    point = [mi.Float64(c) for c in (x, y, z)]
+    return noise(*point, floor=dr.floor, take=take)
+
+
+_FUNCTIONS: Mapping[str, tuple[int, Callable[..., Value]]] = {
+    "sqrt": (1, _guarded(dr.sqrt, lambda x: x < 0, 0)),
+    "log": (1, _guarded(dr.log, lambda x: x <= 0, 1)),
+    "log10": (1, _guarded(lambda x: dr.log(x) / np.log(10), lambda x: x <= 0, 1)),
+    "asin": (1, _guarded(dr.asin, lambda x: abs(x) > 1, 0)),
+    "acos": (1, _guarded(dr.acos, lambda x: abs(x) > 1, 0)),
+    "exp": (1, _guarded(dr.exp, lambda x: x > 700, 0)),
+    "sin": (1, _plain(dr.sin)),
+    "cos": (1, _plain(dr.cos)),
+    "tan": (1, _plain(dr.tan)),
+    "atan": (1, _plain(dr.atan)),
+    "atan2": (2, _plain(dr.atan2, 2)),
+    "floor": (1, _plain(dr.floor)),
+    "ceil": (1, _plain(dr.ceil)),
+    "erf": (1, _plain(dr.erf)),
+    "erfc": (1, _plain(lambda x: 1 - dr.erf(x))),
+    "min": (1, _folded(dr.minimum)),
+    "max": (1, _folded(dr.maximum)),
+    "rand": (1, _plain(_random)),
+    "noise3": (3, _plain(_noise, 3)),
+    **{
+        f"noise3{name}": (3, _plain(slope_of(_noise, axis), 3))
+        for names in ("xyz", "abc")
+        for axis, name in enumerate(names)
+    },
+}
+
+
+@dataclass(eq=False)
+class FunctionCode:
+    """Expressions of a function file, to be computed in a kernel.
+
+    Attributes
+    ----------
+    program : definitions that they use
+    inputs : variables of the rays, as arrays of doubles
+    arguments : real arguments of the primitive
+    """
+
+    program: Program
+    inputs: Mapping[str, Any]
+    arguments: tuple[float, ...] = ()
+    _known: dict[Any, Value] = field(default_factory=dict)
+    _depth: int = 0
+    _nodes: int = 0
+
+    def value(self, node: Node) -> Value:
+        """Return the value of an expression.
+
+        Raises
+        ------
+        InputError : a function that kernels do not have, or one without an end
+        """
+        return self._node(node, None)
+
+    def call(self, name: str, given: list[Value]) -> Value:
+        """Return the value of a function of arrays."""
+        names = tuple(f"$argument{i}" for i in range(len(given)))
+        self._known |= dict(zip(names, given, strict=True))
+        return self._node(Call(name, tuple(Name(n) for n in names)), None)
+
+    def arity(self, name: str) -> int:
+        """Return how many arguments a function needs."""
+        found = self._definition(name)
+        if found is not None:
+            return len(found.parameters or ())
+        return _FUNCTIONS[name][0] if name in _FUNCTIONS else 0
+
+    def _definition(self, name: str) -> Definition | None:
+        return self.program.definitions.get(name) or _START.get(name)
+
+    def _node(self, node: Node, frame: Frame | None) -> Value:
+        self._depth, self._nodes = self._depth + 1, self._nodes + 1
+        if self._depth > _DEEPEST or self._nodes > _MOST_NODES:
+            raise InputError(
+                "a function calls itself without an end that is known before rays are;"
+                " one that ends by a condition on plain numbers expected"
+            )
+        match node:
+            case Number(number):
+                made = Value(number)
+            case Name(name):
+                made = self._variable(name, frame)
+            case Negative(inner):
+                one = self._node(inner, frame)
+                made = Value(-one.value, one.bad)
+            case Power(base, exponent):
+                made = _power(self._node(base, frame), self._node(exponent, frame))
+            case Chain(first, rest):
+                made = self._node(first, frame)
+                for sign, operand in rest:
+                    made = _combined(made, sign, self._node(operand, frame))
+            case Call():
+                made = self._call(node, frame)
+        self._depth -= 1
+        return made
+
+    def _variable(self, name: str, frame: Frame | None) -> Value:
+        if frame is not None and name in frame.parameters:
+            place = frame.parameters.index(name)
+            key: Any = (frame, place)
+            if key not in self._known:
+                self._known[key] = self._node(frame.arguments[place], frame.outer)
+            return self._known[key]
+        if name not in self._known:
+            self._known[name] = self._named(name)
+        return self._known[name]
+
+    def _named(self, name: str) -> Value:
+        found = self._definition(name)
+        if found is not None and found.parameters is None:
+            return self._node(found.body, None)
+        if name == "AC":
+            return Value(float(len(self.arguments)))
+        if name[0] == "A" and name[1:].isdigit():
+            return self._argument(Value(float(name[1:])))
+        if name in self.inputs:
+            return Value(self.inputs[name])
+        raise InputError(f'"{name}" is not known where light meets a surface')
+
+    def _call(self, call: Call, frame: Frame | None) -> Value:
+        name, around = call.name, frame
+        while around is not None and name in around.parameters:
+            # The function that a parameter stands for
+            handed = around.arguments[around.parameters.index(name)]
+            name = handed.name if isinstance(handed, Name) else ""
+            around = around.outer
+        found, given = self._definition(name), call.arguments
+        if name == "if":
+            return self._choice(given, frame)
+        if name == "select":
+            return self._selection(given, frame)
+        if found is not None and found.parameters is not None:
+            return self._node(found.body, Frame(found.parameters, given, frame))
+        values = [self._node(argument, frame) for argument in given]
+        if name == "arg":
+            return self._argument(values[0])
+        if name not in _FUNCTIONS:
+            raise InputError(f'the function "{name}" does not work on surfaces')
+        return _FUNCTIONS[name][1](*values)
+
+    def _argument(self, which: Value) -> Value:
+        if isinstance(which.value, float | int):
+            place = int(np.floor(which.value + 0.5))
+            if place > len(self.arguments):
+                raise InputError(
+                    f"real argument {place} is asked for; {len(self.arguments)} given"
+                )
+            given = (float(len(self.arguments)), *self.arguments)
+            return Value(given[max(place, 0)])
+        table = mi.Float64([float(len(self.arguments)), *self.arguments])
+        dr.make_opaque(table)
+        place = mi.Int32(dr.floor(which.value + 0.5))
+        bad = (place < 0) | (place > len(self.arguments))
+        index = mi.UInt32(dr.clip(place, 0, len(self.arguments)))
+        return Value(dr.gather(mi.Float64, table, index), _or(which.bad, bad))
+
+    def _choice(self, given: tuple[Node, ...], frame: Frame | None) -> Value:
+        condition = self._node(given[0], frame)
+        yes = condition.value > 0
+        if isinstance(yes, bool):
+            one = self._node(given[1 if yes else 2], frame)
+            return Value(one.value, _or(one.bad, condition.bad))
+        one, other = self._node(given[1], frame), self._node(given[2], frame)
+        return Value(
+            _where(yes, one.value, other.value),
+            _or(condition.bad, _either(yes, one.bad, other.bad)),
+        )
+
+    def _selection(self, given: tuple[Node, ...], frame: Frame | None) -> Value:
+        # select(0, …) counts its choices
+        which = self._node(given[0], frame)
+        if isinstance(which.value, float | int):
+            number = int(which.value + 0.5)
+            if number == 0:
+                return Value(float(len(given) - 1), which.bad)
+            if not 0 < number < len(given):
+                return Value(0.0, True)
+            return self._node(given[number], frame)
+        number = mi.Int32(dr.floor(which.value + 0.5))
+        value = mi.Float64(float(len(given) - 1))
+        bad = _or(which.bad, (number < 0) | (number >= len(given)))
+        for i, choice in enumerate(given[1:], start=1):
+            one = self._node(choice, frame)
+            value = _where(number == i, one.value, value)
+            bad = _or(bad, _either(number == i, one.bad, False))
+        return Value(value, bad)
+
+
+def _either(condition: Any, yes: Any, no: Any) -> Any:
+    if yes is False and no is False:
+        return False
+    return dr.select(condition, mi.Bool(yes), mi.Bool(no))
+
+
+def _combined(one: Value, sign: str, other: Value) -> Value:
+    bad = _or(one.bad, other.bad)
+    match sign:
+        case "+":
+            return Value(one.value + other.value, bad)
+        case "-":
+            return Value(one.value - other.value, bad)
+        case "*":
+            return Value(one.value * other.value, bad)
+    zero = other.value == 0
+    if isinstance(zero, bool):
+        return Value(0.0, True) if zero else Value(one.value / other.value, bad)
+    quotient = one.value / dr.select(zero, 1, other.value)
+    return Value(dr.select(zero, 0, quotient), _or(bad, zero))
+
+
+def _power(base: Value, exponent: Value) -> Value:
+    # Whole exponents take any base, others none below 0
+    bad, power = _or(base.bad, exponent.bad), exponent.value
+    if isinstance(power, float | int) and isinstance(base.value, float | int):
+        made = float(np.power(float(base.value), power))
+        return Value(made, bad) if np.isfinite(made) else Value(0.0, True)
+    if isinstance(power, float | int) and power == int(power) and 0 < power <= 8:
+        value = base.value
+        for _ in range(int(power) - 1):
+            value = value * base.value
+        return Value(value, bad)
+    b, p = mi.Float64(base.value), mi.Float64(power)
+    whole = dr.floor(p) == p
+    wrong = ((b < 0) & ~whole) | ((b == 0) & (p < 0))
+    size = dr.power(dr.select(wrong | (b == 0), 1, dr.abs(b)), p)
+    odd = whole & (dr.floor(p * 0.5) * 2 != p)
+    value = dr.select((b < 0) & odd, -size, size)
+    value = dr.select(b == 0, dr.select(p == 0, 1.0, 0.0), value)
+    return Value(dr.select(wrong, 0, value), _or(bad, wrong))

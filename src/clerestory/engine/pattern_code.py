@@ -1,0 +1,236 @@
+"""Patterns of surfaces as kernels: functions and tables, evaluated where light meets.
+
+A pattern sees what Radiance shows it: the point, the unperturbed normal, and the
+direction of sight, in the coordinates of the function.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.function_code import FunctionCode, Value
+from clerestory.errors import InputError
+from clerestory.scene.data_array import DataArray
+from clerestory.scene.material import Source
+from clerestory.scene.pattern import Pattern, Product
+from clerestory.scene.pattern_function import NUMBERED, DataPattern, FunctionPattern
+from clerestory.scene.xform import Transform
+
+# From an interaction to the three or one values of a pattern, and where they are faulty
+Code = Callable[[Any], tuple[list[Any], Any]]
+
+
+def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
+    """Return a pattern as a function of an interaction.
+
+    Parameters
+    ----------
+    origin : point of the scene that lies at the device's origin [m]
+
+    Raises
+    ------
+    InputError : with the pattern's place, where a function has no kernel
+    """
+    match pattern:
+        case FunctionPattern():
+            code = _function(pattern, origin)
+        case DataPattern():
+            code = _data(pattern, origin)
+        case Product(factors):
+            return _product([pattern_code(factor, origin) for factor in factors])
+        case _:
+            raise InputError(f"a {type(pattern).__name__} does not work on surfaces")
+    _try(code, pattern.source)
+    return code
+
+
+def multiplier(
+    pattern: Pattern, origin: Float[np.ndarray, "3"]
+) -> Callable[[Any], Any]:
+    """Return the multiplier of colours that a pattern is; 1 where it has no value."""
+    code = pattern_code(pattern, origin)
+
+    def factor(si: Any) -> mi.Color3f:
+        values, bad = code(si)
+        colour = [dr.maximum(dr.select(bad, 1.0, value), 0) for value in values]
+        colour = colour * 3 if len(colour) == 1 else colour
+        return mi.Color3f(*(mi.Float(mi.Float64(c)) for c in colour))
+
+    return factor
+
+
+def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], Any]:
+    """Return the share of a mixture's foreground; 0 where it has no value."""
+    code = pattern_code(pattern, origin)
+
+    def amount(si: Any) -> mi.Float:
+        values, bad = code(si)
+        return mi.Float(mi.Float64(dr.select(bad, 0.0, dr.clip(values[0], 0, 1))))
+
+    return amount
+
+
+def perturbation(
+    pattern: FunctionPattern | DataPattern, origin: Float[np.ndarray, "3"]
+) -> Callable[[Any], Any]:
+    """Return what a texture adds to the unit normal, a vector in the scene."""
+    code = pattern_code(pattern, origin)
+    turn = pattern.transform.matrix[:3, :3] / pattern.transform.scale
+
+    def added(si: Any) -> mi.Vector3f:
+        values, bad = code(si)
+        scene = [
+            sum(values[i] * float(turn[i, axis]) for i in range(3)) for axis in range(3)
+        ]
+        return mi.Vector3f(
+            *(mi.Float(mi.Float64(dr.select(bad, 0.0, c))) for c in scene)
+        )
+
+    return added
+
+
+def _function(pattern: FunctionPattern, origin: Float[np.ndarray, "3"]) -> Code:
+    def code(si: Any) -> tuple[list[Any], Any]:
+        inputs = _inputs(pattern.transform, si, origin)
+        made = FunctionCode(pattern.program, inputs, pattern.arguments)
+        return _split([made.value(node) for node in pattern.expressions])
+
+    return code
+
+
+def _data(pattern: DataPattern, origin: Float[np.ndarray, "3"]) -> Code:
+    tables = [_table(table) for table in pattern.tables]
+
+    def code(si: Any) -> tuple[list[Any], Any]:
+        inputs = _inputs(pattern.transform, si, origin)
+        made = FunctionCode(pattern.program, inputs, pattern.arguments)
+        place = [made.value(node) for node in pattern.coordinates]
+        position, bad = _split(place)
+        read = [Value(table(position)) for table in tables]
+        values = []
+        for i, name in enumerate(pattern.functions):
+            given = read if made.arity(name) >= 3 else [read[min(i, len(read) - 1)]]
+            values.append(made.call(name, given))
+        found, faulty = _split(values)
+        return found, faulty | bad
+
+    return code
+
+
+def _product(codes: list[Code]) -> Code:
+    def code(si: Any) -> tuple[list[Any], Any]:
+        # A factor without a value is left out
+        total: list[Any] = [mi.Float64(1)] * 3
+        for one in codes:
+            values, bad = one(si)
+            values = values * 3 if len(values) == 1 else values
+            total = [
+                t * dr.maximum(dr.select(bad, 1.0, v), 0)
+                for t, v in zip(total, values, strict=True)
+            ]
+        return total, mi.Bool(False)
+
+    return code
+
+
+def _split(values: list[Value]) -> tuple[list[Any], Any]:
+    bad = mi.Bool(False)
+    for each in values:
+        if each.bad is not False:
+            bad = bad | each.bad
+    return [mi.Float64(each.value) for each in values], bad
+
+
+def _inputs(
+    transform: Transform, si: Any, origin: Float[np.ndarray, "3"]
+) -> dict[str, Any]:
+    # Radiance's ray variables in the function's coordinates
+    back = np.linalg.inv(transform.matrix)
+    scale = 1 / transform.scale
+    sight = -si.sh_frame.to_world(si.wi)
+    vectors = {
+        "D": _turned(sight, back / scale),
+        "N": _turned(si.n, back / scale),
+        "P": _turned(si.p, back, shift=origin @ back[:3, :3] + back[3, :3]),
+        "T": [float(c) for c in back[3, :3]],
+        **{k: [float(c) for c in back[i, :3] / scale] for i, k in enumerate("IJK")},
+    }
+    given = {k + a: v[i] for k, v in vectors.items() for i, a in enumerate("xyz")}
+    given |= {f"N{a}P": given[f"N{a}"] for a in "xyz"}
+    rdot = mi.Float64(dr.clip(dr.dot(-sight, si.n), -1, 1))
+    given |= {"Rdot": rdot, "RdotP": rdot, "S": scale}
+    return given | {number: given[name] for number, name in NUMBERED.items()}
+
+
+def _turned(vector: Any, matrix: np.ndarray, shift: np.ndarray | None = None) -> list:
+    given = [mi.Float64(vector.x), mi.Float64(vector.y), mi.Float64(vector.z)]
+    turned = [
+        sum(float(matrix[i, axis]) * given[i] for i in range(3)) for axis in range(3)
+    ]
+    if shift is None:
+        return turned
+    return [t + float(s) for t, s in zip(turned, shift, strict=True)]
+
+
+def _try(code: Code, source: Source | None) -> None:
+    # Find out before a kernel is traced
+    try:
+        code(dr.zeros(mi.SurfaceInteraction3f, 1))
+    except InputError as error:
+        if error.file is not None or source is None:
+            raise
+        raise InputError(error.message, file=source.file, line=source.line) from error
+
+
+def _table(data: DataArray) -> Callable[[list[Any]], Any]:
+    """Return the interpolation in a table as a function of positions."""
+    # Falling axes are turned round with their positions, as `scene.data_array` does
+    signs = [1.0 if axis[0] < axis[-1] else -1.0 for axis in data.axes]
+    axes = [
+        mi.Float64(np.ascontiguousarray(sign * axis))
+        for sign, axis in zip(signs, data.axes, strict=True)
+    ]
+    flat = mi.Float64(np.ascontiguousarray(data.values).ravel())
+    dr.make_opaque(flat, *axes)
+    counts = data.values.shape
+    strides = [int(np.prod(counts[i + 1 :])) for i in range(len(counts))]
+
+    def look_up(position: list[Any]) -> Any:
+        cells, shares = [], []
+        for given, sign, axis, count in zip(position, signs, axes, counts, strict=True):
+            x = sign * given
+            cell = dr.binary_search(
+                0, count - 1, lambda i, a=axis, p=x: dr.gather(mi.Float64, a, i) <= p
+            )
+            cell = mi.UInt32(dr.clip(mi.Int32(cell) - 1, 0, count - 2))
+            low = dr.gather(mi.Float64, axis, cell)
+            cells.append(cell)
+            shares.append((x - low) / (dr.gather(mi.Float64, axis, cell + 1) - low))
+        return _interpolated(flat, cells, shares, strides, mi.UInt32(0))
+
+    return look_up
+
+
+def _interpolated(flat, cells, shares, strides, index) -> Any:
+    # As `scene.data_array` does
+    if not cells:
+        return dr.gather(mi.Float64, flat, index)
+    low, high = (
+        _interpolated(
+            flat,
+            cells[1:],
+            shares[1:],
+            strides[1:],
+            index + (cells[0] + i) * strides[0],
+        )
+        for i in (0, 1)
+    )
+    t = shares[0]
+    straight = low * (1 - t) + high * t
+    above = (2 * high - low) / dr.select(t > 2, t + 1, 1)
+    below = (2 * low - high) / dr.select(t < -1, -t, 1)
+    return dr.select(t > 2, above, dr.select(t < -1, below, straight))
