@@ -12,23 +12,23 @@ the result; after each round the sums decide which rows go on.
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Literal, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt64
 
-from clerestory.engine.work import Executor, Grain, Job, Local, Unit
+from clerestory.engine.work import Executor, Goal, Grain, Job, Local, Unit
 
 BATCHES = 16
 
 # Sample points of a batch in the first round, when an error is aimed at.
-_PILOT = 32
+PILOT = 32
 
 # Longest stretch of the sequence in one unit.
 _STRETCH = 1 << 16
 
 # The error falls nearly like n to the power of -1/1.6 with the points of a batch.
-_GROWTH = 1.6
+GROWTH = 1.6
 
 # Most sample points of one batch: an aim that needs more is out of reach. A sum of
 # as many weights of π still fits into its fixed-point number.
@@ -40,9 +40,6 @@ _SUMS = 1 << 29
 
 # One unit of a sum is 2⁻⁴⁰ of a weight; sums stay exact below 2²⁴.
 FIXED_POINT = float(1 << 40)
-
-# Rows darker than this share of the mean row need not reach the relative error.
-_DARK = 0.01
 
 Progress = Callable[[float, str], None]
 
@@ -74,6 +71,11 @@ class Effort:
     device: Literal["cpu", "cuda"] = "cpu"
     executor: Executor = field(default_factory=Local)
 
+    @property
+    def goal(self) -> Goal:
+        """When the work is done."""
+        return Goal(self.samples, self.relative_error)
+
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
@@ -100,11 +102,20 @@ class MatrixJob(Job, Protocol):
     Attributes
     ----------
     shape : rows, batches, columns and channels of the whole matrix
+    together : whether all rows are judged as one
     """
+
+    together: ClassVar[bool]
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
         """Rows, batches, columns and channels of the whole matrix."""
+
+    def unfinished(self, sums: "Sums", aim: float) -> tuple[np.ndarray, float]:
+        """Return which rows need more paths for a relative error, and the worst ratio.
+
+        The ratio is how many times the error aimed at remains.
+        """
 
 
 @dataclass
@@ -113,6 +124,12 @@ class Sums:
 
     total: UInt64[np.ndarray, "row batch column channel"]
     count: Int[np.ndarray, " row"]
+
+    @classmethod
+    def none(cls, job: MatrixJob, rows: int) -> "Sums":
+        """Return sums of some rows that have seen nothing yet."""
+        shape = rows, *job.shape[1:]
+        return cls(np.zeros(shape, np.uint64), np.zeros(rows, np.int64))
 
     def means(self) -> Float[np.ndarray, "row batch column channel"]:
         """Mean weight of each batch's paths."""
@@ -123,26 +140,24 @@ class Sums:
         return self.total.sum(axis=2) / (FIXED_POINT * self.count[:, None, None])
 
 
-# Which rows need more paths, and how far the worst is from its aim
-Unfinished = Callable[[Sums], tuple[np.ndarray, float]]
-
-
 def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
     """Variance of the mean of independent batches."""
     return np.var(values, axis=axis, ddof=1) / values.shape[axis]
 
 
-def estimate(
-    job: MatrixJob, effort: Effort, unfinished: Unfinished, *, together: bool = False
-) -> Estimate:
-    """Trace block after block of rows, each to its end.
+def all_or_none(
+    sums: Sums, error: float, mean: float, aim: float
+) -> tuple[np.ndarray, float]:
+    """Return the judgement of rows that go on until the error of all is reached."""
+    ratio = error / (aim * mean) if mean > 0 else 0.0
+    return np.full(len(sums.count), ratio > 1), ratio
 
-    Parameters
-    ----------
-    unfinished : which rows need more paths, and how far the worst is from its aim
-    together : whether all rows are judged as one
-    """
-    blocks = list(estimate_blocks(job, effort, unfinished, together=together))
+
+def estimate(job: MatrixJob, effort: Effort) -> Estimate:
+    """Trace block after block of rows, each to its end."""
+    if not effort.executor.accepts(job, effort.goal):
+        return _blank(job, effort)
+    blocks = list(estimate_blocks(job, effort))
     kept = [b.components for b in blocks if b.components is not None]
     return Estimate(
         np.concatenate([block.values for block in blocks], axis=1),
@@ -152,24 +167,31 @@ def estimate(
     )
 
 
-def estimate_blocks(
-    job: MatrixJob, effort: Effort, unfinished: Unfinished, *, together: bool = False
-) -> Iterator[Estimate]:
+def estimate_blocks(job: MatrixJob, effort: Effort) -> Iterator[Estimate]:
     """Yield the estimates of consecutive blocks of rows, one at a time in memory."""
     rows = job.shape[0]
-    block = rows if together else max(1, min(rows, _SUMS // _row_bytes(job)))
+    most = max(1, min(rows, _SUMS // row_bytes(job)))
+    block = rows if job.together else most
     for first in range(0, rows, block):
         numbers = np.arange(first, min(rows, first + block))
         progress = _share_of_progress(
             effort.progress, first / rows, len(numbers) / rows
         )
-        sums, good = _trace_rows(
-            job, numbers, replace(effort, progress=progress), unfinished
-        )
+        sums, good = _trace_rows(job, numbers, replace(effort, progress=progress))
         yield _estimated(sums, good, effort)
 
 
-def _row_bytes(job: MatrixJob) -> int:
+def _blank(job: MatrixJob, effort: Effort) -> Estimate:
+    # The right shape, without any memory
+    rows, batches, columns, channels = job.shape
+    values = np.broadcast_to(0.0, (channels, rows, columns))
+    none = np.float32(0)
+    components = np.broadcast_to(none, (batches, channels, rows, columns))
+    return Estimate(values, components if effort.components else None, 0, True)
+
+
+def row_bytes(job: MatrixJob) -> int:
+    """Return what the sums of one row take [bytes]."""
     _, batches, columns, channels = job.shape
     return batches * columns * channels * 8
 
@@ -195,16 +217,10 @@ def _share_of_progress(
 
 
 def _trace_rows(
-    job: MatrixJob,
-    numbers: Int[np.ndarray, " row"],
-    effort: Effort,
-    unfinished: Unfinished,
+    job: MatrixJob, numbers: Int[np.ndarray, " row"], effort: Effort
 ) -> tuple[Sums, bool]:
     # Lengthen the batches until the samples are spent or the error is reached
-    shape = (len(numbers), *job.shape[1:])
-    sums = Sums(
-        np.zeros(shape, dtype=np.uint64), np.zeros(len(numbers), dtype=np.int64)
-    )
+    sums = Sums.none(job, len(numbers))
     if effort.samples is not None:
         length = -(-effort.samples // effort.batches)
         everything = np.full(len(numbers), True)
@@ -212,16 +228,16 @@ def _trace_rows(
         return sums, True
 
     # The pilot takes a sliver of the progress bar, the rest is shared by expected work
-    active, length, spent, share = np.full(len(numbers), True), _PILOT, 0.0, 0.02
+    active, length, spent, share = np.full(len(numbers), True), PILOT, 0.0, 0.02
     while active.any():
         if length > _LONGEST:
             return sums, False
         part = _share_of_progress(effort.progress, spent, share)
         _lengthen(job, numbers, sums, active, length, replace(effort, progress=part))
         spent += share
-        active, ratio = unfinished(sums)
-        growth = np.clip(ratio**_GROWTH, 2, 32)
-        share = (1 - spent) * 0.9 * min(1.0, growth / max(ratio**_GROWTH, 1e-9))
+        active, ratio = job.unfinished(sums, effort.relative_error or 1.0)
+        growth = np.clip(ratio**GROWTH, 2, 32)
+        share = (1 - spent) * 0.9 * min(1.0, growth / max(ratio**GROWTH, 1e-9))
         length *= int(2 ** np.ceil(np.log2(growth)))
     if effort.progress is not None:
         effort.progress(1.0, "done")
@@ -262,6 +278,6 @@ def _units(
     batches = job.shape[1]
     for first in range(have, length, _STRETCH):
         count = min(length - first, _STRETCH)
-        most = min(grain.paths // (batches * count), grain.sums // _row_bytes(job))
+        most = min(grain.paths // (batches * count), grain.sums // row_bytes(job))
         for start in range(0, len(rows), max(1, most)):
             yield Unit(rows[start : start + max(1, most)], first, count)

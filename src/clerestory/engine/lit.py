@@ -138,6 +138,8 @@ def _estimate(
     effort: Effort,
     error: Callable[[Batches], float],
 ) -> Lit:
+    if not effort.executor.accepts(job, effort.goal):
+        return Lit(np.zeros((rows, 3)), np.zeros((rows, 3)), 0, True)
     sums = Batches(np.zeros((batches, rows, 3)))
     length = _PILOT
     if effort.samples is not None:

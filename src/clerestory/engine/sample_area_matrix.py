@@ -10,7 +10,14 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.device import in_use
-from clerestory.engine.estimate import Effort, Estimate, Sums, estimate, variance
+from clerestory.engine.estimate import (
+    Effort,
+    Estimate,
+    Sums,
+    all_or_none,
+    estimate,
+    variance,
+)
 from clerestory.engine.grey import channels_of
 from clerestory.engine.launches import matrix_tracer
 from clerestory.engine.patches import PatchTable
@@ -57,6 +64,7 @@ class SlabJob:
     """From the incident patches of a sample area to the patches both ways out."""
 
     tracer: ClassVar[tuple[str, str]] = ("sample_area_matrix", "prepare_slab")
+    together: ClassVar[bool] = True
 
     scene: Scene
     box: Float[np.ndarray, "2 3"]
@@ -68,12 +76,23 @@ class SlabJob:
     batches: int
     device: Literal["cpu", "cuda"]
     incidents: Int[np.ndarray, " incident"]
+    stands_for: Int[np.ndarray, " incident"]
 
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
         """Rows, batches, columns and channels."""
         rows = len(self.sides) * len(self.incidents)
         return rows, self.batches, 2 * len(self.partition), channels_of(self.scene)
+
+    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
+        """Judge the BSDF of all pairs of patches."""
+        alike = self.stands_for / self.stands_for.mean()
+        weight = np.tile(alike, len(self.sides))[:, None, None]
+        measure = np.tile(self.partition.projected_solid_angles(), 2)
+        values = sums.means() / measure[:, None]
+        error = float(np.sqrt(np.mean(weight * variance(values, axis=1))))
+        mean = float(np.mean(weight[..., None] * values))
+        return all_or_none(sums, error, mean, aim)
 
 
 def trace_matrix(
@@ -114,18 +133,9 @@ def trace_matrix(
         effort.batches,
         in_use(),
         incidents,
+        stands_for,
     )
-    weight = np.tile(stands_for / stands_for.mean(), len(sides))
-    measure = np.tile(partition.projected_solid_angles(), 2)
-
-    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
-        values = sums.means() / measure[:, None]
-        error = np.sqrt(np.mean(weight[:, None, None] * variance(values, axis=1)))
-        mean = float(np.mean(weight[:, None, None, None] * values))
-        ratio = error / (effort.relative_error * mean) if mean > 0 else 0.0
-        return np.full(len(sums.count), ratio > 1), float(ratio)
-
-    return estimate(job, effort, noisy, together=True)
+    return estimate(job, effort)
 
 
 def prepare_slab(job: SlabJob) -> Tracer:

@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.estimate import Progress
-from clerestory.engine.work import Executor, Local, Unit
+from clerestory.engine.work import Executor, Goal, Local, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -101,12 +101,17 @@ def trace_sun(
     """Trace direct sun through one window to sensors, in a black scene."""
     rows, count = len(job.sensors), len(job.suns)
     channels = 3 if job.bsdf.in_colour("transmission_front") else 1
+    executor = executor or Local()
+    if not executor.accepts(job, Goal(job.samples)):
+        nothing = np.broadcast_to(0.0, (channels, rows, count))
+        none = np.broadcast_to(np.float32(0), (BATCHES, *nothing.shape))
+        return SunEstimate(nothing, none)
     values = np.zeros((channels, rows, count))
     components = np.zeros((BATCHES, channels, rows, count), dtype=np.float32)
     block = max(1, min(rows, _LANES // BATCHES))
     places = _places(rows, count, block, max(1, _LANES // (BATCHES * block)))
     units = [_unit(place, job.points, np.arange(count)) for place in places]
-    traced, done = (executor or Local()).map(job, units), 0
+    traced, done = executor.map(job, units), 0
     for (row, sun), part in zip(places, traced, strict=True):
         found = part[:, :, :, :channels]
         mean = found.mean(axis=2)

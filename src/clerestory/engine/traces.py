@@ -20,7 +20,7 @@ from clerestory.engine.estimate import (
     Effort,
     Estimate,
     Sums,
-    Unfinished,
+    all_or_none,
     estimate,
     estimate_blocks,
     variance,
@@ -46,6 +46,7 @@ class ViewJob:
     """
 
     tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_view")
+    together: ClassVar[bool] = False
 
     scene: Scene
     windows: tuple[Window, ...]
@@ -61,12 +62,17 @@ class ViewJob:
         columns = sum(len(window.partition) for window in self.windows)
         return len(self.sensors), self.batches, columns, channels_of(self.scene)
 
+    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
+        """Judge each sensor's irradiance under windows of uniform radiance."""
+        return dim_rows(sums, aim)
+
 
 @dataclass(frozen=True, eq=False)
 class CoefficientsJob:
     """From irradiance sensors to the patches of the sky."""
 
     tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_coefficients")
+    together: ClassVar[bool] = False
 
     scene: Scene
     sky: SkyPartition
@@ -82,12 +88,17 @@ class CoefficientsJob:
         rows, columns = len(self.sensors), len(self.sky)
         return rows, self.batches, columns, channels_of(self.scene)
 
+    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
+        """Judge each sensor's irradiance under a uniform sky."""
+        return dim_rows(sums, aim)
+
 
 @dataclass(frozen=True, eq=False)
 class DaylightJob:
     """From the outer side of a window's patches to the patches of the sky."""
 
     tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_daylight")
+    together: ClassVar[bool] = True
 
     scene: Scene
     window: Window
@@ -103,6 +114,13 @@ class DaylightJob:
         rows, columns = len(self.window.partition), len(self.sky)
         return rows, self.batches, columns, channels_of(self.scene)
 
+    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
+        """Judge the window's irradiance from each patch of the sky."""
+        projected = self.window.partition.projected_solid_angles()
+        irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
+        error = float(np.sqrt(np.mean(variance(irradiance, axis=0))))
+        return all_or_none(sums, error, float(np.mean(irradiance)), aim)
+
 
 @dataclass(frozen=True, eq=False)
 class PixelViewJob:
@@ -115,6 +133,7 @@ class PixelViewJob:
     """
 
     tracer: ClassVar[tuple[str, str]] = ("view_pixels", "prepare_pixel_view")
+    together: ClassVar[bool] = False
 
     scene: Scene
     windows: tuple[Window, ...]
@@ -134,6 +153,12 @@ class PixelViewJob:
         pixels = self.columns * self.rows
         return pixels, self.batches, columns, channels_of(self.scene)
 
+    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
+        """Judge the mean pixel under windows of uniform radiance."""
+        radiance = sums.collected()
+        error = float(np.sqrt(np.mean(variance(radiance, axis=1))))
+        return all_or_none(sums, error, float(radiance.mean()), aim)
+
 
 def trace_view(
     scene: Scene, windows: tuple[Window, ...], sensors: Sensors, effort: Effort
@@ -144,7 +169,7 @@ def trace_view(
     uniform radiance; every row goes on until it reaches it.
     """
     job = ViewJob(scene, windows, sensors, *_walk(effort))
-    return estimate(job, effort, dim_rows(effort))
+    return estimate(job, effort)
 
 
 def trace_view_blocks(
@@ -152,7 +177,7 @@ def trace_view_blocks(
 ) -> Iterator[Estimate]:
     """Yield what `trace_view` returns by consecutive blocks of sensors."""
     job = ViewJob(scene, windows, sensors, *_walk(effort))
-    return estimate_blocks(job, effort, dim_rows(effort))
+    return estimate_blocks(job, effort)
 
 
 def trace_coefficients(
@@ -163,7 +188,7 @@ def trace_coefficients(
     The relative error of a row is that of the irradiance under a uniform sky.
     """
     job = CoefficientsJob(scene, sky, sensors, *_walk(effort))
-    return estimate(job, effort, dim_rows(effort))
+    return estimate(job, effort)
 
 
 def trace_daylight(
@@ -176,14 +201,7 @@ def trace_daylight(
     for a sun that stands in any patch, not only for a uniform sky.
     """
     job = DaylightJob(scene, window, sky, *_walk(effort))
-    projected = window.partition.projected_solid_angles()
-
-    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
-        irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
-        error = float(np.sqrt(np.mean(variance(irradiance, axis=0))))
-        return _all_rows(sums, error, float(np.mean(irradiance)), effort)
-
-    return estimate(job, effort, noisy, together=True)
+    return estimate(job, effort)
 
 
 def trace_pixel_view(
@@ -202,13 +220,7 @@ def trace_pixel_view(
     """
     picture = view, columns, rows, direct
     job = PixelViewJob(scene, windows, *picture, *_walk(effort))
-
-    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
-        radiance = sums.collected()
-        error = float(np.sqrt(np.mean(variance(radiance, axis=1))))
-        return _all_rows(sums, error, float(radiance.mean()), effort)
-
-    return estimate(job, effort, noisy)
+    return estimate(job, effort)
 
 
 def _walk(
@@ -217,26 +229,12 @@ def _walk(
     return effort.bounces, effort.seed, effort.batches, effort.device
 
 
-def _all_rows(
-    sums: Sums, error: float, mean: float, effort: Effort
-) -> tuple[np.ndarray, float]:
-    # Every row goes on until the error of all of them is reached
-    aim = (effort.relative_error or 1.0) * mean
-    ratio = error / aim if mean > 0 else 0.0
-    return np.full(len(sums.count), ratio > 1), ratio
-
-
-def dim_rows(effort: Effort) -> Unfinished:
-    """Return a judge by which each row goes on until it reaches its error."""
-    aim = effort.relative_error or 1.0
-
-    def noisy(sums: Sums) -> tuple[np.ndarray, float]:
-        irradiance: Float[np.ndarray, "row batch channel"] = sums.collected()
-        mean = irradiance.mean(axis=1)
-        error = np.sqrt(variance(irradiance, axis=1))
-        floor = np.maximum(mean, _DARK * mean.mean())
-        share = np.max(error / np.where(floor > 0, floor, 1), axis=-1)
-        ratio = share / aim
-        return ratio > 1, float(ratio.max(initial=0.0))
-
-    return noisy
+def dim_rows(sums: Sums, aim: float) -> tuple[np.ndarray, float]:
+    """Return the judgement of rows that go on until each reaches its own error."""
+    irradiance: Float[np.ndarray, "row batch channel"] = sums.collected()
+    mean = irradiance.mean(axis=1)
+    error = np.sqrt(variance(irradiance, axis=1))
+    floor = np.maximum(mean, _DARK * mean.mean())
+    share = np.max(error / np.where(floor > 0, floor, 1), axis=-1)
+    ratio = share / aim
+    return ratio > 1, float(ratio.max(initial=0.0))

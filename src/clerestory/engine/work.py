@@ -7,7 +7,8 @@ traced it or on what was traced before. So results do not depend on how many
 processes share the work, and a unit that is lost is simply done again.
 
 An *executor* decides where units are done: `Local` in this process, a cluster in
-processes elsewhere. There is no other way to trace.
+processes elsewhere. There is no other way to trace. A plan of the work is an executor
+as well, which takes note of every job and does none (`engine.foresight`).
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -67,6 +68,20 @@ class Job(Protocol):
 
 
 @dataclass(frozen=True)
+class Goal:
+    """When a job is done.
+
+    Attributes
+    ----------
+    samples : paths per row, or per row and column asked for; None to aim at an error
+    relative_error : to reach; None if samples are given
+    """
+
+    samples: int | None
+    relative_error: float | None = None
+
+
+@dataclass(frozen=True)
 class Grain:
     """How large a unit may be.
 
@@ -86,6 +101,9 @@ class Executor(Protocol):
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
         """Return the device that a request leads to."""
 
+    def accepts(self, job: Job, goal: Goal) -> bool:
+        """Return whether a job is to be done; what is declined stays blank."""
+
     def grain(self, device: Literal["cpu", "cuda"]) -> Grain:
         """Return how large units may be."""
 
@@ -103,6 +121,10 @@ class Local:
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
         """Return the device that a request leads to on this machine."""
         return resolve(device)
+
+    def accepts(self, job: Job, goal: Goal) -> bool:
+        """Return True: every job is done."""
+        return True
 
     def grain(self, device: Literal["cpu", "cuda"]) -> Grain:
         """Return units as large as a launch: on a GPU, what its free memory holds.
