@@ -1,4 +1,4 @@
-"""The room and its windows as triangles, kept with the results for drawings."""
+"""The room, its windows and their layers, kept with the results for drawings."""
 
 from collections.abc import Sequence
 
@@ -6,11 +6,13 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from clerestory.hemisphere.klems import klems
 from clerestory.scene.appearance import colour
 from clerestory.scene.model import Scene
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
+from clerestory.study.window_groups import WindowGroup
 
 
 def room_drawing(scene: Scene) -> xr.Dataset:
@@ -56,6 +58,39 @@ def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
             "window_up": (("window", "xyz"), np.stack(ups)),
         },
         coords={"window": np.array([window.name for window in windows], dtype=str)},
+    )
+
+
+def layer_drawing(groups: Sequence[WindowGroup]) -> xr.Dataset:
+    """Return how light from outside passes the layers [1/sr], on Klems' full basis.
+
+    A layer is a state of a window; those of one file are one. No windows give nothing.
+    """
+    shown: dict[tuple[str, str], list[str]] = {}
+    values = []
+    patches = klems("full")
+    for group in groups:
+        for state in group.states:
+            key = (str(state.fine.source), state.name)
+            if key not in shown:
+                part = state.fine.scattering("transmission_front")
+                values.append(part.average(patches, patches))
+            shown.setdefault(key, []).append(group.name)
+    if not values:
+        return xr.Dataset()
+    names = [
+        f"{', '.join(windows)}: {state}" if state else ", ".join(windows)
+        for (_, state), windows in shown.items()
+    ]
+    return xr.Dataset(
+        {
+            "layer_transmission": (
+                ("layer", "exit", "incident"),
+                np.stack(values).astype(np.float32),
+                {"units": "1/sr"},
+            )
+        },
+        coords={"layer": np.array(names, dtype=str)},
     )
 
 

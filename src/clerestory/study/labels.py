@@ -9,7 +9,7 @@ from jaxtyping import Bool
 from clerestory.metrics.hours import occupied_hours
 from clerestory.metrics.summary import sensor_metrics
 from clerestory.study.config import Study
-from clerestory.study.drawing import room_drawing, window_drawing
+from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing
 from clerestory.study.evidence import Evidence
 from clerestory.study.inputs import Inputs
 from clerestory.study.operation import Operation
@@ -59,6 +59,7 @@ def label_results(
             sensor_metrics(labelled, hours, target_lux=study.metrics.target_lux),
             room_drawing(inputs.scene),
             window_drawing([group.inner for group in inputs.groups]),
+            layer_drawing(inputs.groups),
             _states(evidence, acts),
             *(_sensors_left_out(part) for part in parts),
         ],

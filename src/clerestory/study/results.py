@@ -41,6 +41,8 @@ class Results:
         - the windows: `window` (window) name, `window_centre`, `window_up` and
           `window_normal` into the room (window, xyz), `window_triangle`
           (window_triangle, corner, xyz), `window_index` (window_triangle)
+        - the layers in the windows: `layer_transmission` (layer, exit, incident)
+          [1/sr] on Klems' full basis, for light from outside
         - where windows have states: `state` (window, time) int8, from 0, the most
           open; `state_name` (window, state_number); `control` (window), the rules;
           `facade_irradiance` [W/m²] and `profile_angle` [rad] (window, time);
