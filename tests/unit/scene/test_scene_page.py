@@ -5,7 +5,7 @@ from pathlib import Path
 
 from clerestory.scene.definition import MATERIALS
 from clerestory.scene.instance import INSTANCE_KINDS
-from clerestory.scene.pattern_reader import PATTERNS
+from clerestory.scene.pattern_reader import FINISHES
 from clerestory.scene.primitives import SURFACES
 from clerestory.scene.statements import MODIFIER_KINDS, SURFACE_KINDS
 
@@ -15,6 +15,6 @@ ROW = re.compile(r"^\| `(\w+)` \| (yes|no) \|", re.MULTILINE)
 
 def test_the_page_lists_what_is_read_and_what_is_not():
     said = dict(ROW.findall(PAGE.read_text("utf-8")))
-    read = {*MATERIALS, *PATTERNS, *SURFACES, *INSTANCE_KINDS, "polygon", "alias"}
+    read = {*MATERIALS, *FINISHES, *SURFACES, *INSTANCE_KINDS, "polygon", "alias"}
     assert {kind for kind, word in said.items() if word == "yes"} == read
     assert said.keys() == MODIFIER_KINDS | SURFACE_KINDS | {"alias"}
