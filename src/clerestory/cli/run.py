@@ -8,7 +8,7 @@ import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
-from clerestory.cli.options import Quiet
+from clerestory.cli.options import ClusterAddress, Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.engine.device import Device
 from clerestory.report.page import write_report
@@ -40,6 +40,7 @@ def run(
     out: Out = None,
     device: DeviceChoice = None,
     seed: SeedChoice = None,
+    cluster: ClusterAddress = None,
     quiet: Quiet = False,
 ) -> None:
     """Run a study: trace, multiply by a year of sky, write results and a report.
@@ -47,7 +48,7 @@ def run(
     Matrices traced before are found again in OUT/matrices; a run that was killed
     goes on where it stopped.
     """
-    chosen = read_study(study).with_trace(seed=seed, device=device)
+    chosen = read_study(study).with_trace(seed=seed, device=device, cluster=cluster)
     folder = out or study.with_name(f"{study.stem}_results")
     _run(chosen, folder, quiet=quiet)
 

@@ -86,7 +86,11 @@ def _traced(job: Job, scene: Scene, name: str, stream: int) -> TransferMatrix:
     def make() -> TransferMatrix:
         progress = job.display(name.replace("coefficients", "daylight coefficients"))
         return daylight_coefficients(
-            scene, sensors=sensors, progress=progress, **options
+            scene,
+            sensors=sensors,
+            executor=job.executor,
+            progress=progress,
+            **options,
         )
 
     return job.matrix(name, key, make)

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from clerestory.engine.work import Executor
 from clerestory.files import make_folder, write_text
 from clerestory.phases.store import MatrixStore
 from clerestory.study.config import Study
@@ -33,7 +34,12 @@ _HEAD = (
 
 
 def compare_methods(
-    study: Study, *, out: Path, store: MatrixStore, display: Display
+    study: Study,
+    *,
+    out: Path,
+    store: MatrixStore,
+    executor: Executor,
+    display: Display,
 ) -> Results:
     """Run a study by each of its methods; return the results of the last one.
 
@@ -47,7 +53,12 @@ def compare_methods(
         one = study.with_method(method)
         folder = make_folder(out / method)
         found[method] = run_method(
-            one, out=folder, store=store, display=display, states=states
+            one,
+            out=folder,
+            store=store,
+            executor=executor,
+            display=display,
+            states=states,
         )
         if states is None and "state" in found[method].data:
             states = list(found[method].data["state"].values.astype(int))

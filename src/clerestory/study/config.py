@@ -170,10 +170,14 @@ class Study(Table):
         self._folder = (context or {}).get("folder", Path())
 
     def with_trace(
-        self, *, seed: int | None = None, device: Device | None = None
+        self,
+        *,
+        seed: int | None = None,
+        device: Device | None = None,
+        cluster: str | None = None,
     ) -> "Study":
-        """Return the study with another seed or device, where one is given."""
-        given = {"seed": seed, "device": device}
+        """Return the study with another seed, device or cluster, where one is given."""
+        given = {"seed": seed, "device": device, "cluster": cluster}
         change = {key: value for key, value in given.items() if value is not None}
         trace = self.trace.model_copy(update=change)
         return self.model_copy(update={"trace": trace})

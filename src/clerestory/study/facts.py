@@ -8,15 +8,13 @@ from typing import Any
 import xarray as xr
 
 from clerestory import __version__
-from clerestory.engine.device import resolve
-from clerestory.study.config import Study
+from clerestory.study.job import Job
 
 _PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
 
 
 def run_facts(
-    study: Study,
-    found: Mapping[str, bool],
+    job: Job,
     data: xr.Dataset,
     seconds: Mapping[str, float],
     warnings: Sequence[str],
@@ -25,18 +23,18 @@ def run_facts(
 
     Parameters
     ----------
-    found : whether each matrix was found from an earlier run, by its file's name
+    job : that was done, with the matrices that it found
     seconds : by phase
     """
     mean, error = data["mean_illuminance"], data["mean_illuminance_error"]
     relative = (error / mean.where(mean > 0)).groupby("grid").median()
     return {
-        "title": study.title,
-        "study": study.facts(),
+        "title": job.study.title,
+        "study": job.study.facts(),
         "versions": {"clerestory": __version__, **_versions()},
         "machine": f"{platform.system()} {platform.machine()}",
-        "seed": study.trace.seed,
-        "device": resolve(study.trace.device),
+        "seed": job.study.trace.seed,
+        "device": job.device,
         "seconds": dict(seconds),
         "median_relative_error_of_mean": {
             str(grid): round(float(value), 5)
@@ -44,7 +42,7 @@ def run_facts(
                 relative["grid"].values, relative.values, strict=True
             )
         },
-        "matrices": {name: {"found": known} for name, known in found.items()},
+        "matrices": {name: {"found": known} for name, known in job.found.items()},
         "warnings": list(warnings),
     }
 

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from clerestory import __version__
-from clerestory.engine.device import resolve
+from clerestory.engine.work import Executor, Local
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.store import MatrixStore
@@ -34,6 +34,7 @@ class Job:
     ----------
     found : whether each matrix was found in the store, by its file's name; grows
         while the study is traced
+    executor : does the work; it changes no bit of the results
     """
 
     study: Study
@@ -41,6 +42,7 @@ class Job:
     store: MatrixStore
     display: Display
     found: dict[str, bool] = field(default_factory=dict)
+    executor: Executor = field(default_factory=Local)
 
     @property
     def scene(self) -> Scene:
@@ -55,7 +57,7 @@ class Job:
     @property
     def device(self) -> str:
         """The device that is used, "cpu" or "cuda"."""
-        return str(resolve(self.study.trace.device))
+        return str(self.executor.resolve(self.study.trace.device))
 
     def seed(self, stream: int = 0) -> int:
         """Random numbers of one matrix, apart from those of the others."""

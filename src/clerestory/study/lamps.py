@@ -188,7 +188,13 @@ def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
 
     def make() -> TransferMatrix:
         progress = job.display(f"electric light of {zone.table.label or 'the room'}")
-        found = irradiance(room + zone.light, sensors, progress=progress, **options)
+        found = irradiance(
+            room + zone.light,
+            sensors,
+            executor=job.executor,
+            progress=progress,
+            **options,
+        )
         return TransferMatrix(
             found.irradiance.T[:, :, None],
             sensor_axis(len(sensors)),
@@ -212,6 +218,7 @@ def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.nda
             camera.view,
             columns=camera.columns,
             rows=camera.rows,
+            executor=job.executor,
             progress=job.display(f"electric light in {table.label}"),
             **options,
         ).picture

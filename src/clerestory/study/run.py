@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from clerestory.cluster.cluster import executor_at
 from clerestory.files import make_folder
 from clerestory.phases.store import MatrixStore
 from clerestory.study.comparison import compare_methods
@@ -39,9 +40,9 @@ def run_study(
     """
     out, display = make_folder(out), display or _silent
     store = MatrixStore(out / MATRIX_FOLDER)
-    if len(study.methods) > 1:
-        return compare_methods(study, out=out, store=store, display=display)
-    return run_method(study, out=out, store=store, display=display)
+    run = compare_methods if len(study.methods) > 1 else run_method
+    with executor_at(study.trace.cluster) as executor:
+        return run(study, out=out, store=store, executor=executor, display=display)
 
 
 def _silent(_phase: str) -> Any:

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Int
 
+from clerestory.engine.work import Executor
 from clerestory.errors import ClerestoryWarning
 from clerestory.phases.store import MatrixStore
 from clerestory.scene.check import check_scene
@@ -63,6 +64,7 @@ def run_method(
     out: Path,
     store: MatrixStore,
     display: Display,
+    executor: Executor,
     states: Sequence[Int[np.ndarray, " time"]] | None = None,
 ) -> Results:
     """Run a study by its first method and write the results into a folder.
@@ -70,6 +72,7 @@ def run_method(
     Parameters
     ----------
     store : where traced matrices are kept
+    executor : does the work of tracing
     states : of every window group, in place of what the rules of the study choose
     """
     log = RunLog()
@@ -77,7 +80,7 @@ def run_method(
         inputs = read_inputs(study)
     with log.phase("check"):
         _warn_of_doubts(inputs)
-    job = Job(study, inputs, store, display)
+    job = Job(study, inputs, store, display, executor=executor)
     with log.phase("trace"):
         tracing = trace_study(job)
         views = trace_views(job, tracing)
@@ -107,7 +110,7 @@ def run_method(
         data = label_results(study, inputs, hourly, parts, evidence, acts)
     with log.phase("write"):
         write_tables(study, Results(data), out)
-    facts = run_facts(study, job.found, data, log.seconds, log.warnings)
+    facts = run_facts(job, data, log.seconds, log.warnings)
     results = Results(data, facts)
     save_results(results, out)
     return results

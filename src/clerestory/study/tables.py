@@ -195,6 +195,10 @@ class TraceTable(Table):
     bounces: int | None = Field(None, ge=0)
     seed: int = Field(1, ge=0, lt=2**32)
     device: Device = "auto"
+    # Changes no result, so results do not tell it
+    cluster: str | None = Field(
+        None, exclude=True, description="the address of a dask scheduler"
+    )
 
     @model_validator(mode="after")
     def _one_goal(self) -> "TraceTable":

@@ -13,7 +13,6 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Int
 
-from clerestory.engine.device import resolve
 from clerestory.errors import InputError
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -204,7 +203,7 @@ def study_suns(study: Study, weather: Weather) -> SunMatrix:
 def _blackened(job: Job) -> Job:
     # What the five-phase method takes away and puts back is traced in the dark
     inputs = replace(job.inputs, scene=blackened(job.scene))
-    return Job(job.study, inputs, job.store, job.display, job.found)
+    return replace(job, inputs=inputs)
 
 
 def _windows(job: Job, *, direct: bool) -> tuple[ShadedWindow, ...]:
@@ -233,7 +232,7 @@ def _sun(
         "samples": job.study.sun.samples,
         "peak": chosen.peak,
         "seed": job.seed(SUN + number + STATE * state),
-        "device": resolve(job.study.trace.device),
+        "device": job.device,
     }
     key = fingerprint(
         "sun", job.scene_key, windows, number, chosen.fine, sensors, suns.directions,
@@ -249,6 +248,7 @@ def _sun(
             chosen.fine,
             sensors=sensors,
             suns=suns.directions,
+            executor=job.executor,
             progress=job.display(f"direct sun through {label}"),
             **options,
         )
@@ -269,6 +269,7 @@ def _views(job: Job, *, direct: bool) -> dict[str, TransferMatrix]:
             job.scene,
             list(inner.values()),
             sensors=sensors,
+            executor=job.executor,
             progress=job.display(f"{_prefix(direct)}view matrices"),
             **options,
         )
@@ -291,6 +292,12 @@ def _daylight(
 
     def make() -> TransferMatrix:
         progress = job.display(f"{_prefix(direct)}daylight matrix of {group.name}")
-        return daylight_matrix(job.scene, group.outer, progress=progress, **options)
+        return daylight_matrix(
+            job.scene,
+            group.outer,
+            executor=job.executor,
+            progress=progress,
+            **options,
+        )
 
     return job.matrix(name, key, make)

@@ -106,7 +106,9 @@ class ViewTracing:
         }
         where = (job.scene, windows, group.name, chosen.fine, self.camera)
         if self._bytes(len(directions)) > job.study.sun.keep_gb * 1e9:
-            return sun_pictures(*where, suns=directions, **options)
+            return sun_pictures(
+                *where, suns=directions, executor=job.executor, **options
+            )
         label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
         key = fingerprint(
             "picture sun", job.scene_key, windows, number, chosen.fine, self.camera,
@@ -116,7 +118,11 @@ class ViewTracing:
         def make() -> TransferMatrix:
             progress = job.display(f"direct sun in pictures, {label}")
             traced = picture_sun_coefficients(
-                *where, suns=directions, progress=progress, **options
+                *where,
+                suns=directions,
+                executor=job.executor,
+                progress=progress,
+                **options,
             )
             return replace(traced, values=traced.values.astype(np.float16))
 
@@ -177,7 +183,12 @@ def _view_matrices(
     def make() -> dict[str, TransferMatrix]:
         progress = job.display(f"{prefix} matrices of {table.label}")
         traced = picture_view_matrices(
-            job.scene, list(inner.values()), camera, progress=progress, **options
+            job.scene,
+            list(inner.values()),
+            camera,
+            executor=job.executor,
+            progress=progress,
+            **options,
         )
         return {name: traced[window.name] for name, window in inner.items()}
 
