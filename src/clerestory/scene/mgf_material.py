@@ -6,6 +6,7 @@ that went from Radiance to MGF comes back as it was.
 """
 
 import numpy as np
+from jaxtyping import Float
 
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
@@ -79,11 +80,24 @@ def _is_clear(given: MgfMaterial) -> bool:
 
 def _clear(given: MgfMaterial, name: str, source: Source | None) -> Material:
     # Two sides make a pane, one side the surface of a solid
-    share = given.specular_transmittance + given.specular_reflectance
-    passed = rgb(given.chromaticity("ts"), share)
+    passed = rgb(given.chromaticity("ts"), given.specular_transmittance)
     if given.one_sided:
-        return Dielectric(name, passed ** (1 / _SOLID_THICKNESS), given.index, source)
-    return Glass(name, passed, given.index, source)
+        share = given.specular_transmittance + given.specular_reflectance
+        inner = rgb(given.chromaticity("ts"), share) ** (1 / _SOLID_THICKNESS)
+        return Dielectric(name, inner, given.index, source)
+    return Glass(name, _between_faces(passed, given.index), given.index, source)
+
+
+def _between_faces(
+    passed: Float[np.ndarray, "3"], index: float
+) -> Float[np.ndarray, "3"]:
+    # Share left after one passage, from that which a pane passes along the normal, as
+    # rad2mgf wrote it; mgf2rad takes ts + rs for it, 0.014 too much for t = 0.65
+    face = ((index - 1) / (index + 1)) ** 2
+    clear = (1 - face) ** 2
+    root = np.sqrt(clear**2 + (2 * face * passed) ** 2)
+    inner: Float[np.ndarray, 3] = 2 * passed / (clear + root)
+    return np.asarray(np.minimum(inner, 1))
 
 
 def _trans(given: MgfMaterial, name: str, source: Source | None) -> Trans:

@@ -101,6 +101,17 @@ def test_clear_material_is_a_pane_with_two_sides_and_a_solid_with_one(sides, kin
     assert isinstance(parse_mgf(text).materials["clear"], kind)
 
 
+@pytest.mark.parametrize("inner", [0.35, 0.65, 0.9, 1.0])
+def test_a_pane_passes_along_its_normal_what_the_file_says(inner):
+    """Radiance's rad2mgf: ts = t (1 - F)² / (1 - F² t²), with F of one face."""
+    face = (0.52 / 2.52) ** 2
+    passed = inner * (1 - face) ** 2 / (1 - (face * inner) ** 2)
+    text = f"m clear =\nir 1.52 0\nrs .068 0\nts {passed:.9g} 0\nv a =\nsph a 1"
+    found = parse_mgf(text).materials["clear"].transmissivity
+    assert found == pytest.approx(inner, rel=2e-3)
+    assert found.mean() == pytest.approx(inner, rel=2e-4)
+
+
 def test_normals_turn_a_face_that_runs_the_wrong_way():
     text = SQUARE.replace("p 0 0 0", "p 0 0 0\nn 0 0 -1").replace(
         "0 0\nv c", "0 0\nn 0 0 -1\nv c"
