@@ -64,7 +64,7 @@ class SkyPartition:
 
 
 def reinhart(subdivision: int) -> SkyPartition:
-    """Return the sky with each Tregenza patch cut into `subdivision`² patches.
+    """Return the sky with each Tregenza patch cut into `subdivision` × `subdivision`.
 
     Raises
     ------

@@ -23,6 +23,8 @@ from clerestory.report.content import (
 from clerestory.report.electric import lamp_zones
 from clerestory.report.equation import equation_terms
 from clerestory.report.film import film
+from clerestory.report.layers import window_layers
+from clerestory.report.method_table import method_comparison
 from clerestory.report.moments import view_pictures
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.view_glare import view_glare
@@ -31,6 +33,9 @@ from clerestory.study.results import Results
 
 _SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
 _STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedule")
+# Longer lists of a study are told by their first and last item
+_MOST_ITEMS = 8
+
 _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 
 
@@ -84,6 +89,8 @@ def from_results(
         film=film(views, times, brightness=lux.mean(axis=0)),
         terms=equation_terms(data),
         lamps=lamp_zones(data),
+        layers=window_layers(data),
+        methods=method_comparison(data),
     )
 
 
@@ -184,6 +191,8 @@ def _one_line(value: Any) -> str:
             f"{k} {_one_line(v)}" for k, v in value.items() if v is not None
         )
     if isinstance(value, list | tuple):
+        if len(value) > _MOST_ITEMS:
+            return f"{len(value)}, {_one_line(value[0])} to {_one_line(value[-1])}"
         return ", ".join(_one_line(item) for item in value)
     return str(value)
 

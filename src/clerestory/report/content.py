@@ -14,6 +14,8 @@ from clerestory.errors import InputError
 from clerestory.report.electric import LampZone
 from clerestory.report.equation import EquationTerms
 from clerestory.report.film import Film
+from clerestory.report.layers import Layer
+from clerestory.report.method_table import MethodComparison
 from clerestory.report.moments import ViewPictures
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.view_glare import ViewGlare
@@ -102,6 +104,8 @@ class ReportContent:
     film : of a day
     terms : of the five-phase equation
     lamps : electric light, zone by zone
+    layers : what stands in the windows
+    methods : that were compared
 
     Raises
     ------
@@ -130,6 +134,8 @@ class ReportContent:
     film: Film | None = None
     terms: EquationTerms | None = None
     lamps: tuple[LampZone, ...] = ()
+    layers: tuple[Layer, ...] = ()
+    methods: MethodComparison | None = None
 
     def __post_init__(self) -> None:
         shape = (len(self.sensors), len(self.times))

@@ -12,6 +12,7 @@ from clerestory.report.electric import lamp_maps, lamps_section
 from clerestory.report.equation import equation_section
 from clerestory.report.film import Row, film_section
 from clerestory.report.markup import Markup, join
+from clerestory.report.method_table import methods_section
 from clerestory.report.picture_strip import pictures_section
 from clerestory.report.view_glare import (
     COLOURS,
@@ -24,6 +25,9 @@ from clerestory.report.window_states import (
     states_note,
     states_section,
 )
+
+# Of frames without daylight
+_DARK = "#eceef0"
 
 
 def day_maps(content: ReportContent) -> list[DayMap]:
@@ -52,6 +56,7 @@ def course_sections(content: ReportContent) -> Markup:
         glare_section(content.glare, times, occupied=occupied),
         lamps_section(content.lamps, times, occupied=occupied),
         equation_section(content.terms, content.sensors, times, occupied=occupied),
+        methods_section(content.methods),
     )
 
 
@@ -69,8 +74,15 @@ def film_rows(content: ReportContent) -> list[Row]:
     shades = _hexadecimal(COLOURS)
     for glare in content.glare:
         kind = category(glare.rated()[steps]).tolist()
-        words = tuple(f"{glare.dgp[step]:.2f}" for step in steps)
-        rows.append(Row(f"DGP {glare.view}", words, tuple(shades[k] for k in kind)))
+        lit = np.isfinite(glare.dgp[steps]).tolist()
+        words = tuple(
+            f"{glare.dgp[step]:.2f}" if known else "–"
+            for step, known in zip(steps, lit, strict=True)
+        )
+        colours = tuple(
+            shades[k] if known else _DARK for k, known in zip(kind, lit, strict=True)
+        )
+        rows.append(Row(f"DGP {glare.view}", words, colours))
     return rows
 
 

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 from matplotlib import colormaps
 
 from clerestory.report.day_map import DayMap, day_map
+from clerestory.report.figure import Figure
 from clerestory.report.markup import Markup, element
 from clerestory.report.period import hours_in
 
@@ -23,10 +24,12 @@ class LampZone:
     ----------
     name : of the zone
     output : share of full light in each step, 0…1
+    energy : over all steps [kWh], if known
     """
 
     name: str
     output: Float[np.ndarray, " time"]
+    energy: Figure | None = None
 
 
 def lamp_zones(data: xr.Dataset) -> tuple[LampZone, ...]:
@@ -34,9 +37,23 @@ def lamp_zones(data: xr.Dataset) -> tuple[LampZone, ...]:
     if "dimming" not in data:
         return ()
     return tuple(
-        LampZone(str(zone), np.asarray(data["dimming"].sel(zone=zone), dtype=float))
+        LampZone(
+            str(zone),
+            np.asarray(data["dimming"].sel(zone=zone), dtype=float),
+            _energy(data.sel(zone=zone)),
+        )
         for zone in data["zone"].values
     )
+
+
+def _energy(data: xr.Dataset) -> Figure | None:
+    if "lighting_energy" not in data:
+        return None
+    value, error = (
+        float(data[name]) / 1000
+        for name in ("lighting_energy", "lighting_energy_error")
+    )
+    return Figure(value, error, "kWh")
 
 
 def lamp_maps(zones: Sequence[LampZone]) -> list[DayMap]:
@@ -94,4 +111,5 @@ def lamp_words(
         f"In the occupied hours the luminaires give {100 * output.mean():.1f} % of"
         f" their light on average, as much as {full:,.0f} hours at full output;"
         f" in {off:.1f} % of the hours they are off."
+        + (f" In all they take {zone.energy}." if zone.energy else "")
     )

@@ -62,7 +62,7 @@ def view_pictures(data: xr.Dataset, folder: str | Path) -> tuple[ViewPictures, .
         moments = [
             Moment(step, Path(folder) / _file_name(view, stamp[5:]))
             for step, stamp in enumerate(stamps.tolist())
-            if asked == "every" or stamp[5:] in asked
+            if "every" in asked or stamp[5:] in asked
         ]
         there = tuple(moment for moment in moments if moment.file.is_file())
         if there:

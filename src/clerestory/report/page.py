@@ -20,6 +20,7 @@ from clerestory.report.content import ReportContent
 from clerestory.report.course import course_sections
 from clerestory.report.data import page_data
 from clerestory.report.headline import headline
+from clerestory.report.layers import layers_section
 from clerestory.report.markup import Markup, element, embedded_json, join
 from clerestory.report.offline import asset, content_policy
 from clerestory.report.sections import plans_section, room_section, year_section
@@ -67,6 +68,7 @@ _CONTENTS = (
     ("glare", "Glare"),
     ("lamps", "Electric light"),
     ("equation", "Direct correction"),
+    ("methods", "Methods"),
     ("layers", "BSDFs"),
     ("room", "Room"),
     ("accuracy", "Accuracy"),
@@ -81,6 +83,7 @@ def report_page(content: ReportContent) -> str:
         plans_section(content),
         year_section(content),
         course_sections(content),
+        layers_section(content.layers),
         room_section(content),
         accuracy_section(content),
         making_section(content),

@@ -18,8 +18,8 @@ from clerestory.report.moments import (
 from clerestory.report.period import moment_words
 from clerestory.report.pixels import jpeg
 
-# Pictures of a view that the page shows, and their size
-_MOST = 6
+# Pictures of a view that the page shows: of one or two views, of more; their size
+_MOST, _MOST_OF_MANY = 6, 3
 _WIDTH = 480
 _QUALITY = 82
 
@@ -48,15 +48,16 @@ def pictures_section(
     )
     blocks = [element("h2", "Pictures"), element("p", intro, class_="note")]
     for view in views:
-        chosen = spread(view.moments)
+        most = _MOST if len(views) < 3 else _MOST_OF_MANY
+        chosen = spread(view.moments, most)
         blocks.append(element("h3", _title(view, len(chosen))))
         blocks.append(_strip(view.view, chosen, times, note))
     return element("section", *blocks, id="pictures")
 
 
-def spread(moments: Sequence[Moment]) -> list[Moment]:
-    """Return the moments to show: all, or six of them, evenly spread."""
-    count = min(len(moments), _MOST)
+def spread(moments: Sequence[Moment], most: int) -> list[Moment]:
+    """Return the moments to show: all, or as many as allowed, evenly spread."""
+    count = min(len(moments), most)
     places = np.unique(np.linspace(0, len(moments) - 1, count).round().astype(int))
     return [moments[k] for k in places.tolist()]
 

@@ -53,7 +53,12 @@ def png(rgba: UInt8[np.ndarray, "row column 4"]) -> str:
     """Return pixels as a data address of a PNG picture."""
     stream = io.BytesIO()
     imsave(stream, rgba, format="png", metadata={"Software": ""})
-    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()
+    return png_address(stream.getvalue())
+
+
+def png_address(content: bytes) -> str:
+    """Return a PNG picture as a data address."""
+    return "data:image/png;base64," + base64.b64encode(content).decode()
 
 
 def jpeg(rgb: UInt8[np.ndarray, "row column 3"], *, width: int, quality: int) -> str:

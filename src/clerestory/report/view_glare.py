@@ -166,8 +166,8 @@ def glare_words(glare: ViewGlare, occupied: Bool[np.ndarray, " time"]) -> str:
     free = 100 * float(glare_autonomy(dgp))
     return (
         f"A DGP of {top:.2f} is exceeded in {100 * EXCEEDANCE:.0f} % of the occupied"
-        f" hours: {protection} protection from glare after EN 17037. {free:.1f} % of the hours"
-        " are free of disturbing glare."
+        f" hours: {protection} protection from glare after EN 17037."
+        f" {free:.1f} % of the hours are free of disturbing glare."
     )
 
 
@@ -221,12 +221,17 @@ def _worst_table(
 def worst_steps(
     glare: ViewGlare, times: np.ndarray, occupied: Bool[np.ndarray, " time"]
 ) -> Int[np.ndarray, " step"]:
-    """Occupied steps of highest DGP, one a day, the worst first; five at most."""
+    """Occupied steps of highest DGP, one a day, the worst first; five at most.
+
+    Of moments without perceptible glare only the worst.
+    """
     rated = np.where(occupied & np.isfinite(glare.dgp), glare.rated(), -1.0)
     order = np.argsort(-rated, kind="stable")
     order = order[rated[order] >= 0]
     _, first = np.unique(times[order].astype("datetime64[D]"), return_index=True)
-    return np.asarray(order[np.sort(first)][:_WORST])
+    worst = order[np.sort(first)]
+    count = int((category(rated[worst]) > 0).sum())
+    return np.asarray(worst[: min(max(count, 1), _WORST)])
 
 
 def _or_dash(value: float) -> str:

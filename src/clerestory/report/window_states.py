@@ -121,10 +121,11 @@ def states_note(states: Sequence[WindowStates], step: int) -> str:
 
 def state_names(data: xr.Dataset, window: str) -> tuple[str, ...]:
     """Return the names of the states of a window in results, most open first."""
-    every = json.loads(data["state"].attrs.get("names", "{}"))
-    number = int(data["state"].sel(window=window).max()) + 1
-    names = tuple(str(name) for name in every.get(window, ()))
-    return names + tuple(f"state {k}" for k in range(len(names), number))
+    if "state_name" not in data:
+        number = int(data["state"].sel(window=window).max()) + 1
+        return tuple(f"state {k}" for k in range(number))
+    names = data["state_name"].sel(window=window).values.tolist()
+    return tuple(str(name) for name in names if name)
 
 
 def _label(table: dict[str, Any]) -> str:

@@ -50,10 +50,11 @@ def with_course(results, *, pictures=()):
     study["window"][0]["control"] = {"rule": "cut-off", "tilts_deg": [0.0, 45.0, 90.0]}
     more = xr.Dataset(
         {
-            "state": (
-                ("window", "time"),
-                state(times)[None],
-                {"names": json.dumps({"south": list(STATES)})},
+            "state": (("window", "time"), state(times)[None]),
+            "state_name": (("window", "state_number"), [[*STATES, ""]]),
+            "layer_transmission": (
+                ("layer", "exit", "incident"),
+                np.stack([np.full((145, 145), tau / np.pi) for tau in (0.6, 0.2)]),
             ),
             "glare_dgp": (("view", "time"), seen),
             "glare_illuminance": (("view", "time"), 5000 * seen),
@@ -62,8 +63,14 @@ def with_course(results, *, pictures=()):
             "direct_in_patches": spread,
             "direct_sun": sun,
             "dimming": (("zone", "time"), np.where(hours(times) < 10, 0.5, 0)[None]),
+            "lighting_energy": ("zone", [12_340.0]),
+            "lighting_energy_error": ("zone", [56.0]),
         },
-        coords={"view": list(VIEWS), "zone": ["inner"]},
+        coords={
+            "view": list(VIEWS),
+            "zone": ["inner"],
+            "layer": ["south: open", "south: closed"],
+        },
     )
     attrs = {**data.attrs, "study": json.dumps(study), "method": "5-phase"}
     return Results(xr.merge([data, more]).assign_attrs(attrs), results.run)

@@ -25,6 +25,7 @@ from clerestory.report.moments import (
 )
 from clerestory.report.page import report_page
 from clerestory.report.view_glare import COLOURS, glare_maps, shades, worst_steps
+from clerestory.study.results import Results
 
 MOMENTS = [f"01-03T{hour:02d}:30" for hour in range(7, 18)]
 
@@ -63,7 +64,7 @@ def pixels(address):
 
 
 def test_sections_of_the_course_stand_between_year_and_room(page):
-    assert page.xpath("//section/@id")[1:9] == [
+    assert page.xpath("//section/@id")[1:10] == [
         "year",
         "states",
         "film",
@@ -71,6 +72,7 @@ def test_sections_of_the_course_stand_between_year_and_room(page):
         "glare",
         "lamps",
         "equation",
+        "layers",
         "room",
     ]
     links = page.xpath("//nav//a/@href")
@@ -245,10 +247,40 @@ def test_lamps_are_summed_over_the_occupied_hours(page):
     assert "give 10.0 % of their light on average, as much as 10 hours" in said
     assert "in 80.0 % of the hours they are off" in said
 
+    assert "In all they take 12.34 ± 0.06 kWh." in said
+
+
+def test_layers_keep_what_they_pass(content):
+    """A layer that scatters τ/π everywhere passes τ of all light."""
+    for layer, tau in zip(content.layers, (0.6, 0.2), strict=True):
+        source = np.array([[0.0, 0.6, -0.8]])
+        assert layer.bsdf().hemispherical(source, function="transmission_front")[0] == pytest.approx(tau)
+
+
+def test_methods_are_told_against_the_last(room):
+    """Twice the reference is 100 % off, and not within 20 % of it."""
+    results = room.analytic_results(times=room.year(days=5))
+    lux = results.data["illuminance"].values
+    both = results.data.assign(
+        illuminance_by_method=(
+            ("method", "sensor", "time"),
+            np.stack([2 * lux, lux]),
+        )
+    ).assign_coords(method=["3-phase", "5-phase"])
+    page = html.document_fromstring(report_page(from_results(Results(both, {}))))
+    rows = [
+        [words(cell) for cell in row]
+        for row in page.xpath("//section[@id='methods']//tbody/tr")
+    ]
+    assert rows[0][:2] == ["3-phase", "desks"]
+    assert rows[0][3] == "100.0 %"
+    assert rows[0][5:] == ["0.0 %"] * 3
+    assert rows[-1][3:] == ["0.0 %", "0.0 %", "100.0 %", "100.0 %", "100.0 %"]
+
 
 def test_pictures_and_drawings_say_what_they_show(page):
     for image in page.xpath("//img"):
-        assert image.get("src").startswith("data:image/jpeg;base64,")
+        assert image.get("src").startswith("data:image/")
         assert image.get("alt")
     for drawing in page.xpath("//*[local-name()='svg'][not(@aria-hidden)]"):
         assert len(drawing.get("aria-label")) > 20

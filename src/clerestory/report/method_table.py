@@ -1,0 +1,86 @@
+"""Methods compared on one scene: how far each is from the last one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float
+
+from clerestory.report.figure import number
+from clerestory.report.markup import Markup, element
+from clerestory.study.comparison import LEAST_LUX, WITHIN, differences
+
+
+@dataclass(frozen=True, eq=False)
+class MethodComparison:
+    """Illuminance by several methods.
+
+    Attributes
+    ----------
+    methods : their names; the last one is the reference
+    illuminance : by each of them [lux]
+    grids : name of the grid of each sensor
+    occupied : steps that count
+    """
+
+    methods: tuple[str, ...]
+    illuminance: Float[np.ndarray, "method sensor time"]
+    grids: tuple[str, ...]
+    occupied: Bool[np.ndarray, " time"]
+
+
+def method_comparison(data: xr.Dataset) -> MethodComparison | None:
+    """Return the methods in results, none where one alone was run."""
+    if "illuminance_by_method" not in data:
+        return None
+    values = data["illuminance_by_method"].transpose("method", "sensor", "time")
+    return MethodComparison(
+        tuple(map(str, data["method"].values)),
+        np.asarray(values.values, dtype=np.float32),
+        tuple(map(str, data["grid"].values)),
+        np.asarray(data["occupied"].values, dtype=bool),
+    )
+
+
+def methods_section(compared: MethodComparison | None) -> Markup:
+    """Return a table of every method and grid against the last method."""
+    if compared is None:
+        return Markup("")
+    intro = (
+        f"Each method against the last, {compared.methods[-1]}, in the occupied hours"
+        f" in which that one gives {LEAST_LUX:.0f} lux or more. The windows’ states are"
+        " the same for all."
+    )
+    head = ["Method", "Grid", "Mean [lux]", "Mean bias", "Root mean square"]
+    head += [f"Within {100 * share:.0f} %" for share in WITHIN]
+    rows = []
+    grids = np.array(compared.grids)
+    hours = np.flatnonzero(compared.occupied)
+    for name, lux in zip(compared.methods, compared.illuminance, strict=True):
+        for grid in dict.fromkeys(compared.grids):
+            chosen = np.ix_(np.flatnonzero(grids == grid), hours)
+            found = differences(lux[chosen], compared.illuminance[-1][chosen])
+            cells = [
+                element("td", grid),
+                element("td", number(float(lux[chosen].mean()))),
+                *(element("td", _percent(value)) for value in found),
+            ]
+            rows.append(element("tr", element("th", name, scope="row"), *cells))
+    titles = (element("th", title, scope="col") for title in head)
+    table = element(
+        "table",
+        element("thead", element("tr", *titles)),
+        element("tbody", *rows),
+        class_="numbers",
+    )
+    return element(
+        "section",
+        element("h2", "Methods compared"),
+        element("p", intro, class_="note"),
+        element("div", table, class_="wide"),
+        id="methods",
+    )
+
+
+def _percent(value: float) -> str:
+    return f"{value:.1f} %" if np.isfinite(value) else "–"
