@@ -62,6 +62,54 @@ def test_letters_mean_what_they_mean_to_evalglare(call, desk):
     assert float(call("glare", desk, "-V").out) == pytest.approx(plain["illuminance"])
 
 
+def test_a_cut_picture_is_filled(call, room):
+    """As bright as if the camera had seen the rows above and below."""
+    pixels = np.full((150, 150, 3), 100 / 179, np.float32)
+    write_picture(Picture(pixels, view=FISHEYE), room / "whole.hdr")
+    pixels[:50] = pixels[100:] = 0
+    write_picture(Picture(pixels, view=FISHEYE), room / "cut.hdr")
+
+    # The last row seen is number 50 from the top, 99 from below; then 99 and 50
+    words = "--format", "json", "-I", 5000, 100, 49
+    filled = json.loads(call("glare", "cut.hdr", *words).out)[0]
+    whole = json.loads(call("glare", "whole.hdr", "--format", "json").out)[0]
+    given = json.loads(call("glare", "whole.hdr", *words[:2], "-i", 5000).out)[0]
+    cut = json.loads(call("glare", "cut.hdr", "--format", "json").out)[0]
+    assert cut["illuminance"] < 0.75 * whole["illuminance"]
+    assert filled["illuminance"] > 0.9 * whole["illuminance"]
+    assert filled["dgp"] == pytest.approx(given["dgp"])
+    for wrong in ((1, 100, 120), (1, 100, 99), (1, 900, 10), (1, 100, -2)):
+        outcome = call("glare", "cut.hdr", "-I", *wrong)
+        assert outcome.status == 2
+        assert len(outcome.err.splitlines()) == 1
+
+
+# Options of evalglare that are left out, with words that make sense to it
+LEFT_OUT = [
+    *("-1", "-2 500", "-3", "-4", "-D", "-g 1", "-k 2", "-m 9000 5000 o.hdr"),
+    *("-M 9000 5000 o.hdr", "-N 20 20 .1 5000 o.hdr", "-O 20 20 .1 900 o.hdr", "-p"),
+    *("-Q 1 1 x.hdr 1 1 1", "-z .1 1", "-a 50", "-v", "-vta -vh 180 -vv 180"),
+]
+
+
+@pytest.mark.parametrize("words", LEFT_OUT)
+def test_options_left_out_are_refused_in_one_line(call, desk, words):
+    outcome = call("glare", *words.split(), desk)
+    assert outcome.status == 2
+    assert len(outcome.err.splitlines()) == 1
+    assert "clerestory glare --help" in outcome.err
+
+
+def test_peaks_are_split_unless_told_otherwise(call, room):
+    pixels = np.full((150, 150, 3), 100 / 179, np.float32)
+    pixels[30:45, 15:35] = 20_000 / 179
+    pixels[33:35, 20:22] = 90_000 / 179
+    write_picture(Picture(pixels, view=FISHEYE), room / "peak.hdr")
+    for words, count in (((), 2), (("-y",), 2), (("-x",), 1)):
+        found = json.loads(call("glare", "peak.hdr", "--format", "json", *words).out)
+        assert found[0]["source_count"] == count
+
+
 def test_a_check_picture_shows_the_sources(call, desk):
     assert call("glare", desk, "-c", "check.hdr", "-T", 45, 20, 0.4).status == 0
     shown = read_picture("check.hdr").radiance

@@ -40,10 +40,11 @@ def glare(
     merge_angle: options.MergeAngle = 0.2,
     smooth: options.Smooth = False,
     peak: options.Peak = 50_000.0,
-    no_peaks: options.NoPeaks = False,
+    split_peaks: options.SplitPeaks = True,
     smallest: options.Smallest = 0.0,
     field: options.FieldCut = None,
     illuminance: options.Illuminance = None,
+    fill: options.Filled = None,
     background: options.Background = "cie",
     correction: options.Correction = "0",
     age: options.Age = None,
@@ -71,10 +72,11 @@ def glare(
         task=shown_task or task,
         merge_angle=merge_angle,
         smooth=smooth,
-        peak=None if no_peaks else peak,
+        peak=peak if split_peaks else None,
         smallest=smallest,
         field=field,
         illuminance=illuminance,
+        fill=fill,
         background=background,
         low_light=correction == "l+",
         age=age,
@@ -90,6 +92,8 @@ def glare(
         weights=weights,
         trust=trust,
     )
+    if fill is not None and illuminance is not None:
+        raise InputError("both --illuminance and --fill; one of them expected")
     if check is not None and len(files) > 1:
         raise InputError(f"one check picture for {len(files)} pictures; one expected")
     if annual is not None:

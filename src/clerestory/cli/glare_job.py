@@ -11,6 +11,7 @@ from clerestory.glare.check_picture import Colour, check_picture
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.evaluate import eye_of, summarise
 from clerestory.glare.field_of_view import FieldOfView
+from clerestory.glare.fill import SeenRows, fill_cut
 from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
 from clerestory.glare.position_index import PositionModel
 from clerestory.glare.region import (
@@ -42,6 +43,9 @@ _FIELDS: dict[str | None, FieldOfView | None] = {
 Circle = tuple[int, int, float]
 Circles = tuple[int, int, float, float]
 
+# Illuminance of the eye, and the rows from which a cut picture is filled up and down
+Filling = tuple[float, int, int]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
@@ -55,6 +59,7 @@ class Job:
     smallest: float
     field: str | None
     illuminance: float | None
+    fill: Filling | None
     background: Background
     low_light: bool
     age: float | None
@@ -104,6 +109,18 @@ class Job:
             return value, "luminance"
         return value, "times_mean" if self.task is None else "times_task"
 
+    def seen_rows(self, rows: int) -> SeenRows | None:
+        """Rows seen of a picture of so many, where the others are to be filled."""
+        if self.fill is None:
+            return None
+        _, above, below = self.fill
+        if not -1 < below < above - 1 < rows:
+            raise InputError(
+                f"filled from row {above} up and from row {below} down, of {rows};"
+                " rows between them expected"
+            )
+        return SeenRows(first=rows - above, last=rows - 2 - below)
+
     def coefficients(self) -> DgpCoefficients:
         """Coefficients of DGP."""
         if self.weights is None:
@@ -114,7 +131,7 @@ class Job:
     def summary_options(self) -> dict[str, Any]:
         """Arguments of `summarise` that no picture changes."""
         return {
-            "given_illuminance": self.illuminance,
+            "given_illuminance": self.fill[0] if self.fill else self.illuminance,
             "background": self.background,
             "low_light": self.low_light,
             "age": self.age,
@@ -161,6 +178,9 @@ def evaluate(file: Path, job: Job) -> Evaluation:
         picture, view=job.other_view(), position_model=job.model(), trust=job.trust
     )
     luminance = picture.luminance()
+    seen = job.seen_rows(picture.rows)
+    if seen is not None:
+        luminance = fill_cut(luminance, eye, seen)
     rules = job.rules(picture.rows)
     zones = _zones(job, picture.rows)
     members = find_sources(luminance, eye, rules)

@@ -62,8 +62,9 @@ Peak = Annotated[
         metavar="L",
     ),
 ]
-NoPeaks = Annotated[
-    bool, typer.Option("--no-peaks", "-x", help="Leave peaks in their sources.")
+SplitPeaks = Annotated[
+    bool,
+    typer.Option("--peaks/--no-peaks", "-y/-x", help="Split peaks off their sources."),
 ]
 Smallest = Annotated[
     float,
@@ -82,6 +83,16 @@ Illuminance = Annotated[
         "-i",
         help="Illuminance of the eye as measured, for DGP [lux].",
         metavar="EV",
+    ),
+]
+Filled = Annotated[
+    tuple[float, int, int] | None,
+    typer.Option(
+        "--fill",
+        "-I",
+        help="As -i, for a picture cut above and below: from row YMAX upwards and from"
+        " YMIN downwards, counted from below, it is filled with the last row seen.",
+        metavar="EV YMAX YMIN",
     ),
 ]
 Background = Annotated[

@@ -16,8 +16,8 @@ EXCEEDANCE = 0.05
 
 Protection = Literal["high", "medium", "minimum", "none"]
 
-# EN 14501, glare control: rows by normal-normal transmittance up to 0, 0.05, 0.10 and
-# more, columns by normal-diffuse transmittance below 0.02, 0.04, 0.08 and from there
+# EN 14501:2005, glare control: rows by normal-normal transmittance up to 0, 0.05, 0.10
+# and more, columns by normal-diffuse transmittance below 0.02, 0.04, 0.08 and above
 _EN14501 = ((4, 3, 2, 2), (3, 2, 1, 1), (1, 1, 0, 0), (0, 0, 0, 0))
 _DIRECT = (0.0, 0.05, 0.10)
 _DIFFUSE = (0.02, 0.04, 0.08)
@@ -100,7 +100,11 @@ def glare_autonomy(
 
 
 def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
-    """Class of glare control of a shading fabric after EN 14501, 0 to 4.
+    """Class of glare control of a shading fabric after EN 14501:2005, 0 to 4.
+
+    The table is quoted as makers of fabrics print it; the text of the standard is not
+    public and was not compared. The edition of 2021 has a finer table and lets fabrics
+    with a cut-off angle gain a class, which is not in here.
 
     Parameters
     ----------

@@ -2,10 +2,18 @@
 
 import math
 
+import numpy as np
+from jaxtyping import Float
+
 from clerestory.glare.source_table import GlareSources
 
 
-def dgi(sources: GlareSources, *, background: float) -> float:
+def dgi(
+    sources: GlareSources,
+    *,
+    background: float,
+    weighted: Float[np.ndarray, " source"] | None = None,
+) -> float:
     """Daylight glare index: 16 just perceptible, 24 just uncomfortable, 28 too much.
 
     0 without sources.
@@ -13,6 +21,8 @@ def dgi(sources: GlareSources, *, background: float) -> float:
     Parameters
     ----------
     background : luminance of what is no source [cd/m²]
+    weighted : solid angle of each source weighted by position over its extent [sr];
+        ω/P² if not given
 
     References
     ----------
@@ -28,7 +38,7 @@ def dgi(sources: GlareSources, *, background: float) -> float:
     >>> round(dgi(window, background=300.0), 1)
     21.4
     """
-    return _index(sources, background)
+    return _index(sources, background, weighted)
 
 
 def modified_dgi(sources: GlareSources, *, average: float) -> float:
@@ -54,10 +64,15 @@ def modified_dgi(sources: GlareSources, *, average: float) -> float:
     return _index(sources, average**0.85 if average > 0 else average)
 
 
-def _index(sources: GlareSources, adaptation: float) -> float:
+def _index(
+    sources: GlareSources,
+    adaptation: float,
+    weighted: Float[np.ndarray, " source"] | None = None,
+) -> float:
     if not sources.count:
         return 0.0
+    seen = sources.guth_solid_angle() if weighted is None else weighted
     below = adaptation + 0.07 * sources.solid_angle**0.5 * sources.luminance
-    terms = sources.luminance**1.6 * sources.guth_solid_angle() ** 0.8 / below
+    terms = sources.luminance**1.6 * seen**0.8 / below
     total = 0.478 * float(terms.sum())
     return 10 * math.log10(total) if total > 0 else math.nan

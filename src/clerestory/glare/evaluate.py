@@ -5,6 +5,7 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
+from clerestory.glare.fill import SeenRows, fill_cut
 from clerestory.glare.position_index import PositionModel
 from clerestory.glare.result import Background, Glare
 from clerestory.glare.rules import SourceRules
@@ -31,6 +32,7 @@ def evaluate_glare(
     age: float | None = None,
     coefficients: DgpCoefficients = EVALGLARE,
     position_model: PositionModel = "guth",
+    seen: SeenRows | None = None,
     trust: bool = False,
 ) -> Glare:
     """Return the glare of a picture as evalglare 3.06 would.
@@ -44,6 +46,7 @@ def evaluate_glare(
     zones : cut sources along the borders of zones
     low_light, age, coefficients : see `Glare`
     position_model : of the position index
+    seen : rows that a picture cut above and below holds; the others are filled
     trust : evaluate even what cannot be a photometric picture
 
     Raises
@@ -62,6 +65,8 @@ def evaluate_glare(
     rules = rules or SourceRules()
     eye = eye_of(picture, view=view, position_model=position_model, trust=trust)
     luminance = picture.luminance()
+    if seen is not None:
+        luminance = fill_cut(luminance, eye, seen)
     members = find_sources(luminance, eye, rules)
     return summarise(
         luminance,

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
-from clerestory.glare.position_index import position_index
+from clerestory.glare.position_index import PositionModel, position_index
 from clerestory.scene.view import View
 
 
@@ -71,12 +71,19 @@ def imageless_dgp(
 
 
 def position_of(
-    direction: Float[np.ndarray, "*shape 3"], view: View
+    direction: Float[np.ndarray, "*shape 3"],
+    view: View,
+    *,
+    model: PositionModel = "guth",
 ) -> Float[np.ndarray, "*shape"]:
     """Position index of unit vectors from the eye, infinite behind it.
 
     The vertical is the view's up vector turned into the plane across the line of
     sight.
+
+    Parameters
+    ----------
+    model : of the index, see `position_index`
 
     Examples
     --------
@@ -91,5 +98,5 @@ def position_of(
     above, aside = direction @ up, direction @ right
     sigma = np.arccos(ahead)
     tau = np.arctan2(np.abs(aside), above)
-    index = position_index(sigma, tau, above < 0)
+    index = position_index(sigma, tau, above < 0, model=model)
     return np.where(ahead > 0, index, np.inf)

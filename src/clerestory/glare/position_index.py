@@ -1,7 +1,8 @@
 """Position index: how much less a source disturbs away from the line of sight.
 
 Above the line of sight Guth's index in Levin's fit; below it the same index along
-an angle widened after Iwata. Kim's index depends on both angles everywhere.
+an angle widened after Iwata. Kim's index depends on both angles everywhere. Levin's
+fit alone, mirrored below, without a largest value, is what older programs take.
 """
 
 from typing import Literal
@@ -9,7 +10,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
-PositionModel = Literal["guth", "kim"]
+PositionModel = Literal["guth", "kim", "levin"]
 
 # No source counts less than a sixteenth of what it does in the middle (evalglare)
 LARGEST = 16.0
@@ -31,6 +32,7 @@ def position_index(
     sigma : angle between the line of sight and the source [rad]
     tau : angle of the plane through both from the vertical [rad]
     below : whether the source lies below the line of sight
+    model : "guth" as evalglare takes it, "kim", or "levin" as Radiance's glarendx
 
     References
     ----------
@@ -50,6 +52,8 @@ def position_index(
     """
     if model == "kim":
         return _kim(np.degrees(sigma), np.degrees(tau))
+    if model == "levin":
+        return _guth(np.degrees(sigma), np.degrees(np.minimum(tau, np.pi - tau)))
     index = np.empty(np.shape(sigma))
     above = ~below
     index[above] = _guth(np.degrees(sigma[above]), np.degrees(tau[above]))

@@ -1,0 +1,74 @@
+"""Solid angles of sources weighted by position, only for comparisons with glarendx.
+
+Radiance's glarendx takes the weight 1/P² at the middle of a source and at six points
+on the rim of a disc of the same solid angle. What it makes of them is near the integral
+for small sources off the line of sight; on it, 0.5 sr comes out twice too large.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.glare.imageless import position_of
+from clerestory.glare.position_index import PositionModel
+from clerestory.scene.view import View
+
+# The rim, sixths of a turn from the right
+_RIM = np.radians([0, 60, 180, 240, 300, 120])
+
+
+def weighted_solid_angle(
+    direction: Float[np.ndarray, "source 3"],
+    solid_angle: Float[np.ndarray, " source"],
+    view: View,
+    *,
+    model: PositionModel = "levin",
+) -> Float[np.ndarray, " source"]:
+    """Return solid angles weighted by 1/P² as glarendx does [sr].
+
+    Zero for what lies behind the eye.
+
+    Parameters
+    ----------
+    direction : unit vectors to the middle of the sources
+    solid_angle : of the sources, less than a hemisphere [sr]
+    view : where the eye looks; its up vector stands across the line of sight
+    model : of the position index
+
+    Raises
+    ------
+    InputError : a source larger than a hemisphere
+
+    Examples
+    --------
+    >>> eye = View(direction=np.array([0.0, 1.0, 0.0]))
+    >>> ahead = np.array([[0.0, 1.0, 0.0]])
+    >>> float(weighted_solid_angle(ahead, np.array([0.01]), eye).round(4)[0])
+    0.01
+    """
+    if np.any(solid_angle >= 2 * np.pi):
+        raise InputError(
+            f"a source of {float(solid_angle.max()):g} sr; less than 2π expected"
+        )
+    cosine = 1 - solid_angle / (2 * np.pi)
+    sine = np.sqrt(1 - cosine**2)
+    across = np.cross(direction, view.up)
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    across = across / np.where(length > 0, length, 1)
+
+    # Weight at the middle and on the rim
+    aside = np.cos(_RIM)[:, None, None] * across + np.sin(_RIM)[:, None, None] * view.up
+    rim = direction + sine[:, None] * aside
+    rim /= np.linalg.norm(rim, axis=-1, keepdims=True)
+    middle = position_of(direction, view, model=model) ** -2.0
+    right, upper_right, left, lower_left, lower_right, upper_left = (
+        position_of(rim, view, model=model) ** -2.0
+    )
+
+    # Bend of the weight over the disc; glarendx takes two neighbours for its level part
+    spread = np.pi * (cosine + 1 / cosine) - 2 * np.pi
+    diagonal = upper_right + upper_left + lower_right + lower_left
+    level = (right + upper_right) / 2 - middle
+    upright = -middle - 0.1667 * (right + left) + 0.3334 * diagonal
+    total = solid_angle * middle + spread * (level - upright)
+    return np.asarray(np.where(length[:, 0] > 0, np.maximum(total, 0), 0))
