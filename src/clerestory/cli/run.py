@@ -9,11 +9,13 @@ from rich.console import Console
 from rich.table import Table
 
 from clerestory.cli.options import ClusterAddress, Quiet
+from clerestory.cli.plan_text import plan_table
 from clerestory.cli.progress import progress_display
 from clerestory.engine.device import Device
 from clerestory.report.page import write_report
 from clerestory.study.config import Study, read_study
 from clerestory.study.demo import write_demo
+from clerestory.study.plan import plan_study
 from clerestory.study.results import Results
 from clerestory.study.run import run_study
 from clerestory.study.views import PICTURE_FOLDER
@@ -34,6 +36,11 @@ SeedChoice = Annotated[
     int | None, typer.Option("--seed", help="Instead of the study's own seed.", min=0)
 ]
 
+PlanOnly = Annotated[
+    bool,
+    typer.Option("--plan", help="Say what will be traced and what it takes; no more."),
+]
+
 
 def run(
     study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")],
@@ -41,6 +48,7 @@ def run(
     device: DeviceChoice = None,
     seed: SeedChoice = None,
     cluster: ClusterAddress = None,
+    plan: PlanOnly = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a study: trace, multiply by a year of sky, write results and a report.
@@ -50,6 +58,9 @@ def run(
     """
     chosen = read_study(study).with_trace(seed=seed, device=device, cluster=cluster)
     folder = out or study.with_name(f"{study.stem}_results")
+    if plan:
+        Console().print(plan_table(plan_study(chosen, out=folder)))
+        return
     _run(chosen, folder, quiet=quiet)
 
 

@@ -83,7 +83,7 @@ class Cluster:
         self._client.close()
 
     def workers(self) -> int:
-        """Return how many workers there are now."""
+        """Return how many units are done at once: the workers there are now."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:

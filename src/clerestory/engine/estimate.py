@@ -17,7 +17,7 @@ from typing import ClassVar, Literal, Protocol
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt64
 
-from clerestory.engine.work import Executor, Goal, Grain, Job, Local, Unit
+from clerestory.engine.work import Executor, Goal, Grain, Job, Local, Unit, spread
 
 BATCHES = 16
 
@@ -94,6 +94,17 @@ class Estimate:
     components: Float[np.ndarray, "component channel row column"] | None
     paths: int
     reached: bool
+
+
+# Rows that a trial takes, unless all are judged as one
+_TRIAL_ROWS = 64
+
+
+def trial_rows(job: "MatrixJob", paths: int) -> Unit:
+    """Return a unit of rows spread over the matrix, for a trial."""
+    rows, batches, _, _ = job.shape
+    few = np.arange(rows) if job.together else spread(rows, _TRIAL_ROWS)
+    return Unit(few, 0, int(np.clip(paths // (len(few) * batches), 1, _STRETCH)))
 
 
 class MatrixJob(Job, Protocol):
@@ -276,8 +287,9 @@ def _units(
     grain: Grain,
 ) -> Iterator[Unit]:
     batches = job.shape[1]
-    for first in range(have, length, _STRETCH):
-        count = min(length - first, _STRETCH)
+    stretch = min(_STRETCH, max(PILOT, grain.paths // batches))
+    for first in range(have, length, stretch):
+        count = min(length - first, stretch)
         most = min(grain.paths // (batches * count), grain.sums // row_bytes(job))
         for start in range(0, len(rows), max(1, most)):
             yield Unit(rows[start : start + max(1, most)], first, count)

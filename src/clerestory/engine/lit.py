@@ -7,14 +7,14 @@ are added in the order of their units, whoever traced them.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.estimate import Effort
+from clerestory.engine.estimate import GROWTH, Effort
 from clerestory.engine.work import Job, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
@@ -53,36 +53,6 @@ class Lit:
     reached: bool
 
 
-@dataclass(frozen=True, eq=False)
-class PictureJob:
-    """Radiance of a view's pixels, row by row from the top."""
-
-    tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_picture")
-    batches: ClassVar[int] = PICTURE_BATCHES
-
-    scene: Scene
-    view: View
-    columns: int
-    rows: int
-    bounces: int | None
-    seed: int
-    device: Literal["cpu", "cuda"]
-
-
-@dataclass(frozen=True, eq=False)
-class IrradianceJob:
-    """Irradiance of sensors."""
-
-    tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_irradiance")
-    batches: ClassVar[int] = SENSOR_BATCHES
-
-    scene: Scene
-    sensors: Sensors
-    bounces: int | None
-    seed: int
-    device: Literal["cpu", "cuda"]
-
-
 @dataclass
 class Batches:
     """Sums over the sample points of each batch."""
@@ -101,6 +71,65 @@ class Batches:
         return spread / (self.count * math.sqrt(len(self.total)))
 
 
+@dataclass(frozen=True, eq=False)
+class PictureJob:
+    """Radiance of a view's pixels, row by row from the top."""
+
+    tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_picture")
+    batches: ClassVar[int] = PICTURE_BATCHES
+
+    scene: Scene
+    view: View
+    columns: int
+    rows: int
+    bounces: int | None
+    seed: int
+    device: Literal["cpu", "cuda"]
+
+    @property
+    def receivers(self) -> int:
+        """Pixels of the picture."""
+        return self.columns * self.rows
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of the middle of the picture."""
+        return _middle(self.receivers, self.batches, paths)
+
+    def error(self, values: Batches) -> float:
+        """Return the error of the mean pixel, relative."""
+        mean, deviation = values.mean(), values.error()
+        return float(np.sqrt(np.mean(deviation**2)) / max(mean.mean(), 1e-30))
+
+
+@dataclass(frozen=True, eq=False)
+class IrradianceJob:
+    """Irradiance of sensors."""
+
+    tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_irradiance")
+    batches: ClassVar[int] = SENSOR_BATCHES
+
+    scene: Scene
+    sensors: Sensors
+    bounces: int | None
+    seed: int
+    device: Literal["cpu", "cuda"]
+
+    @property
+    def receivers(self) -> int:
+        """Number of sensors."""
+        return len(self.sensors)
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of some sensors."""
+        return _middle(self.receivers, self.batches, paths)
+
+    def error(self, values: Batches) -> float:
+        """Return the relative error of the worst sensor."""
+        mean, deviation = values.mean(), values.error()
+        floor = np.maximum(mean, _DARK * mean.mean())
+        return float(np.max(deviation / np.where(floor > 0, floor, 1), initial=0.0))
+
+
 def trace_picture(
     scene: Scene, view: View, columns: int, rows: int, effort: Effort
 ) -> Lit:
@@ -111,33 +140,17 @@ def trace_picture(
     """
     walk = effort.bounces, effort.seed, effort.device
     job = PictureJob(scene, view, columns, rows, *walk)
-
-    def error(values: Batches) -> float:
-        mean, deviation = values.mean(), values.error()
-        return float(np.sqrt(np.mean(deviation**2)) / max(mean.mean(), 1e-30))
-
-    return _estimate(job, columns * rows, job.batches, effort, error)
+    return _estimate(job, effort)
 
 
 def trace_irradiance(scene: Scene, sensors: Sensors, effort: Effort) -> Lit:
     """Return the irradiance of sensors; every one reaches the relative error."""
     job = IrradianceJob(scene, sensors, effort.bounces, effort.seed, effort.device)
-
-    def error(values: Batches) -> float:
-        mean, deviation = values.mean(), values.error()
-        floor = np.maximum(mean, _DARK * mean.mean())
-        return float(np.max(deviation / np.where(floor > 0, floor, 1), initial=0.0))
-
-    return _estimate(job, len(sensors), job.batches, effort, error)
+    return _estimate(job, effort)
 
 
-def _estimate(
-    job: Job,
-    rows: int,
-    batches: int,
-    effort: Effort,
-    error: Callable[[Batches], float],
-) -> Lit:
+def _estimate(job: PictureJob | IrradianceJob, effort: Effort) -> Lit:
+    batches, rows = job.batches, job.receivers
     if not effort.executor.accepts(job, effort.goal):
         return Lit(np.zeros((rows, 3)), np.zeros((rows, 3)), 0, True)
     sums = Batches(np.zeros((batches, rows, 3)))
@@ -150,16 +163,24 @@ def _estimate(
         if effort.samples is not None:
             reached = True
             break
-        ratio = error(sums) / (effort.relative_error or 1.0)
+        ratio = job.error(sums) / (effort.relative_error or 1.0)
         reached = ratio <= 1
         if reached or length >= _LONGEST:
             break
-        growth = float(np.clip(ratio**1.6, 2, 16))
+        growth = float(np.clip(ratio**GROWTH, 2, 16))
         start, share = start + share, (1 - start - share) * 0.8
         length = min(int(length * 2 ** np.ceil(np.log2(growth))), _LONGEST)
     if effort.progress:
         effort.progress(1.0, "done")
     return Lit(sums.mean(), sums.error(), rows * batches * sums.count, reached)
+
+
+def _middle(rows: int, batches: int, paths: int) -> Unit:
+    # Consecutive rows, a good part of them, or all with many samples
+    block = max(1, min(rows, paths // (batches * _SHORTEST)))
+    first = (rows - block) // 2
+    count = int(np.clip(paths // (batches * block), 1, _LONGEST))
+    return Unit(np.arange(first, first + block), 0, count)
 
 
 def _lengthen(

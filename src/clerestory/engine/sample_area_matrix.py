@@ -16,6 +16,7 @@ from clerestory.engine.estimate import (
     Sums,
     all_or_none,
     estimate,
+    trial_rows,
     variance,
 )
 from clerestory.engine.grey import channels_of
@@ -83,6 +84,15 @@ class SlabJob:
         """Rows, batches, columns and channels."""
         rows = len(self.sides) * len(self.incidents)
         return rows, self.batches, 2 * len(self.partition), channels_of(self.scene)
+
+    @property
+    def receivers(self) -> int:
+        """Rows of the matrix."""
+        return self.shape[0]
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of rows spread over the matrix."""
+        return trial_rows(self, paths)
 
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the BSDF of all pairs of patches."""

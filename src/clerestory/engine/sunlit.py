@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.estimate import Progress
-from clerestory.engine.work import Executor, Goal, Local, Unit
+from clerestory.engine.work import Executor, Goal, Local, Unit, spread
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -37,6 +37,7 @@ class SunJob:
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_sun", "prepare_sun")
+    batches: ClassVar[int] = BATCHES
 
     scene: Scene
     windows: tuple[Window, ...]
@@ -54,6 +55,16 @@ class SunJob:
         """Sample points of a batch."""
         return max(1, -(-self.samples // BATCHES))
 
+    @property
+    def receivers(self) -> int:
+        """Pairs of a sensor and a sun."""
+        return len(self.sensors) * len(self.suns)
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of some sensors and suns."""
+        pairs = max(1, paths // (BATCHES * self.points))
+        return _trial(len(self.sensors), len(self.suns), pairs, self.points)
+
 
 @dataclass(frozen=True, eq=False)
 class PixelSunJob:
@@ -66,6 +77,7 @@ class PixelSunJob:
     """
 
     tracer: ClassVar[tuple[str, str]] = ("sun_pixels", "prepare_pixel_sun")
+    batches: ClassVar[int] = 1
 
     scene: Scene
     windows: tuple[Window, ...]
@@ -79,6 +91,17 @@ class PixelSunJob:
     samples: int
     seed: int
     device: Literal["cpu", "cuda"]
+
+    @property
+    def receivers(self) -> int:
+        """Pairs of a pixel and a sun."""
+        return self.columns * self.rows * len(self.suns)
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of some pixels and suns."""
+        pairs = max(1, paths // self.samples)
+        pixels = self.columns * self.rows
+        return _trial(pixels, len(self.suns), pairs, self.samples)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,3 +190,11 @@ def _unit(
 ) -> Unit:
     row, sun = place
     return Unit(np.arange(row.start, row.stop), 0, count, numbers[sun])
+
+
+def _trial(rows: int, suns: int, pairs: int, count: int) -> Unit:
+    # Some suns of the whole year, and consecutive rows
+    few = spread(suns, max(1, min(8, pairs)))
+    block = max(1, min(rows, pairs // max(1, len(few))))
+    first = (rows - block) // 2
+    return Unit(np.arange(first, first + block), 0, count, few)

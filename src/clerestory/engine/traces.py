@@ -23,9 +23,11 @@ from clerestory.engine.estimate import (
     all_or_none,
     estimate,
     estimate_blocks,
+    trial_rows,
     variance,
 )
 from clerestory.engine.grey import channels_of
+from clerestory.engine.work import Unit
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
@@ -62,6 +64,15 @@ class ViewJob:
         columns = sum(len(window.partition) for window in self.windows)
         return len(self.sensors), self.batches, columns, channels_of(self.scene)
 
+    @property
+    def receivers(self) -> int:
+        """Rows of the matrix."""
+        return self.shape[0]
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of rows spread over the matrix."""
+        return trial_rows(self, paths)
+
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge each sensor's irradiance under windows of uniform radiance."""
         return dim_rows(sums, aim)
@@ -88,6 +99,15 @@ class CoefficientsJob:
         rows, columns = len(self.sensors), len(self.sky)
         return rows, self.batches, columns, channels_of(self.scene)
 
+    @property
+    def receivers(self) -> int:
+        """Rows of the matrix."""
+        return self.shape[0]
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of rows spread over the matrix."""
+        return trial_rows(self, paths)
+
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge each sensor's irradiance under a uniform sky."""
         return dim_rows(sums, aim)
@@ -113,6 +133,15 @@ class DaylightJob:
         """Rows, batches, columns and channels."""
         rows, columns = len(self.window.partition), len(self.sky)
         return rows, self.batches, columns, channels_of(self.scene)
+
+    @property
+    def receivers(self) -> int:
+        """Rows of the matrix."""
+        return self.shape[0]
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of rows spread over the matrix."""
+        return trial_rows(self, paths)
 
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the window's irradiance from each patch of the sky."""
@@ -152,6 +181,15 @@ class PixelViewJob:
         columns = sum(len(window.partition) for window in self.windows)
         pixels = self.columns * self.rows
         return pixels, self.batches, columns, channels_of(self.scene)
+
+    @property
+    def receivers(self) -> int:
+        """Rows of the matrix."""
+        return self.shape[0]
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of rows spread over the matrix."""
+        return trial_rows(self, paths)
 
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the mean pixel under windows of uniform radiance."""

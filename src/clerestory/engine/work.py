@@ -50,6 +50,16 @@ class Unit:
 Tracer = Callable[[Unit], np.ndarray]
 
 
+def spread(count: int, most: int) -> Int[np.ndarray, " number"]:
+    """Return at most so many of the numbers below `count`, evenly spread.
+
+    >>> spread(10, 4).tolist(), spread(3, 4).tolist()
+    ([0, 3, 6, 9], [0, 1, 2])
+    """
+    few = min(count, most)
+    return np.unique(np.linspace(0, count - 1, few).round().astype(int))
+
+
 class Job(Protocol):
     """Plain values that a trace depends on; a frozen dataclass.
 
@@ -58,6 +68,7 @@ class Job(Protocol):
     device : that it runs on
     tracer : module of the engine, and its function that takes the job and returns
         what traces its units
+    batches : of each receiver
     """
 
     tracer: ClassVar[tuple[str, str]]
@@ -65,6 +76,13 @@ class Job(Protocol):
     @property
     def device(self) -> Literal["cpu", "cuda"]:
         """Device that it runs on."""
+
+    @property
+    def receivers(self) -> int:
+        """How many things the samples of a goal are counted by."""
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of about so many paths that is like all of them."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +125,9 @@ class Executor(Protocol):
     def grain(self, device: Literal["cpu", "cuda"]) -> Grain:
         """Return how large units may be."""
 
+    def workers(self) -> int:
+        """Return how many units are done at once."""
+
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
         """Yield what each unit adds, in the order of the units."""
 
@@ -125,6 +146,10 @@ class Local:
     def accepts(self, job: Job, goal: Goal) -> bool:
         """Return True: every job is done."""
         return True
+
+    def workers(self) -> int:
+        """Return one: a unit takes the whole machine."""
+        return 1
 
     def grain(self, device: Literal["cpu", "cuda"]) -> Grain:
         """Return units as large as a launch: on a GPU, what its free memory holds.

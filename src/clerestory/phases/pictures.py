@@ -21,7 +21,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.device import Device
 from clerestory.engine.sunlit import PixelSunJob, trace_pixel_sun
 from clerestory.engine.traces import trace_pixel_view
-from clerestory.engine.work import Executor, Local
+from clerestory.engine.work import Executor, Goal, Local
 from clerestory.errors import InputError, MatrixError
 from clerestory.image.picture import Picture
 from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
@@ -177,8 +177,14 @@ def sun_pictures(
         device=where.resolve(device),
     )
 
+    # Nothing is traced yet, but a plan takes note
+    accepted = where.accepts(job, Goal(samples))
+
     def coefficients(asked: np.ndarray) -> np.ndarray:
-        values = np.zeros((3, len(camera), len(asked)), np.float32)
+        shape = 3, len(camera), len(asked)
+        if not accepted:
+            return np.broadcast_to(np.float32(0), shape)
+        values = np.zeros(shape, np.float32)
         lit = behind[asked]
         if lit.any():
             chosen = asked[lit]

@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import make_folder
@@ -17,10 +18,28 @@ from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 
-__all__ = ["MatrixStore", "fingerprint"]
+__all__ = ["MatrixStore", "Store", "fingerprint"]
 
 # Hexadecimal digits of the fingerprint in a file name: 128 bits
 _DIGITS = 32
+
+
+class Store(Protocol):
+    """Where matrices are found again; a folder, or a plan that only takes note."""
+
+    def path(self, name: str, fingerprint: str) -> Path:
+        """File of a matrix."""
+
+    def holds(self, name: str, fingerprint: str) -> bool:
+        """Whether a matrix was kept."""
+
+    def matrices(
+        self,
+        names: Sequence[str],
+        fingerprint: str,
+        make: Callable[[], Mapping[str, TransferMatrix]],
+    ) -> dict[str, TransferMatrix]:
+        """Return matrices that are traced together, or make and keep all of them."""
 
 
 @dataclass(frozen=True)

@@ -303,8 +303,10 @@ def _sensor_rows(sensors: Sensors, bounces: int | None) -> Axis:
 def _matrix(
     estimate: Estimate, rows: Axis, columns: Axis, part: slice
 ) -> TransferMatrix:
-    values = np.ascontiguousarray(estimate.values[:, :, part])
-    components = np.ascontiguousarray(estimate.components[:, :, :, part])
+    values, components = estimate.values[:, :, part], estimate.components[:, :, :, part]
+    if estimate.paths:
+        # What a plan leaves blank takes no memory
+        values, components = map(np.ascontiguousarray, (values, components))
     return TransferMatrix(values, rows, columns, components)
 
 

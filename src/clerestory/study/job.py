@@ -9,7 +9,7 @@ from clerestory import __version__
 from clerestory.engine.work import Executor, Local
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.store import MatrixStore
+from clerestory.phases.store import Store
 from clerestory.phases.trace import Progress
 from clerestory.scene.model import Scene
 from clerestory.study.config import Study
@@ -39,7 +39,7 @@ class Job:
 
     study: Study
     inputs: Inputs
-    store: MatrixStore
+    store: Store
     display: Display
     found: dict[str, bool] = field(default_factory=dict)
     executor: Executor = field(default_factory=Local)

@@ -87,10 +87,14 @@ class ViewTracing:
         whole = self.whole[number].at(state)
         if not self.direct:
             return PicturePhases(whole)
+        direct = self.direct[number].at(state)
+        return PicturePhases(whole, direct, self.sun(number, state))
+
+    def sun(self, number: int, state: int) -> SunPictures:
+        """Direct sun through one window group in one of its states, by suns."""
         if (number, state) not in self._suns:
             self._suns[number, state] = self._sun(number, state)
-        direct = self.direct[number].at(state)
-        return PicturePhases(whole, direct, self._suns[number, state])
+        return self._suns[number, state]
 
     def _sun(self, number: int, state: int) -> SunPictures:
         job, suns = self.job, self.tracing.suns
