@@ -43,6 +43,9 @@ DOME = (
 # Repetitions of a sensor, and directions of its first gather
 _AGAIN, _DIRECTIONS = 16, 256
 
+# Paths of a sensor of ours
+_SAMPLES = 1 << 15
+
 # Stand-ins for function files of Radiance's old library that are no longer given out
 WOOD = """{ Rings of wood about an axis, lighter and darker by A1. }
 ring(u, v) = 1 - A1*.35*(.5 + .5*sin(14*sqrt(u*u + v*v) + 2*noise3(u, v, .3)));
@@ -220,7 +223,7 @@ def sensors(model: Model, sky: str) -> tuple[float, float, float, float]:
     ours = irradiance(
         cl.read_rad(*(model.folder / f for f in files)),
         model.sensors,
-        relative_error=0.005,
+        samples=_SAMPLES,
         bounces=BOUNCES,
         seed=1,
         device="cpu",

@@ -21,7 +21,8 @@ from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors
 
 FILES = {
-    "ring.cal": "ring(u, v) = 1 - A1*.4*(.5 + .5*sin(9*sqrt(u*u + v*v) + noise3(u, v, 1)));"
+    "ring.cal": "wave(u, v) = sin(9*sqrt(u*u + v*v) + noise3(u, v, 1));"
+    "ring(u, v) = 1 - A1*.2*(1 + wave(u, v));"
     "dust(s) = if(s - 1.01, 0, abs(noise3(Px/s, Py/s, Pz/s)*s) + dust(2*s));"
     "tilt(a, b, c) = a - .5; lift(a, b, c) = b - c;",
     "t.dat": "2\n-2 2 5\n0 0 3 2 0.5 -2\n"

@@ -15,6 +15,7 @@ from jaxtyping import Float, Int
 from clerestory.engine import materials
 from clerestory.engine.grey import SHINING, channels_of
 from clerestory.engine.lamps import Lamps, split_by_surface
+from clerestory.engine.round import round_shape, without_round
 from clerestory.engine.windows import WindowTable, window_shapes
 from clerestory.scene.model import BsdfSurface, Scene
 from clerestory.scene.tessellate import Mesh, meshes
@@ -73,7 +74,16 @@ def lower(
     content: dict[str, object] = {"type": "scene"}
     shining: list[Mesh] = []
     thickness: list[float] = []
-    for number, mesh in enumerate(meshes(scene)):
+    flat, curved = without_round(scene)
+    bsdfs = {
+        name: materials.load(scene.materials[name], origin)
+        for name in {surface.material for surface in curved}
+    }
+    for number, surface in enumerate(curved):
+        content[f"round{number}"] = round_shape(
+            surface, bsdfs[surface.material], origin
+        )
+    for number, mesh in enumerate(meshes(flat)):
         material = mesh.material
         bsdf = materials.load(material, origin)
         if isinstance(material, SHINING):
@@ -132,7 +142,10 @@ def lower(
     )
 
 
-def _reach(mesh: mi.Mesh) -> Float[np.ndarray, " faces"]:
+def _reach(mesh: mi.Shape) -> Float[np.ndarray, " faces"]:
+    if not mesh.is_mesh():
+        box = mesh.bbox()
+        return np.array([np.abs([box.min, box.max]).max()])
     parameters = mi.traverse(mesh)
     vertices = np.abs(parameters["vertex_positions"].numpy().reshape(-1, 3))
     faces = parameters["faces"].numpy().reshape(-1, 3)
