@@ -14,6 +14,9 @@ _BLACK, _BLACK_CORNERS = 7.0, 0.70
 # Share by which the sides of a picture may miss those of its view
 _ASPECT = 0.02
 
+# Radiances beyond this cannot be added up [W/(m²·sr)]; the sun has 10⁷
+_LARGEST = 1e30
+
 # Such a share of pixels at one greatest value, this near to a radiance of one, betrays
 # an ordinary photograph
 _CLIPPED, _WHITE = 1e-3, 5e-3
@@ -28,9 +31,9 @@ def check_picture(picture: Picture, view: View, *, trust: bool) -> None:
 
     Raises
     ------
-    InputError : irradiances, negative values, pixels that are not square, sides that
-        do not fit the view, a fisheye picture with another projection in its header,
-        values of an ordinary photograph
+    InputError : irradiances, negative or boundless values, pixels that are not square,
+        sides that do not fit the view, a fisheye picture with another projection in
+        its header, values of an ordinary photograph
     """
     if picture.quantity != "radiance":
         raise InputError(f"a picture of {picture.quantity}; radiances expected")
@@ -40,6 +43,13 @@ def check_picture(picture: Picture, view: View, *, trust: bool) -> None:
         raise InputError(
             f"the pixel in row {row}, column {column} has the negative radiance"
             f" {lowest:g}; 0 or more expected"
+        )
+    highest = float(picture.radiance.max())
+    if highest > _LARGEST:
+        row, column = np.argwhere(picture.radiance == highest)[0][:2]
+        raise InputError(
+            f"the pixel in row {row}, column {column} has the radiance {highest:g};"
+            " the sun has 1e7"
         )
     if trust:
         return

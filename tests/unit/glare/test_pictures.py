@@ -67,6 +67,14 @@ def test_an_ordinary_photograph_is_refused():
         evaluate_glare(picture(flat))
 
 
+def test_boundless_radiance_is_refused():
+    """Its luminance would be infinite in the precision of pictures."""
+    spoilt = picture(window())
+    spoilt.radiance[3, 4, 1] = 3e36
+    with pytest.raises(InputError, match="row 3, column 4 has the radiance 3e"):
+        evaluate_glare(spoilt, trust=True)
+
+
 def test_negative_radiance_is_refused():
     spoilt = picture(window())
     spoilt.radiance[3, 4, 1] = -1
