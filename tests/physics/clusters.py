@@ -1,15 +1,16 @@
 """Clusters of real processes on this machine: a dask scheduler and its workers."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-import clerestory as cl
+import distributed
 
 _START_TIME = 60.0
 
@@ -19,7 +20,14 @@ class LocalCluster:
     """A scheduler, and workers with one process each."""
 
     address: str
-    workers: list[subprocess.Popen]
+    folder: Path
+    log: object
+    workers: list[subprocess.Popen] = field(default_factory=list)
+
+    def add_worker(self) -> None:
+        """Start one more worker, of one thread."""
+        options = [self.address, "--nthreads", "1", "--no-nanny"]
+        self.workers.append(_start("worker", options, self.folder, self.log))
 
     def kill(self, number: int) -> None:
         """End a worker as the power supply would."""
@@ -32,37 +40,29 @@ def local_cluster(folder: Path, *, workers: int):
     """Yield a cluster that listens on this machine's own address."""
     file = folder / "scheduler.json"
     log = (folder / "cluster.log").open("w")
-    common = {"stdout": log, "stderr": log, "cwd": folder}
-    script = "from distributed.cli.dask_{0} import main; main()"
-    listen = ["--host", "127.0.0.1", "--no-dashboard"]
-    scheduler = subprocess.Popen(
-        [sys.executable, "-c", script.format("scheduler"), *listen]
-        + ["--port", "0", "--scheduler-file", str(file)],
-        **common,
-    )
-    started = []
+    options = ["--port", "0", "--scheduler-file", str(file)]
+    scheduler = _start("scheduler", options, folder, log)
+    found = LocalCluster("", folder, log)
     try:
         _until(file.exists)
+        found.address = json.loads(file.read_text())["address"]
         for _ in range(workers):
-            options = ["--nthreads", "1", "--no-nanny", "--scheduler-file", str(file)]
-            words = [sys.executable, "-c", script.format("worker"), *listen, *options]
-            started.append(subprocess.Popen(words, **common))
-        found = LocalCluster(_address(file), started)
-        with cl.Cluster(found.address) as cluster:
-            _until(lambda: cluster.workers() == workers)
+            found.add_worker()
+        with distributed.Client(found.address, set_as_default=False) as client:
+            client.wait_for_workers(workers, timeout=_START_TIME)
         yield found
     finally:
-        for process in (*started, scheduler):
-            process.terminate()
-        for process in (*started, scheduler):
+        for process in (*found.workers, scheduler):
+            process.kill()
+        for process in (*found.workers, scheduler):
             process.wait(20)
         log.close()
 
 
-def _address(file: Path) -> str:
-    import json
-
-    return json.loads(file.read_text())["address"]
+def _start(what: str, options: list[str], folder: Path, log) -> subprocess.Popen:
+    script = f"from distributed.cli.dask_{what} import main; main()"
+    words = [sys.executable, "-c", script, "--host", "127.0.0.1", "--no-dashboard"]
+    return subprocess.Popen([*words, *options], stdout=log, stderr=log, cwd=folder)
 
 
 def _until(done) -> None:
