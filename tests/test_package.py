@@ -66,7 +66,7 @@ def test_a_sky_matrix_waits_for_no_package_that_it_does_not_need(tmp_path):
     wea.write_text("\n".join(lines) + "\n")
     words = ["sky", "matrix", str(wea), "-q", "-o", str(tmp_path / "S.smx")]
     code = f"from clerestory.cli.start import main\nassert main({words!r}) == 0"
-    needless = {"pandas", "pvlib", "xarray", "h5py", "matplotlib"}
+    needless = {"pandas", "pvlib", "xarray", "h5py", "matplotlib", "rich"}
     assert not loaded_after(code) & needless
 
 

@@ -1,20 +1,14 @@
 """Progress of anything over two seconds: a bar on a terminal, else a line at times."""
 
+import importlib
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import typer
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 # Work that ends sooner shows nothing [s]
 _PATIENCE = 2.0
@@ -35,16 +29,7 @@ def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Report]]:
     if quiet:
         yield lambda _name: _nothing
     elif sys.stderr.isatty():
-        console = Console(stderr=True)
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.percentage:3.0f} %  {task.fields[note]}"),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-        )
-        with Progress(*columns, console=console, transient=True) as bars:
+        with _bars() as bars:
             yield lambda name: _bar(bars, name)
     else:
         yield _lines
@@ -54,7 +39,22 @@ def _nothing(_share: float, _note: str) -> None:
     pass
 
 
-def _bar(bars: Progress, name: str) -> Report:
+def _bars() -> Any:
+    # Rich takes a tenth of a second to load, which only terminals should wait for
+    rich = importlib.import_module("rich.progress")
+    columns = (
+        rich.TextColumn("{task.description}"),
+        rich.BarColumn(),
+        rich.TextColumn("{task.percentage:3.0f} %  {task.fields[note]}"),
+        rich.TimeElapsedColumn(),
+        rich.TextColumn("left"),
+        rich.TimeRemainingColumn(),
+    )
+    console = importlib.import_module("rich.console").Console(stderr=True)
+    return rich.Progress(*columns, console=console, transient=True)
+
+
+def _bar(bars: Any, name: str) -> Report:
     # Shown by the clock, so that even work that reports late is seen to go on
     task = bars.add_task(name, total=1.0, visible=False, note="")
     timer = threading.Timer(_PATIENCE, lambda: bars.update(task, visible=True))
