@@ -59,6 +59,7 @@ _HOME = {
     "Cluster": "cluster.cluster",
     "irradiance": "phases.render",
     "render": "phases.render",
+    "render_irradiance": "phases.render",
     "sky_at": "scene.sky",
     "sky_scene": "scene.sky",
     "evaluate_glare": "glare.evaluate",

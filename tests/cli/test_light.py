@@ -34,6 +34,15 @@ def test_a_picture_is_rendered_under_a_generated_sky(call, room):
     assert read_picture("e.hdr").radiance.max() > 0
 
 
+def test_a_picture_shows_illuminance_where_asked(call, room):
+    outcome = call(
+        *RENDER, "--sky", SKY, "--samples", 8, "-o", "a.hdr", "--illuminance"
+    )
+    assert outcome.status == 0, outcome.err
+    assert "lux" in outcome.out
+    assert read_picture("a.hdr").illuminance().max() > 0
+
+
 def test_a_picture_is_rendered_at_a_time_of_the_weather(call, room):
     words = ("--weather", "two_days.wea", "--time", "2023-06-21T12:30")
     outcome = call(*RENDER, *words, "--samples", 4, "-o", "a.hdr", "--quiet")

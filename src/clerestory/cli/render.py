@@ -24,9 +24,9 @@ from clerestory.cli.options import (
 from clerestory.cli.progress import progress_display
 from clerestory.cluster.cluster import executor_at
 from clerestory.errors import InputError
-from clerestory.image.picture import photometric
+from clerestory.image.picture import photometric, photometric_unit
 from clerestory.image.write import write_picture
-from clerestory.phases.render import Rendering
+from clerestory.phases.render import Rendering, render_irradiance
 from clerestory.phases.render import render as render_picture
 from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
@@ -62,6 +62,12 @@ ErrorOutput = Annotated[
     Path | None,
     typer.Option("--error", help="Picture of the standard errors to write."),
 ]
+Illuminance = Annotated[
+    bool,
+    typer.Option(
+        "--illuminance", help="Show the illuminance of surfaces, as rpict -i does."
+    ),
+]
 
 
 def render(
@@ -76,6 +82,7 @@ def render(
     relative_error: RelativeError = None,
     bounces: Bounces = None,
     error: ErrorOutput = None,
+    illuminance: Illuminance = False,
     seed: Seed = 1,
     device: DeviceOption = "auto",
     cluster: ClusterAddress = None,
@@ -92,7 +99,8 @@ def render(
     camera = view_of(view)
     columns, rows = camera.size_for(resolution)
     with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
-        made = render_picture(
+        trace = render_irradiance if illuminance else render_picture
+        made = trace(
             room,
             camera,
             columns=columns,
@@ -134,7 +142,8 @@ def _summary(made: Rendering, output: Path, seconds: float) -> str:
     mean = float(photometric(picture).mean())
     share = float(np.sqrt(np.mean(made.error**2)) / max(picture.radiance.mean(), 1e-30))
     return (
-        f"{output}: {picture.columns} × {picture.rows} pixels, mean {mean:.4g} cd/m²,"
+        f"{output}: {picture.columns} × {picture.rows} pixels, mean {mean:.4g}"
+        f" {photometric_unit(picture)},"
         f" standard error of a pixel {share:.1%} of it; {made.paths:,} paths,"
         f" {seconds:.1f} s"
     )

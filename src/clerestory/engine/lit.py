@@ -73,7 +73,7 @@ class Batches:
 
 @dataclass(frozen=True, eq=False)
 class PictureJob:
-    """Radiance of a view's pixels, row by row from the top."""
+    """Radiance of a view's pixels, or irradiance, row by row from the top."""
 
     tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_picture")
     batches: ClassVar[int] = PICTURE_BATCHES
@@ -85,6 +85,7 @@ class PictureJob:
     bounces: int | None
     seed: int
     device: Literal["cpu", "cuda"]
+    quantity: Literal["radiance", "irradiance"] = "radiance"
 
     @property
     def receivers(self) -> int:
@@ -131,15 +132,25 @@ class IrradianceJob:
 
 
 def trace_picture(
-    scene: Scene, view: View, columns: int, rows: int, effort: Effort
+    scene: Scene,
+    view: View,
+    columns: int,
+    rows: int,
+    effort: Effort,
+    *,
+    quantity: Literal["radiance", "irradiance"],
 ) -> Lit:
     """Return the radiance of a view's pixels, row by row from the top.
 
     The relative error is that of the mean pixel: the root mean square of the standard
     errors over the mean radiance.
+
+    Parameters
+    ----------
+    quantity : radiance, or the irradiance of the surface that a pixel shows
     """
     walk = effort.bounces, effort.seed, effort.device
-    job = PictureJob(scene, view, columns, rows, *walk)
+    job = PictureJob(scene, view, columns, rows, *walk, quantity)
     return _estimate(job, effort)
 
 

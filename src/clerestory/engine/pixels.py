@@ -20,18 +20,38 @@ from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
 from clerestory.engine.points import points
 from clerestory.engine.portals import Portals
+from clerestory.engine.seen import seen_surface
 from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.work import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 
+# Numbers beside the sequence for the place in a pixel
+_PIXEL = 0x40000
+
 
 def prepare_picture(job: PictureJob) -> Tracer:
-    """Return what traces the radiance of a view's pixels."""
+    """Return what traces the radiance of a view's pixels, or their irradiance."""
     rays = PixelRays.of(job.view, job.columns, job.rows)
     origin = np.asarray(job.view.position, dtype=float)
     lit, limit = _lit(job.scene, origin), _segments(job.bounces)
+
+    def irradiance(draw: Draw, row):
+        # The first numbers of the sequence go to the surface, not to the pixel
+        x, y = (
+            sampling.random_number(draw.seed, draw.index + draw.points.first, purpose)
+            for purpose in (_PIXEL, _PIXEL + 1)
+        )
+        ray, valid = rays.through(row, x, y, origin)
+        position, normal, found = seen_surface(lit.model, ray, valid)
+        gained, ray, weight, pdf = gather_at_sensor(lit, draw, position, normal)
+        gained += look(
+            lit, draw.points, ray, draw.seed, draw.index, weight, pdf,
+            mi.Bool(False), dr.opaque(mi.UInt32, max(limit - 1, 0)),
+            found & (dr.max(weight) > 0),
+        )  # fmt: skip
+        return dr.select(found, gained, 0)
 
     def light(draw: Draw, row):
         ray, valid = rays.through(
@@ -45,7 +65,8 @@ def prepare_picture(job: PictureJob) -> Tracer:
             mi.Bool(True), dr.opaque(mi.UInt32, limit), valid,
         )  # fmt: skip
 
-    return _tracer(light, job.seed, job.batches)
+    kind = irradiance if job.quantity == "irradiance" else light
+    return _tracer(kind, job.seed, job.batches)
 
 
 def prepare_irradiance(job: IrradianceJob) -> Tracer:

@@ -17,7 +17,7 @@ from clerestory.engine.estimate import Effort
 from clerestory.engine.lit import trace_irradiance, trace_picture
 from clerestory.engine.work import Executor
 from clerestory.errors import InputError
-from clerestory.image.picture import Picture
+from clerestory.image.picture import Picture, Quantity
 from clerestory.phases.trace import matrix_effort, warn_if_short
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
@@ -35,7 +35,7 @@ class Rendering:
 
     Attributes
     ----------
-    picture : radiance of the pixels [W/(m²·sr)]
+    picture : radiance of the pixels [W/(m²·sr)], or irradiance [W/m²]
     error : standard error of each value
     paths : traced in all
     """
@@ -101,18 +101,59 @@ def render(
     InputError : samples and relative_error both given, or a number out of range
     DeviceError : no usable device
     """
+    effort = _effort(samples, relative_error, bounces, seed, device, executor, progress)
+    return _picture(scene, view, columns, rows, effort, relative_error, "radiance")
+
+
+def render_irradiance(
+    scene: Scene,
+    view: View,
+    *,
+    columns: int,
+    rows: int,
+    samples: int | None = None,
+    relative_error: float | None = None,
+    bounces: int | None = None,
+    seed: int = 0,
+    device: Device = "auto",
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Rendering:
+    """Trace a picture of the irradiance of what is seen, as rpict -i does [W/m²].
+
+    Panes and solids of glass are looked through. Pixels that show the sky or a lamp
+    are 0. The gather of a surface is the first bounce, as that of a sensor. See
+    `render` for the parameters.
+    """
+    if bounces == 0:
+        raise InputError(
+            "bounces = 0; the first gather of a surface counts: 1 or more expected"
+        )
+    effort = _effort(samples, relative_error, bounces, seed, device, executor, progress)
+    return _picture(scene, view, columns, rows, effort, relative_error, "irradiance")
+
+
+def _picture(
+    scene: Scene,
+    view: View,
+    columns: int,
+    rows: int,
+    effort: Effort,
+    relative_error: float | None,
+    quantity: Quantity,
+) -> Rendering:
     if columns < 1 or rows < 1 or columns * rows > 1 << 26:
         raise InputError(
             f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected"
         )
     _check_light(scene)
-    effort = _effort(samples, relative_error, bounces, seed, device, executor, progress)
-    lit = trace_picture(scene, view, columns, rows, effort)
+    lit = trace_picture(scene, view, columns, rows, effort, quantity=quantity)
     warn_if_short(lit, "picture", relative_error)
     picture = Picture(
         lit.value.reshape(rows, columns, 3).astype(np.float32),
         view=view,
         header=(f"SOFTWARE= clerestory {__version__}",),
+        quantity=quantity,
     )
     return Rendering(picture, lit.error.reshape(rows, columns, 3), lit.paths)
 
