@@ -1,0 +1,125 @@
+"""Windows whose shades move, on matrices whose product is known."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_array
+
+from clerestory.errors import MatrixError
+from clerestory.matrix.axis import sensor_axis, sun_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.shaded import (
+    ShadedWindow,
+    shaded_five_phase,
+    shaded_sun,
+    shaded_three_phase,
+)
+from clerestory.phases.three import three_phase_sum
+from clerestory.sky.suns import SunMatrix
+from phase_matrices import (
+    KLEMS,
+    LUX,
+    SENSORS,
+    SKY,
+    daylight,
+    transmission,
+    uniform_sky,
+    view,
+)
+
+TAUS = (0.8, 0.3, 0.1)
+
+
+def shaded(name, *, share=1.0, rng=None, count=0):
+    """A window with three states that differ in their transmittance alone."""
+    return ShadedWindow(
+        view(name, share=share, rng=rng, count=count),
+        tuple(transmission(tau) for tau in TAUS),
+        daylight(name, rng=rng, count=count),
+    )
+
+
+def suns():
+    """Two suns of 800 W/m², in the first and the last of three steps."""
+    normal = csc_array(np.array([[800.0, 0, 0], [0, 0, 800.0]]))
+    directions = np.array([[0.0, -1, 0], [0, -0.8, 0.6]])
+    return SunMatrix(directions, uniform_sky().times, normal, {})
+
+
+def sun_matrix(value, error=0.0):
+    """Coefficients that are the same for every sensor and sun."""
+    values = np.full((3, SENSORS, 2), value)
+    parts = np.full((1, *values.shape), error)
+    return TransferMatrix(values, sensor_axis(SENSORS), sun_axis(2), parts)
+
+
+def test_each_step_has_the_light_of_the_states_that_act():
+    """E = π L Σ share·τ(state), for a uniform sky of radiance 1, 2 and 0."""
+    windows = [shaded("a", share=0.25), shaded("b", share=0.5)]
+    states = [np.array([0, 2, 1]), np.array([1, 0, 0])]
+    result = shaded_three_phase(windows, uniform_sky(), states)
+    passed = 0.25 * np.take(TAUS, states[0]) + 0.5 * np.take(TAUS, states[1])
+    expected = np.pi * LUX * passed * [1, 2, 0]
+    np.testing.assert_allclose(
+        result["illuminance"], np.tile(expected, (SENSORS, 1)), rtol=5e-6
+    )
+    assert result["illuminance"].dtype == np.float32
+
+
+def test_a_state_that_never_changes_is_the_three_phase_method():
+    """Values and errors, those shared by views traced together included."""
+    rng = np.random.default_rng(1)
+    windows = [shaded(name, rng=rng, count=5, share=0.5) for name in ("a", "b")]
+    states = [np.full(3, 1), np.full(3, 2)]
+    ours = shaded_three_phase(windows, uniform_sky(), states)
+    theirs = three_phase_sum(
+        [window.at(state[0]) for window, state in zip(windows, states, strict=True)],
+        uniform_sky(),
+    )
+    for name in ("illuminance", "standard_error"):
+        np.testing.assert_allclose(ours[name], theirs[name], rtol=2e-5)
+
+
+def test_direct_sun_is_that_of_the_state_that_acts():
+    """A coefficient c gives 179 c lux per W/m² of the sun."""
+    states = [np.array([0, 0, 1]), np.array([1, 0, 0])]
+    coefficients = [
+        (sun_matrix(0.4, 0.01), sun_matrix(0.1, 0.02)),
+        (sun_matrix(0.2), sun_matrix(0.05)),
+    ]
+    result = shaded_sun(coefficients, suns(), states)
+    expected = LUX * 800 * np.array([0.4 + 0.05, 0, 0.1 + 0.2])
+    np.testing.assert_allclose(result["illuminance"][0], expected, rtol=1e-6)
+    errors = LUX * 800 * np.array([0.01, 0, 0.02])
+    np.testing.assert_allclose(result["standard_error"][0], errors, rtol=1e-5)
+
+
+def test_states_that_never_change_are_the_five_phase_method():
+    rng = np.random.default_rng(2)
+    whole = [shaded(name, rng=rng, count=4, share=0.5) for name in ("a", "b")]
+    direct = [shaded(name, rng=rng, count=4, share=0.1) for name in ("a", "b")]
+    sun = [[sun_matrix(c) for c in (0.4, 0.2, 0.1)] for _ in whole]
+    sky, states = uniform_sky(), [np.full(3, 0), np.full(3, 2)]
+    ours = shaded_five_phase(whole, direct, sun, sky, sky, suns(), states)
+    parts = [
+        FivePhases(w.at(s[0]), d.at(s[0]), c[s[0]])
+        for w, d, c, s in zip(whole, direct, sun, states, strict=True)
+    ]
+    theirs = five_phase(parts, sky, sky, suns())
+    assert set(ours) == set(theirs)
+    for name in ours:
+        np.testing.assert_allclose(ours[name], theirs[name], rtol=2e-5, atol=1e-2)
+
+
+@pytest.mark.parametrize("states", [[0, 1, 3], [0, -1, 0], [0, 1]])
+def test_states_that_do_not_exist_are_refused(states):
+    with pytest.raises(MatrixError, match=r"states (from|for)"):
+        shaded_three_phase([shaded("a")], uniform_sky(), [np.array(states)])
+
+
+def test_a_state_over_other_patches_is_refused():
+    seen = view("a")
+    odd = TransferMatrix(np.eye(3)[None], sensor_axis(3), sensor_axis(3))
+    with pytest.raises(MatrixError, match=f"{len(KLEMS)} window patches"):
+        ShadedWindow(seen, (odd,), daylight("a"))
+    assert len(SKY) == 146

@@ -1,0 +1,124 @@
+"""Streamed products are those of matrices in memory."""
+
+import h5py
+import numpy as np
+import pytest
+
+from clerestory.errors import InputError, MatrixError
+from clerestory.hemisphere.klems import klems
+from clerestory.hemisphere.reinhart import reinhart
+from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.shaded import ShadedWindow, shaded_three_phase
+from clerestory.phases.stored_views import StoredViews
+from clerestory.phases.streamed import (
+    Opening,
+    leaving_light,
+    pooled,
+    stream_illuminance,
+)
+from clerestory.sky.read import read_weather
+from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.study.demo import write_demo
+
+BASIS = klems("quarter")
+SENSORS = 70
+
+
+@pytest.fixture(scope="module")
+def sky(tmp_path_factory):
+    """Two days of a year, with sun."""
+    folder = tmp_path_factory.mktemp("demo")
+    write_demo(folder)
+    year = sky_matrix(read_weather(folder / "723170TYA.CSV"), subdivision=1)
+    return year.select(np.arange(4000, 4048))
+
+
+def matrix(rng, rows, columns, channels, components):
+    shape = channels, rows.size, columns.size
+    noise = rng.normal(size=(components, *shape)).astype(np.float32) * 0.01
+    return TransferMatrix(
+        rng.uniform(size=shape), rows, columns, noise if components else None
+    )
+
+
+def shaded(rng, channels, states):
+    inner, outer = (window_axis(side, BASIS, "w") for side in ("interior", "exterior"))
+    return ShadedWindow(
+        matrix(rng, sensor_axis(SENSORS), inner, channels, 4),
+        tuple(matrix(rng, inner, outer, 1, 0) for _ in range(states)),
+        matrix(rng, outer, sky_axis(reinhart(1)), channels, 4),
+    )
+
+
+def stored(path, windows):
+    with h5py.File(path, "w") as file:
+        file.attrs["format"] = "Clerestory view matrices 1"
+        for name in ("values", "components"):
+            parts = [getattr(window.view, name) for window in windows]
+            file[name] = np.concatenate(parts, axis=-1).astype(np.float32)
+    return StoredViews.read(path)
+
+
+def streamed(tmp_path, windows, sky, states):
+    views = stored(tmp_path / "views.h5", windows)
+    openings = [Opening(w.transmissions, w.daylight) for w in windows]
+    leaving = leaving_light(openings, sky, states, channels=views.channels)
+    stream_illuminance(tmp_path / "lux.nc", views, leaving, sky)
+    with h5py.File(tmp_path / "lux.nc") as file:
+        return file["illuminance"][...], file["standard_error"][...]
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_one_window_streams_to_the_same_light_and_error(tmp_path, sky, channels):
+    """Components of one window are the same in both: so are errors."""
+    rng = np.random.default_rng(3)
+    windows = [shaded(rng, channels, 2)]
+    states = [np.arange(48) % 2]
+    lux, error = streamed(tmp_path, windows, sky, states)
+    whole = shaded_three_phase(windows, sky, states)
+    scale = whole["illuminance"].values.max()
+    assert np.allclose(lux, whole["illuminance"], rtol=1e-4, atol=1e-5 * scale)
+    if channels == 1:
+        assert np.allclose(error, whole["standard_error"], rtol=2e-3, atol=1e-6 * scale)
+
+
+def test_the_light_of_several_windows_adds_up(tmp_path, sky):
+    """Errors of daylight matrices are taken together: alike in the mean."""
+    rng = np.random.default_rng(4)
+    windows = [shaded(rng, 1, 3) for _ in range(3)]
+    states = [(np.arange(48) + n) % 3 for n in range(3)]
+    lux, error = streamed(tmp_path, windows, sky, states)
+    whole = shaded_three_phase(windows, sky, states)
+    scale = whole["illuminance"].values.max()
+    assert np.allclose(lux, whole["illuminance"], rtol=1e-4, atol=1e-5 * scale)
+    lit = whole["standard_error"].values > 0
+    ratio = np.mean(error[lit] ** 2) / np.mean(whole["standard_error"].values[lit] ** 2)
+    assert 0.5 < ratio < 2
+
+
+def test_pooled_batches_keep_the_variance():
+    """The mean of batches is a batch: the expected variance of the mean is the same."""
+    rng = np.random.default_rng(5)
+    batches = rng.normal(size=(16, 1, 1, 20000))
+    spread = (batches - batches.mean(axis=0)) / np.sqrt(16 * 15)
+    axis = sensor_axis(20000)
+    made = TransferMatrix(
+        batches.mean(axis=0), sensor_axis(1), axis, spread.astype(np.float32)
+    )
+    variance = np.square(pooled(made, 4)).sum(axis=0).mean()
+    assert variance == pytest.approx(1 / 16, rel=0.05)
+
+
+def test_states_that_do_not_exist_are_refused(sky):
+    window = shaded(np.random.default_rng(6), 1, 2)
+    opening = Opening(window.transmissions, window.daylight)
+    with pytest.raises(MatrixError, match="state 2 of a window with 2 states"):
+        leaving_light([opening], sky, [np.full(48, 2)], channels=1)
+
+
+def test_a_file_of_something_else_is_refused(tmp_path):
+    path = tmp_path / "views.h5"
+    path.write_bytes(b"nothing")
+    with pytest.raises(InputError, match="view matrices expected"):
+        StoredViews.read(path)
