@@ -105,7 +105,7 @@ def view_matrices(
     The windows share their paths: component k of all of them comes from batch k.
     See `view_matrix` for the parameters.
     """
-    _check_names(windows)
+    require_distinct(windows)
     rows = _sensor_rows(sensors, bounces)
     effort = matrix_effort(
         samples=samples,
@@ -185,7 +185,7 @@ def daylight_matrices(
     progress: Progress | None = None,
 ) -> dict[str, TransferMatrix]:
     """Daylight matrices of several windows by window name; see `daylight_matrix`."""
-    _check_names(windows)
+    require_distinct(windows)
     found = {}
     for number, window in enumerate(windows):
         found[window.name] = daylight_matrix(
@@ -279,7 +279,13 @@ def matrix_effort(
     )
 
 
-def _check_names(windows: Sequence[Window]) -> None:
+def require_distinct(windows: Sequence[Window]) -> None:
+    """Refuse windows of the same name, or none at all.
+
+    Raises
+    ------
+    InputError : names the first that comes twice
+    """
     names = [window.name for window in windows]
     if not names:
         raise InputError("no window given; at least one expected")

@@ -1,0 +1,345 @@
+"""A large hall: 5 million triangles, 100,000 sensors, 40 windows, 5 states, 8760 hours.
+
+    python benchmarks/large_model.py run [--triangles 5e6] [--sensors 1e5]
+        [--windows 40] [--states 5] [--samples 1024] [--folder DIR] [--write FILE]
+    python benchmarks/large_model.py sweep [--write FILE]
+
+`run` makes the hall of given size and simulates its year: view matrices on disk, a
+daylight matrix for each window, states that change by the hour, results on disk.
+`sweep` runs smaller halls in processes of their own, one size at a time growing, and
+plots how seconds and memory grow. The files of a run take about 2.5 kB a sensor, window
+and state-independent coefficient set, and 70 kB a sensor of results.
+"""
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from datetime import date
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import clerestory as cl
+from clerestory.bsdf.analytic import lambertian
+from clerestory.directions import Frame
+from clerestory.hemisphere.klems import klems
+from clerestory.phases.stored_views import store_views
+from clerestory.phases.streamed import Opening, leaving_light, stream_illuminance
+from clerestory.phases.trace import daylight_matrix
+from clerestory.scene.model import Plastic, Polygon, TriangleMesh
+from clerestory.study.demo import write_demo
+
+# The hall [m], its sensors' height, and the least distance of sensors to walls
+LENGTH, DEPTH, HEIGHT = 200.0, 60.0, 10.0
+DESK, EDGE = 0.8, 1.0
+SILL, HEAD, POST = 0.5, 8.5, 0.5
+
+
+@dataclass
+class Log:
+    """Seconds of the clock and of the processors, and most memory, by stage."""
+
+    stages: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    @contextmanager
+    def stage(self, name: str):
+        """Measure a stage."""
+        begin, used = time.perf_counter(), time.process_time()
+        yield
+        self.stages[name] = {
+            "seconds": time.perf_counter() - begin,
+            "cpu": time.process_time() - used,
+            "peak_gb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+        }
+        print(f"{name}: {json.dumps(self.stages[name])}", flush=True)
+
+
+def quad(corners: list, name: str) -> Polygon:
+    """Return a grey polygon."""
+    return Polygon(np.array(corners, dtype=float), "grey", name)
+
+
+def facade(windows: int) -> tuple[list[Polygon], list[cl.Window]]:
+    """Return the walls around the windows of both long sides, and the windows."""
+    walls, groups = [], []
+    for side, y in enumerate((0.0, DEPTH)):
+        count = windows - windows // 2 if side == 0 else windows // 2
+        inward = np.array([0.0, 1.0 - 2 * side, 0.0])
+        for low, high in ((0.0, SILL), (HEAD, HEIGHT)):
+            walls.append(
+                quad(
+                    [[0, y, low], [LENGTH, y, low], [LENGTH, y, high], [0, y, high]],
+                    "wall",
+                )
+            )
+        width = LENGTH / max(count, 1)
+        for number in range(count):
+            a, b = number * width + POST / 2, (number + 1) * width - POST / 2
+            for left, right in ((number * width, a), (b, (number + 1) * width)):
+                walls.append(
+                    quad(
+                        [[left, y, SILL], [right, y, SILL], [right, y, HEAD],
+                         [left, y, HEAD]],
+                        "post",
+                    )
+                )  # fmt: skip
+            corners = [[a, y, SILL], [a, y, HEAD], [b, y, HEAD], [b, y, SILL]]
+            pane = quad(corners if side == 0 else corners[::-1], "pane")
+            frame = Frame.from_normal_up(inward, np.array([0.0, 0.0, 1.0]))
+            name = f"{'south' if side == 0 else 'north'}{number}"
+            groups.append(cl.Window(name, (pane,), frame, klems("full")))
+    return walls, groups
+
+
+def shell() -> list[Polygon]:
+    """Return floor, ceiling, ends of the hall, and the ground outside."""
+    x, y, z = LENGTH, DEPTH, HEIGHT
+    far = 500.0
+    return [
+        quad([[0, 0, 0], [x, 0, 0], [x, y, 0], [0, y, 0]], "floor"),
+        quad([[0, 0, z], [0, y, z], [x, y, z], [x, 0, z]], "ceiling"),
+        quad([[0, 0, 0], [0, y, 0], [0, y, z], [0, 0, z]], "west"),
+        quad([[x, 0, 0], [x, 0, z], [x, y, z], [x, y, 0]], "east"),
+        quad(
+            [[-far, -far, -0.1], [far, -far, -0.1], [far, far, -0.1],
+             [-far, far, -0.1]],
+            "ground",
+        ),
+    ]  # fmt: skip
+
+
+def space_frame(triangles: int) -> TriangleMesh:
+    """Return the nodes of a space frame below the ceiling: balls of 1520 triangles."""
+    rows, around = 20, 40
+    theta = np.linspace(0, np.pi, rows + 1)
+    phi = np.arange(around) * 2 * np.pi / around
+    ball = np.stack(
+        [
+            np.outer(np.sin(theta), np.cos(phi)),
+            np.outer(np.sin(theta), np.sin(phi)),
+            np.outer(np.cos(theta), np.ones(around)),
+        ],
+        axis=-1,
+    ).reshape(-1, 3)
+    i, j = np.meshgrid(np.arange(rows), np.arange(around), indexing="ij")
+    a, b = i * around + j, i * around + (j + 1) % around
+    faces = np.concatenate(
+        [
+            np.stack([a, a + around, b], -1)[1:].reshape(-1, 3),
+            np.stack([b, a + around, b + around], -1)[:-1].reshape(-1, 3),
+        ]
+    )
+    count = max(1, round(triangles / len(faces)))
+    rng = np.random.default_rng(1)
+    low, high = [1, 1, HEAD], [LENGTH - 1, DEPTH - 1, HEIGHT - 0.3]
+    centres = rng.uniform(low, high, (count, 3))
+    vertices = (0.1 * ball + centres[:, None]).reshape(-1, 3)
+    every = faces + (np.arange(count) * len(ball))[:, None, None]
+    return TriangleMesh(vertices, every.reshape(-1, 3), "grey", "space frame")
+
+
+def sensors_of(count: int) -> cl.Sensors:
+    """Return a grid over the floor that looks up."""
+    step = np.sqrt((LENGTH - 2 * EDGE) * (DEPTH - 2 * EDGE) / count)
+    rows = max(1, round((DEPTH - 2 * EDGE) / step))
+    x = np.linspace(EDGE, LENGTH - EDGE, -(-count // rows))
+    y = np.linspace(EDGE, DEPTH - EDGE, rows)
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), -1).reshape(-1, 2)[:count]
+    position = np.column_stack([grid, np.full(len(grid), DESK)])
+    return cl.Sensors(position, np.tile([0.0, 0.0, 1.0], (len(grid), 1)))
+
+
+def simulate(options: argparse.Namespace, folder: Path) -> Log:
+    """Simulate the year of a hall."""
+    log, begin = Log(), time.perf_counter()
+    with log.stage("scene"):
+        walls, windows = facade(options.windows)
+        grey = Plastic("grey", np.full(3, 0.5))
+        mesh = space_frame(int(options.triangles))
+        scene = cl.Scene({"grey": grey}, (*shell(), *walls, mesh))
+        sensors = sensors_of(int(options.sensors))
+    with log.stage("sky"):
+        write_demo(folder / "demo")
+        weather = cl.read_weather(options.weather or next(folder.glob("demo/*.CSV")))
+        sky = cl.sky_matrix(weather, subdivision=options.subdivision)
+    with log.stage("views"):
+        views = store_views(
+            folder / "views.h5", scene, windows, sensors=sensors,
+            samples=options.samples, seed=1, device=options.device,
+        )  # fmt: skip
+    with log.stage("daylight"):
+        layers = [
+            lambertian(t, klems("full")).transmission_matrix()
+            for t in np.linspace(0.6, 0.05, options.states)
+        ]
+        openings = []
+        for number, window in enumerate(windows):
+            daylight = daylight_matrix(
+                scene, window, subdivision=options.subdivision,
+                samples=options.daylight_samples, seed=2 + number,
+                device=options.device,
+            )  # fmt: skip
+            openings.append(Opening(tuple(layers), daylight))
+    with log.stage("leaving light"):
+        hours = np.arange(len(sky.times))
+        states = [(hours // 2 + n) % options.states for n in range(len(windows))]
+        leaving = leaving_light(openings, sky, states, channels=views.channels)
+    with log.stage("product"):
+        stream_illuminance(folder / "illuminance.nc", views, leaving, sky)
+    log.stages["total"] = {
+        "seconds": time.perf_counter() - begin,
+        "cpu": time.process_time(),
+        "peak_gb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+        "disk_gb": sum(f.stat().st_size for f in folder.iterdir()) / 1e9,
+    }
+    print(json.dumps(log.stages["total"]), flush=True)
+    return log
+
+
+def sweep(options: argparse.Namespace) -> dict[str, list[tuple[float, dict]]]:
+    """Return the stages of halls that differ in one size each."""
+    base = {"triangles": 250_000, "sensors": 2000, "windows": 4, "states": 2}
+    found: dict[str, list[tuple[float, dict]]] = {}
+    done: dict[str, dict] = {}
+    for name, middle in base.items():
+        for factor in (1, 2, 4):
+            sizes = base | {name: int(middle * factor)}
+            key = json.dumps(sizes)
+            if key not in done:
+                done[key] = in_a_process(sizes, options)
+            found.setdefault(name, []).append((sizes[name], done[key]))
+    return found
+
+
+def in_a_process(sizes: dict[str, int], options: argparse.Namespace) -> dict:
+    """Return the stages of a run in a process of its own."""
+    words = [f"--{name}={size}" for name, size in sizes.items()]
+    words += [f"--samples={options.samples}", f"--device={options.device}"]
+    words += [f"--daylight-samples={options.daylight_samples}"]
+    words += [f"--subdivision={options.subdivision}"]
+    if options.weather:
+        words.append(f"--weather={options.weather}")
+    print(" ".join(words), flush=True)
+    with tempfile.TemporaryDirectory(dir=options.folder) as folder:
+        stages = Path(folder) / "stages.json"
+        subprocess.run(
+            [sys.executable, __file__, "run", *words, f"--folder={folder}",
+             f"--stages={stages}"],
+            check=True,
+        )  # fmt: skip
+        return json.loads(stages.read_text())
+
+
+def plot(found: dict[str, list[tuple[float, dict]]], path: Path) -> None:
+    """Draw seconds of processors by stage, and memory, over each size."""
+    figure, axes = plt.subplots(
+        2, len(found), figsize=(12, 5.5), sharey="row", layout="constrained"
+    )
+    stages = ("views", "daylight", "leaving light", "product", "total")
+    for column, (name, runs) in enumerate(found.items()):
+        sizes = [size for size, _ in runs]
+        for stage in stages:
+            cpu = [run[stage]["cpu"] for _, run in runs]
+            axes[0, column].plot(sizes, cpu, "o-", label=stage)
+        axes[1, column].plot(sizes, [r["total"]["peak_gb"] for _, r in runs], "o-")
+        axes[1, column].set_xlabel(name)
+        axes[1, column].set_ylim(bottom=0)
+        axes[0, column].set_title(f"growing {name}", fontsize=10)
+        for row in (0, 1):
+            axes[row, column].grid(alpha=0.3)
+            axes[row, column].set_xlim(left=0)
+    axes[0, 0].set_ylabel("processor seconds")
+    axes[0, 0].set_ylim(bottom=0)
+    axes[1, 0].set_ylabel("most memory [GB]")
+    axes[0, -1].legend(fontsize=8)
+    figure.savefig(path, dpi=110)
+
+
+def head(what: str) -> str:
+    """Return the heading of a table, with date and machine."""
+    return (
+        f"### {what}\n\n{date.today()}, {os.cpu_count()} cores, clerestory"  # noqa: DTZ011
+        f" {cl.__version__}, load {os.getloadavg()[0]:.1f} at the end.\n\n"
+    )
+
+
+def table(stages: dict[str, dict]) -> str:
+    """Return the stages as a table."""
+    lines = ["| stage | seconds | processor seconds | most memory so far [GB] |"]
+    lines.append("|---|---|---|---|")
+    for name, stage in stages.items():
+        figures = (
+            f"{stage['seconds']:.1f} | {stage['cpu']:.1f} | {stage['peak_gb']:.2f}"
+        )
+        lines.append(f"| {name} | {figures} |")
+    return "\n".join(lines) + "\n"
+
+
+def growth_table(found: dict[str, list[tuple[float, dict]]]) -> str:
+    """Return seconds and memory at each size as a table."""
+    lines = [
+        "| growing | size | processor seconds | of them views, product | memory [GB] |"
+    ]
+    lines.append("|---|---|---|---|---|")
+    for name, runs in found.items():
+        for size, run in runs:
+            parts = f"{run['views']['cpu']:.1f}, {run['product']['cpu']:.1f}"
+            total = run["total"]
+            lines.append(
+                f"| {name} | {size:,} | {total['cpu']:.1f} | {parts}"
+                f" | {total['peak_gb']:.2f} |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Run one hall or the sweep, and print or write what it took."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("job", choices=("run", "sweep"))
+    parser.add_argument("--triangles", type=float, default=5e6)
+    parser.add_argument("--sensors", type=float, default=1e5)
+    parser.add_argument("--windows", type=int, default=40)
+    parser.add_argument("--states", type=int, default=5)
+    parser.add_argument("--samples", type=int, default=1024)
+    parser.add_argument("--daylight-samples", type=int, default=8192)
+    parser.add_argument("--subdivision", type=int, default=4)
+    parser.add_argument("--weather", type=Path)
+    parser.add_argument("--device", default="auto")
+    parser.add_argument("--folder", type=Path, default=Path(tempfile.gettempdir()))
+    parser.add_argument("--stages", type=Path)
+    parser.add_argument("--write", type=Path, help="a page; a plot goes beside it")
+    options = parser.parse_args()
+    if options.job == "run":
+        with tempfile.TemporaryDirectory(dir=options.folder) as folder:
+            log = simulate(options, Path(folder))
+        if options.stages:
+            options.stages.write_text(json.dumps(log.stages))
+        what = (
+            f"{options.triangles:,.0f} triangles, {options.sensors:,.0f} sensors,"
+            f" {options.windows} windows with {options.states} states, a year at MF"
+            f" {options.subdivision}, {options.samples} paths a sensor"
+        )
+        text = head(what) + table(log.stages)
+        text += f"\nFiles: {log.stages['total']['disk_gb']:.1f} GB.\n"
+    else:
+        found = sweep(options)
+        text = head("Growth with the size of a model") + growth_table(found)
+        if options.write:
+            picture = options.write.with_suffix(".png")
+            plot(found, picture)
+            text += f"\n![Growth of time and memory]({picture.name})\n"
+    print(text)
+    if options.write:
+        options.write.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
