@@ -1,0 +1,106 @@
+"""Sets of pictures as matrices: a row for each pixel, a column for each picture.
+
+The view matrix of a picture is such a set, V_%03d.hdr, one picture a window patch; so
+is what a product leaves, one picture a time step.
+"""
+
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+
+from clerestory.errors import InputError
+from clerestory.image.picture import Picture
+from clerestory.image.read import read_picture
+from clerestory.image.write import write_picture
+from clerestory.matrix.axis import pixel_axis, unknown_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+
+_ENDINGS = (".hdr", ".pic", ".exr")
+
+
+def is_picture_set(path: Path) -> bool:
+    """Whether a name has a number, such as %03d, and is that of a picture.
+
+    >>> is_picture_set(Path("V_%03d.hdr")), is_picture_set(Path("V.mtx"))
+    (True, False)
+    """
+    return "%" in path.name and path.suffix.lower() in _ENDINGS
+
+
+def numbered(path: Path, number: int) -> Path:
+    """Return the name of one picture of a set.
+
+    >>> str(numbered(Path("V_%03d.hdr"), 7))
+    'V_007.hdr'
+
+    Raises
+    ------
+    InputError : the name has no place for one number
+    """
+    try:
+        return path.with_name(path.name % number)
+    except (TypeError, ValueError):
+        raise InputError(
+            "a name with one number such as V_%03d.hdr expected", file=path
+        ) from None
+
+
+def read_picture_set(path: Path) -> tuple[TransferMatrix, Picture]:
+    """Return pictures numbered from 0 as a matrix, and the first of them.
+
+    Raises
+    ------
+    InputError : there is no first picture, or sizes differ
+    """
+    if numbered(path, 0) == numbered(path, 1):
+        raise InputError(
+            "a name with one number such as V_%03d.hdr expected", file=path
+        )
+    first = read_picture(numbered(path, 0))
+    columns = [first.radiance]
+    for file in (numbered(path, number) for number in count(1)):
+        if not file.is_file():
+            break
+        picture = read_picture(file)
+        if picture.radiance.shape != first.radiance.shape:
+            raise InputError(
+                f"{picture.columns} × {picture.rows} pixels;"
+                f" {first.columns} × {first.rows} as the first picture expected",
+                file=file,
+            )
+        columns.append(picture.radiance)
+    pixels = first.rows * first.columns
+    values = np.stack(columns, axis=-1).reshape(pixels, 3, len(columns))
+    matrix = TransferMatrix(
+        np.ascontiguousarray(values.transpose(1, 0, 2)),
+        pixel_axis(pixels),
+        unknown_axis(len(columns)),
+    )
+    return matrix, first
+
+
+def write_picture_set(
+    path: Path, matrix: TransferMatrix, like: Picture, *, command: str
+) -> list[Path]:
+    """Write a picture for each column, with size and view of another; return them.
+
+    A single column may have a name without number.
+
+    Raises
+    ------
+    InputError : several columns and a name without number
+    OutputError : a file cannot be written
+    """
+    columns = matrix.columns.size
+    if "%" not in path.name and columns > 1:
+        raise InputError(
+            f"{columns} pictures; a name with one number such as I_%04d.hdr expected",
+            file=path,
+        )
+    names = [numbered(path, k) if "%" in path.name else path for k in range(columns)]
+    for k, name in enumerate(names):
+        values = np.broadcast_to(matrix.values[:, :, k], (3, matrix.rows.size))
+        radiance = values.T.reshape(like.rows, like.columns, 3).astype(np.float32)
+        write_picture(Picture(radiance, view=like.view, header=(command,)), name)
+    return names
