@@ -141,10 +141,9 @@ def classroom(folder: Path) -> Iterator[Model]:
         ("A40-1", "-vp 20 6 11.2 -vd 1 -.1 -.1"),
     ):
         shutil.copy(folder / f"{stem}.rad", folder / "rooms" / f"{stem}.rad")
-        points = folder / "modelo" / "objects" / f"{stem}.pts"
-        if not points.is_file():
-            points = folder / "modelo" / "objects" / "A20-1.pts"
-        every = np.loadtxt(points)
+        points = folder / "modelo" / "objects"
+        grid, eyes = points / f"{stem}.pts", points / f"DGPu_{stem}.pts"
+        every = np.loadtxt(grid if grid.is_file() else eyes)
         chosen = every[np.linspace(0, len(every) - 1, 10).astype(int)]
         sensors = Sensors(chosen[:, :3], chosen[:, 3:])
         view = f"-vtv {eye} -vu 0 0 1 -vh 70 -vv 50"
@@ -211,8 +210,11 @@ def sensors(model: Model, sky: str) -> tuple[float, float, float, float]:
     files = octree(model, sky)
     point = np.concatenate([model.sensors.position, model.sensors.direction], axis=1)
     rays = np.repeat(point, _AGAIN, axis=0)
+    # Single samples of highlights, which it takes of weak rays, overrate metals
+    shine = 5000 if "metal" in model.name else 32
     text = radiance(
-        f"rtrace -h -w -I -ab {BOUNCES} -ad {_DIRECTIONS} -ss 32 {_EXACT} model.oct",
+        f"rtrace -h -w -I -ab {BOUNCES} -ad {_DIRECTIONS} -ss {shine} {_EXACT}"
+        " model.oct",
         model.folder,
         "\n".join(" ".join(f"{x:.9g}" for x in ray) for ray in rays),
     )

@@ -46,6 +46,10 @@ CASES = {
     f" 0 0\np {MATT}",
     "brushed": "void texfunc p 4 .1*sin(20*Px) 0 0 . 0 0\n"
     "p metal2 m 4 0 1 0 . 0 6 .8 .6 .3 .9 .1 .3",
+    "turning": "void metal2 m 4 -Py Px 0 . 0 6 .8 .6 .3 .9 .1 .3",
+    "turned turning": "void plastic2 m 8 -Py Px A1 . -rz 20 -ry 40 0 6"
+    " .8 .6 .3 .4 .1 .3",
+    "constant up": "void metal2 m 6 -sin(.4) cos(.4) 0 . -rx 20 0 6 .8 .6 .3 .9 .1 .3",
     "between": "void plastic q 0 0 5 .8 .6 .4 .04 .1\nq brightfunc r 2 abs(Px) . 0 0\n"
     "r texfunc m 4 .2*sin(7*Px) 0 0 . 0 0",
     "patch": PAIR + "void mixfunc m 4 a b if(sin(9*Px),1,.2) . 0 0",

@@ -12,8 +12,9 @@ from clerestory.scene.composite import (
     Void,
 )
 from clerestory.scene.emitter import Glow, Light, Spotlight
-from clerestory.scene.pattern_function import constant_value
-from clerestory.scene.pattern_reader import read_share
+from clerestory.scene.pattern_function import constant_value, constant_vector
+from clerestory.scene.pattern_reader import read_share, read_vector
+from clerestory.scene.xform import Transform
 
 
 def mirror(made: Definition) -> Material:
@@ -53,10 +54,14 @@ def bsdf(made: Definition) -> Material:
             "BSDF file, up vector, function file and transform expected"
         )
     value = made.share("added diffuse light", _padded(made))
-    up = np.array([made.constant("its up vector", first + 1 + i) for i in range(3)])
+    transform = made.oriented(first + 5)
+    up = constant_vector(read_vector(made, Transform(), first + 1))
+    if up is None:
+        raise made.error("its up vector varies; one for all points expected")
     if not np.any(up):
         raise made.error("its up vector has no length")
-    transform = made.oriented(first + 5)
+    # In the coordinates before the transform
+    up = up @ np.linalg.inv(made.transform(first + 5).matrix[:3, :3])
     return BsdfSurface(
         name=made.item.name,
         bsdf=made.bsdf(words[first]),

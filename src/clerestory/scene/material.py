@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.scene.pattern import Pattern
+
 
 @dataclass(frozen=True)
 class Source:
@@ -83,15 +85,15 @@ class Plastic2:
     Attributes
     ----------
     roughness : rms slope along `up` laid into the surface, and across it
-    up : vector in the scene's coordinates; where it is along the normal the highlight
-        is round
+    up : vector in the scene's coordinates, or expressions for it in those of a function;
+        where it is along the normal the highlight is round
     """
 
     name: str
     reflectance: Float[np.ndarray, "3"]
     specularity: float
     roughness: Float[np.ndarray, "2"]
-    up: Float[np.ndarray, "3"]
+    up: Float[np.ndarray, "3"] | Pattern
     source: Source | None = None
 
 
@@ -103,7 +105,7 @@ class Metal2:
     reflectance: Float[np.ndarray, "3"]
     specularity: float
     roughness: Float[np.ndarray, "2"]
-    up: Float[np.ndarray, "3"]
+    up: Float[np.ndarray, "3"] | Pattern
     source: Source | None = None
 
 
@@ -117,7 +119,7 @@ class Trans2:
     roughness: Float[np.ndarray, "2"]
     transmission: float
     transmitted_specular: float
-    up: Float[np.ndarray, "3"]
+    up: Float[np.ndarray, "3"] | Pattern
     source: Source | None = None
 
 

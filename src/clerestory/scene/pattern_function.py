@@ -170,6 +170,22 @@ def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
             return None
 
 
+def constant_vector(pattern: FunctionPattern) -> Float[np.ndarray, "3"] | None:
+    """Return three expressions that are the same everywhere, as a vector of the scene.
+
+    None where they vary or have no value.
+    """
+    if pattern.names - _FRAME:
+        return None
+    along = np.array([[0.0, 0.0, 1.0]])
+    inputs = _inputs(pattern.transform, along, along, np.zeros((1, 3)))
+    made = pattern.program.values(pattern.expressions, inputs, pattern.arguments)
+    if not made.valid[0]:
+        return None
+    vector: np.ndarray = pattern.transform.vectors(made.value[0])
+    return vector / pattern.transform.scale
+
+
 def _aliases(names: frozenset[str]) -> frozenset[str]:
     return frozenset(NUMBERED.get(name, name) for name in names)
 

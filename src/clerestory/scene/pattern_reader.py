@@ -58,6 +58,19 @@ def read_share(given: Arguments, placed: Transform) -> FunctionPattern | DataPat
     return _read(given, placed)
 
 
+def read_vector(given: Arguments, placed: Transform, first: int) -> FunctionPattern:
+    """Return three expressions from a string argument on, then file and transform.
+
+    The values are components of a vector in the coordinates of the function.
+    """
+    try:
+        return _function(given, placed, 3, first)
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise given.error(error.message) from error
+
+
 def _read(given: Arguments, placed: Transform) -> FunctionPattern | DataPattern:
     try:
         count, first, tables = _FORMS[given.item.kind]

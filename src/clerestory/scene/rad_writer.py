@@ -35,6 +35,7 @@ from clerestory.scene.model import (
     Void,
     insert_material,
 )
+from clerestory.scene.pattern import Pattern
 
 # Kind, string arguments, real arguments
 _Primitive = tuple[str, list[str], Iterable[float]]
@@ -171,6 +172,11 @@ def _gloss(
 
 
 def _oriented(material: Plastic2 | Metal2 | Trans2) -> list[str]:
+    if isinstance(material.up, Pattern):
+        raise InputError(
+            f'the up vector of material "{material.name}" varies, which cannot be'
+            " written; one for all points expected"
+        )
     return [*(f"{v:.12g}" for v in material.up), "."]
 
 

@@ -16,6 +16,8 @@ from clerestory.scene.material import (
     Trans,
     Trans2,
 )
+from clerestory.scene.pattern_function import FunctionPattern, constant_vector
+from clerestory.scene.pattern_reader import read_vector
 
 # Radiance's FTINY: elliptical highlights must be rougher than this
 _TINY = 1e-6
@@ -142,15 +144,17 @@ def _two_roughnesses(
     return np.array([_roughness(made, each) for each in value])
 
 
-def _up(made: Definition) -> Float[np.ndarray, "3"]:
-    # Unit vector in the scene; the function file plays no role for plain numbers
+def _up(made: Definition) -> Float[np.ndarray, "3"] | FunctionPattern:
+    # Unit vector in the scene, or how it varies
     if len(made.item.strings) < 4:
         raise made.error(
             f"{len(made.item.strings)} string arguments;"
             " an up vector, a function file and a transform expected"
         )
-    up = np.array([made.constant("its up vector", i) for i in range(3)])
-    return made.direction(made.oriented(4).vectors(up))
+    made.oriented(4)
+    vector = read_vector(made, made.placed, 0)
+    constant = constant_vector(vector)
+    return vector if constant is None else made.direction(constant)
 
 
 def _per_metre(

@@ -234,3 +234,12 @@ def test_smoothing_files_of_radiance_are_known(read):
         bump.arguments,
     ).value  # fmt: skip
     np.testing.assert_allclose(value, [[19 * 0.6, 19 * 0.8, 7]])
+
+
+def test_up_vectors_are_expressions(read):
+    """Of constants in the function's frame, or of what a ray knows."""
+    text = "void metal2 x 6 0 2*3-5 0 . -rz 90 0 6 .5 .5 .5 .9 .1 .2"
+    up = read(text)["x"].up
+    np.testing.assert_allclose(up, [-1, 0, 0], atol=1e-12)
+    around = "void plastic2 x 4 -Py Px 0 . 0 6 .5 .5 .5 .1 .1 .2"
+    assert isinstance(read(around)["x"].up, Pattern)

@@ -31,6 +31,7 @@ from clerestory.scene.model import (
     Trans2,
     Void,
 )
+from clerestory.scene.pattern import Pattern
 
 Description = dict[str, object]
 
@@ -59,6 +60,10 @@ def plugin(
     a mirror with an alternate are what replaces them.
     """
     match material:
+        case Plastic2() | Metal2() | Trans2() if isinstance(material.up, Pattern):
+            made = load(replace(material, up=np.array([0.0, 0.0, 1.0])), origin)
+            made.highlight.up = perturbation(material.up, origin)
+            return made
         case Plastic() | Metal() | Plastic2() | Metal2():
             return {
                 "type": "radiance_plastic",

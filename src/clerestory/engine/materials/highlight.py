@@ -55,7 +55,8 @@ class Highlight:
     Parameters
     ----------
     props : with `roughness`, and for an ellipse `roughness_v` and `up`, a vector in
-        the scene that the first axis follows
+        the scene that the first axis follows; `up` may be set to a function of the
+        interaction that returns it
     """
 
     def __init__(self, props):
@@ -76,7 +77,7 @@ class Highlight:
         """Axes at a point of the surface."""
         if self.up is None:
             return Ellipse(mi.Float(1), mi.Float(0), self.u2, self.u2)
-        up = si.to_local(self.up)
+        up = si.to_local(self.up(si) if callable(self.up) else self.up)
         length = dr.sqrt(dr.square(up.x) + dr.square(up.y))
         has_axis = length > _NO_AXIS
         mean = 0.5 * (self.u2 + self.v2)
