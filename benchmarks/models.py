@@ -41,7 +41,7 @@ DOME = (
 )
 
 # Repetitions of a sensor, and directions of its first gather
-_AGAIN, _DIRECTIONS = 16, 256
+_AGAIN, _DIRECTIONS = 8, 256
 
 # Paths of a sensor of ours
 _SAMPLES = 1 << 15
@@ -93,7 +93,7 @@ def furniture(folder: Path) -> Iterator[Model]:
 
 
 def shapes(folder: Path) -> Iterator[Model]:
-    """Yield what Radiance's generators make, of plastic and of a material they suit."""
+    """Yield what Radiance's generators make, of materials that suit it."""
     source = SHARED / "radiance" / "gen" / "ref"
     shutil.copytree(source, folder, dirs_exist_ok=True)
     texts = {
@@ -103,18 +103,20 @@ def shapes(folder: Path) -> Iterator[Model]:
         "trans": "void trans {0} 0 0 7 .8 .8 .8 .04 .1 .5 .3\n",
         "glass": "void glass {0} 0 0 3 .6 .7 .8\n",
     }
-    for stem, name in (
-        ("genblinds", "mat"),
-        ("genbox", "tmat"),
-        ("genprism", "tmat"),
-        ("genrev", "tmat"),
-        ("gensurf", "tmat"),
-        ("genworm", "tmat"),
+    for stem, kind in (
+        ("genblinds", "trans"),
+        ("genbox", "metal"),
+        ("genprism", "glass"),
+        ("genrev", "smooth metal"),
+        ("genrev", "plastic"),
+        ("gensurf", "metal"),
+        ("gensurf", "trans"),
+        ("genworm", "plastic"),
     ):
-        for kind, text in texts.items():
-            file = folder / f"{kind.replace(' ', '_')}_{name}.rad"
-            file.write_text(text.format(name))
-            yield placed(f"{stem}, {kind}", folder, (file.name, f"{stem}.rad"))
+        name = "mat" if stem == "genblinds" else "tmat"
+        file = folder / f"{kind.replace(' ', '_')}_{name}.rad"
+        file.write_text(texts[kind].format(name))
+        yield placed(f"{stem}, {kind}", folder, (file.name, f"{stem}.rad"))
 
 
 def boxes(folder: Path) -> Iterator[Model]:
@@ -309,7 +311,7 @@ def main() -> None:
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as place:
         models = []
-        for group in (boxes, classroom, shapes, furniture):
+        for group in (boxes, shapes, furniture, classroom):
             folder = Path(place, group.__name__)
             models += [m for m in group(folder) if options.only in m.name]
         lines = table(models, options.side)

@@ -77,7 +77,7 @@ def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], A
 def perturbation(
     pattern: FunctionPattern | DataPattern, origin: Float[np.ndarray, "3"]
 ) -> Callable[[Any], Any]:
-    """Return three values as a vector of the scene: what a texture adds to the normal."""
+    """Return three values as a vector of the scene: what bends a normal."""
     code = pattern_code(pattern, origin)
     turn = pattern.transform.matrix[:3, :3] / pattern.transform.scale
 

@@ -85,8 +85,8 @@ class Plastic2:
     Attributes
     ----------
     roughness : rms slope along `up` laid into the surface, and across it
-    up : vector in the scene's coordinates, or expressions for it in those of a function;
-        where it is along the normal the highlight is round
+    up : vector in the scene's coordinates, or expressions for it in those of a
+        function; where it is along the normal the highlight is round
     """
 
     name: str
