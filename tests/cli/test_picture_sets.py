@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from radiance import run
 
 from clerestory.image.picture import Picture
 from clerestory.image.read import read_picture
@@ -10,7 +11,6 @@ from clerestory.matrix.axis import unknown_axis
 from clerestory.matrix.radiance_format import write_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.scene.view import View
-from radiance import run
 
 VIEW = View(kind="perspective", horizontal=60, vertical=40)
 
