@@ -156,8 +156,8 @@ def write_rows(
 
 def _format_row(row: Float[np.ndarray, "column channel"]) -> str:
     # A row in text that reads back to the same floating-point numbers
-    digits = 8 if row.dtype == np.float32 else 16
-    entry = " ".join([f"%.{digits}e"] * row.shape[1])
+    digits = 9 if row.dtype == np.float32 else 17
+    entry = " ".join([f"%.{digits}g"] * row.shape[1])
     return "\t".join([entry] * row.shape[0]) % tuple(row.ravel().tolist()) + "\n"
 
 
