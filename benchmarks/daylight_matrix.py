@@ -8,7 +8,7 @@ Ratios above 1 say how many times less work (time × variance) it takes.
 import argparse
 from pathlib import Path
 
-from duel import Contender, duel, radiance
+from duel import Contender, devices, duel, on, radiance
 from rooms import Room, finely_cut, room, workplace
 
 import clerestory as cl
@@ -32,14 +32,20 @@ def contenders(place: Room, *, slow: bool) -> tuple[list[Contender], "object"]:
     (place.folder / "sky_and_ground.rad").write_text(SKY)
     radiance(f"oconv {files} > daylight.oct && echo 0 0 0", place.folder)
 
-    def ours(samples: int):
+    def ours(samples: int, device: str):
         def make(run: int):
             matrix = cl.daylight_matrix(
-                scene, window, subdivision=1, samples=samples, bounces=BOUNCES, seed=run
+                scene,
+                window,
+                subdivision=1,
+                samples=samples,
+                bounces=BOUNCES,
+                seed=run,
+                device=device,
             )
             return matrix.values[0]
 
-        return Contender(f"{samples:,} paths a patch", make)
+        return Contender(f"{samples:,} paths a patch{on(device)}", make)
 
     def theirs(name: str, options: str):
         command = (
@@ -54,8 +60,8 @@ def contenders(place: Room, *, slow: bool) -> tuple[list[Contender], "object"]:
     found = [theirs(f"tuned ({tuned})", tuned)]
     if slow:
         found.append(theirs(f"as the tutorial ({recipe})", recipe))
-    found += [ours(n) for n in (1 << 12, 1 << 14, 1 << 16)]
-    return found, ours(1 << 20).make(12345)
+    found += [ours(n, d) for d in devices() for n in (1 << 12, 1 << 14, 1 << 16)]
+    return found, ours(1 << 20, devices()[-1]).make(12345)
 
 
 def main() -> None:

@@ -9,9 +9,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pyradiance
+
+from clerestory.engine.device import resolve
+from clerestory.errors import DeviceError
 
 _HOME = Path(pyradiance.__file__).parent
 ENVIRONMENT = {
@@ -35,6 +39,19 @@ class Contender:
     name: str
     make: Callable[[int], np.ndarray]
     peer: bool = False
+
+
+def devices() -> list[Literal["cpu", "cuda"]]:
+    """Return the compute devices of this machine."""
+    try:
+        return ["cpu", resolve("cuda")]
+    except DeviceError:
+        return ["cpu"]
+
+
+def on(device: str) -> str:
+    """Return what a contender's name says of its device."""
+    return " on the GPU" if device == "cuda" else ""
 
 
 def radiance(command: str, folder: Path, stdin: str | None = None) -> np.ndarray:

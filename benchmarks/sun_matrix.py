@@ -11,7 +11,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from duel import Contender, duel, radiance
+from duel import Contender, devices, duel, on, radiance
 from rooms import Room, room, workplace
 
 import clerestory as cl
@@ -74,15 +74,15 @@ def contenders(
     write_suns(place, bsdf, directions)
     layer = cl.read_bsdf(bsdf)
 
-    def ours(samples: int):
+    def ours(samples: int, device: str):
         def make(run: int):
             matrix = sun_coefficients(
                 scene, [window], window.name, layer, sensors=chosen,
-                suns=directions[front], samples=samples, seed=run,
+                suns=directions[front], samples=samples, seed=run, device=device,
             )  # fmt: skip
             return matrix.values[0]
 
-        return Contender(f"{samples} paths a sensor and sun", make)
+        return Contender(f"{samples} paths a sensor and sun{on(device)}", make)
 
     def theirs(name: str, directions: int):
         command = RCONTRIB.format(directions=directions)
@@ -94,8 +94,8 @@ def contenders(
         return Contender(f"rcontrib {name}", make, peer=True)
 
     found = [theirs("as the tutorial (-ad 256)", 256), theirs("-ad 2000", 2000)]
-    found += [ours(n) for n in (16, 64)]
-    return found, ours(4096).make(12345)
+    found += [ours(n, d) for d in devices() for n in (16, 64)]
+    return found, ours(4096, devices()[-1]).make(12345)
 
 
 def main() -> None:

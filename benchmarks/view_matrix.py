@@ -8,7 +8,7 @@ Ratios above 1 say how many times less work (time × variance) it takes.
 import argparse
 from pathlib import Path
 
-from duel import Contender, duel, radiance
+from duel import Contender, devices, duel, on, radiance
 from rooms import Room, finely_cut, room, workplace
 
 import clerestory as cl
@@ -24,7 +24,7 @@ def contenders(place: Room, *, tuned: bool) -> tuple[list[Contender], "object"]:
     files = " ".join(str(f) for f in place.files)
     radiance(f"oconv {files} > view.oct && echo 0 0 0", place.folder)
 
-    def ours(samples: int):
+    def ours(samples: int, device: str):
         def make(run: int):
             matrix = cl.view_matrix(
                 scene,
@@ -33,10 +33,11 @@ def contenders(place: Room, *, tuned: bool) -> tuple[list[Contender], "object"]:
                 samples=samples,
                 bounces=BOUNCES,
                 seed=run,
+                device=device,
             )
             return matrix.values[0]
 
-        return Contender(f"{samples:,} paths a sensor", make)
+        return Contender(f"{samples:,} paths a sensor{on(device)}", make)
 
     def theirs(name: str, options: str):
         command = (
@@ -52,8 +53,8 @@ def contenders(place: Room, *, tuned: bool) -> tuple[list[Contender], "object"]:
     found = [theirs("as the tutorial (-ad 5000 -lw 2e-4)", "-ad 5000 -lw 2e-4")]
     if tuned:
         found.append(theirs("tuned (-ad 20000 -lw 1e-5)", "-ad 20000 -lw 1e-5"))
-    found += [ours(n) for n in (1 << 12, 1 << 14, 1 << 16)]
-    return found, ours(1 << 20).make(12345)
+    found += [ours(n, d) for d in devices() for n in (1 << 12, 1 << 14, 1 << 16)]
+    return found, ours(1 << 20, devices()[-1]).make(12345)
 
 
 def main() -> None:
