@@ -49,6 +49,7 @@ _HOME = {
     "Picture": "image.picture",
     "read_picture": "image.read",
     "write_picture": "image.write",
+    "denoise": "image.denoise",
     "read_window": "scene.window",
     "read_windows": "scene.window",
     "view_matrix": "phases.trace",

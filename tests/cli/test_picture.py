@@ -116,3 +116,11 @@ def test_errors_are_one_line_and_tell_what_was_expected(call, pictures, words, m
 def test_every_command_has_help_with_an_example(call, command):
     outcome = call("picture", command, "--help")
     assert f"Example: clerestory picture {command}" in " ".join(outcome.out.split())
+
+
+def test_a_denoised_picture_says_so(call, tmp_path, monkeypatch):
+    pytest.importorskip("mitsuba_oidn", reason="the extra `denoise`")
+    monkeypatch.chdir(tmp_path)
+    write_picture(Picture(np.ones((32, 32, 3), dtype=np.float32)), "a.hdr")
+    assert call("picture", "denoise", "a.hdr", "-o", "b.hdr").status == 0
+    assert "DENOISED=" in call("picture", "info", "b.hdr", "--header").out

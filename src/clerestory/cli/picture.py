@@ -12,6 +12,7 @@ from clerestory.image.arithmetic import crop as crop_picture
 from clerestory.image.arithmetic import reduce as reduce_picture
 from clerestory.image.arithmetic import scale, weighted_sum, within_view
 from clerestory.image.colour_scale import ColourScale, linear_scale, logarithmic_scale
+from clerestory.image.denoise import denoise as denoise_picture
 from clerestory.image.display import to_srgb, write_display
 from clerestory.image.exr import write_exr
 from clerestory.image.false_colour import Style, false_colour
@@ -76,6 +77,15 @@ def _statistics_lines(picture: Picture) -> list[str]:
     words = ", ".join(f"{word} {value_word(value)}" for word, value in ends)
     shares = ", ".join(f"{p:g} % {value_word(x)}" for p, x in found.percentile)
     return [f"{name} [{found.unit}]  {words}", f"below  {shares}"]
+
+
+@app.command(epilog="Example: clerestory picture denoise room.hdr -o smooth.hdr")
+def denoise(file: PictureFile, output: Output) -> None:
+    """Smooth the noise of a traced picture by Intel's Open Image Denoise.
+
+    The result is a guess for the eye, and its header says so.
+    """
+    write_picture(denoise_picture(read_picture(file)), output)
 
 
 @app.command(epilog="Example: clerestory picture tonemap room.hdr -o room.png")

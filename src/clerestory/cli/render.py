@@ -24,6 +24,7 @@ from clerestory.cli.options import (
 from clerestory.cli.progress import progress_display
 from clerestory.cluster.cluster import executor_at
 from clerestory.errors import InputError
+from clerestory.image.denoise import denoise as denoise_picture
 from clerestory.image.picture import photometric, photometric_unit
 from clerestory.image.write import write_picture
 from clerestory.phases.render import Rendering, render_irradiance
@@ -68,6 +69,10 @@ Illuminance = Annotated[
         "--illuminance", help="Show the illuminance of surfaces, as rpict -i does."
     ),
 ]
+Denoise = Annotated[
+    bool,
+    typer.Option("--denoise", help="Smooth the noise for the eye; the header says so."),
+]
 
 
 def render(
@@ -83,6 +88,7 @@ def render(
     bounces: Bounces = None,
     error: ErrorOutput = None,
     illuminance: Illuminance = False,
+    denoise: Denoise = False,
     seed: Seed = 1,
     device: DeviceOption = "auto",
     cluster: ClusterAddress = None,
@@ -113,7 +119,8 @@ def render(
             executor=executor,
             progress=display("picture"),
         )
-    write_picture(made.picture, output)
+    picture = denoise_picture(made.picture) if denoise else made.picture
+    write_picture(picture, output)
     if error is not None:
         radiance = made.error.astype(np.float32)
         write_picture(replace(made.picture, radiance=radiance), error)

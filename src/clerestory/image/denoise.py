@@ -1,0 +1,52 @@
+"""Smoothing of the noise in traced pictures by a neural network.
+
+Intel Open Image Denoise guesses what a picture would be without noise. A guess is for
+the eye: it has no error bar and may shift luminance where the picture is sharp. So
+pictures that went through it say so in their header, and metrics doubt them.
+
+Reference: A. Áfra, Intel Open Image Denoise, 2019–2026, openimagedenoise.org.
+"""
+
+import importlib
+import importlib.metadata
+import importlib.util
+from dataclasses import replace
+
+import numpy as np
+
+from clerestory.errors import ClerestoryError
+from clerestory.image.picture import Picture
+
+_MARK = "DENOISED="
+
+
+def denoise(picture: Picture) -> Picture:
+    """Return a picture with its noise smoothed away, and marked so in its header.
+
+    Raises
+    ------
+    ClerestoryError : the denoiser is not installed
+    """
+    if importlib.util.find_spec("mitsuba_oidn") is None:
+        raise ClerestoryError(
+            "the denoiser is not installed; `pip install clerestory[denoise]` expected"
+        )
+    network = importlib.import_module("mitsuba_oidn")
+    version = importlib.metadata.version("mitsuba-oidn")
+    values = np.ascontiguousarray(picture.radiance, dtype=np.float32)
+    smoothed = np.asarray(network.denoise(values, hdr=True), dtype=np.float32)
+    line = f"{_MARK} Open Image Denoise by mitsuba-oidn {version}; for the eye only"
+    return replace(
+        picture, radiance=np.maximum(smoothed, 0), header=(*picture.header, line)
+    )
+
+
+def is_denoised(picture: Picture) -> bool:
+    """Whether a picture's header says that it was denoised.
+
+    Examples
+    --------
+    >>> is_denoised(Picture(np.ones((1, 1, 3), dtype=np.float32)))
+    False
+    """
+    return any(line.strip().startswith(_MARK) for line in picture.header)
