@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
+from clerestory.glare.pitch import pixel_pitch
+from clerestory.glare.quadrilateral import quadrilaterals
+from clerestory.glare.rays import pixel_rays
 from clerestory.glare.view import glare_view
 from clerestory.scene.view import View, solid_angles
 from clerestory.scene.view_text import parse_view
@@ -80,3 +83,26 @@ def test_views_that_differ_only_in_place_share_their_pixels():
     )
     there = View(kind="angular", horizontal=90, vertical=90)
     assert glare_view(here, 50, 50) is glare_view(there, 50, 50)
+
+
+@pytest.mark.parametrize("kind", ["angular", "hemispherical", "perspective"])
+def test_blocks_of_rows_make_up_the_whole_picture(kind):
+    """To the last bit, on which the number of sources may hang."""
+    size = 180 if kind != "perspective" else 80
+    view = View(kind=kind, horizontal=size, vertical=size)
+    whole = quadrilaterals(view, 90, 90)
+    rays = pixel_rays(view, 90, 90)
+    for some in (slice(0, 1), slice(7, 40), slice(89, 90)):
+        np.testing.assert_array_equal(quadrilaterals(view, 90, 90, some), whole[some])
+        part = pixel_rays(view, 90, 90, some)
+        np.testing.assert_array_equal(part.direction, rays.direction[some])
+
+
+def test_neighbouring_pixels_are_apart_by_the_slope_of_the_picture():
+    """In an angular fisheye a degree along a radius, sin σ / σ of it across."""
+    eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 180, 180)
+    pitch, sigma = pixel_pitch(eye.direction), eye.sigma
+    part = np.s_[20:80, 100:160]
+    np.testing.assert_allclose(np.degrees(pitch.most[part]), 1, rtol=1e-3)
+    expected = np.sin(sigma[part]) / sigma[part]
+    np.testing.assert_allclose(np.degrees(pitch.least[part]), expected, rtol=1e-3)
