@@ -13,6 +13,7 @@ from jaxtyping import Float, Int
 
 from clerestory.bsdfgen.branches import incident_part
 from clerestory.bsdfgen.effort import TraceEffort
+from clerestory.bsdfgen.keep_light import IncidentLight, keep_light
 from clerestory.bsdfgen.refine import (
     Cells,
     Light,
@@ -111,7 +112,9 @@ class Counter:
             extra = _shared(risk * spent, more)
             short = not done and spent.max() >= _MOST
             if done or short or not extra.any():
-                return Counted(*found, int(spent.sum()), not short)
+                both = zip(found, self._sums, strict=True)
+                passed, back = (self._kept(*one) for one in both)
+                return Counted(passed, back, int(spent.sum()), not short)
             self._trace(extra, effort)
 
     def _trace(self, extra: Int[np.ndarray, " row"], effort: TraceEffort) -> None:
@@ -154,6 +157,20 @@ class Counter:
         if grid.rank == 3 and grid.depth > 0:
             _empty_other_half(levels)
         return BlockCells(levels[0], chosen_cells(levels, rank=grid.rank))
+
+    def _kept(
+        self, found: BlockCells, sums: Float[np.ndarray, "cell more"]
+    ) -> BlockCells:
+        # Shares lie between 0 and 1: their variance is at most s (1 - s)
+        luminous = sums[:, :-1] @ self.weights
+        total = np.bincount(self._incident, luminous, minlength=self.grid.incidents)
+        paths = np.maximum(self._paths, 1)
+        share = total / paths
+        light = IncidentLight(share, np.maximum(share * (1 - share), 0) / paths)
+        cells = keep_light(
+            found.cells, light, self.weights, rank=self.grid.rank, depth=self.grid.depth
+        )
+        return BlockCells(found.roots, cells)
 
     def _risk(self, cells: Cells) -> Float[np.ndarray, " row"]:
         # Expected square of the errors, summed over the finest cells of each row

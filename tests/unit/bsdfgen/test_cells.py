@@ -5,6 +5,7 @@ import pytest
 
 from clerestory.bsdf.tree_table import look_up
 from clerestory.bsdfgen.branches import incident_part, joined
+from clerestory.bsdfgen.keep_light import IncidentLight, keep_light
 from clerestory.bsdfgen.refine import chosen_cells, coarser_light, finest_light
 
 WHOLE = np.array([1.0])
@@ -89,3 +90,61 @@ def test_slots_lead_to_the_cells():
             place[dimension] |= (bit << level).astype(np.int32)
     found, _ = look_up(slots, tuple(place), depth=depth)
     assert np.array_equal(found, expanded(cells, rank, depth).astype(np.float32))
+
+
+def steep_block(seed=4, paths=200):
+    """Counts of a block whose light in all differs from incident cell to cell."""
+    rng = np.random.default_rng(seed)
+    depth = 3
+    incident = incident_part(np.arange(1 << 4 * depth), rank=4, levels=depth)
+    share = rng.uniform(0.1, 0.9, 4**depth)
+    mean = share[incident] / 4**depth * paths
+    count = rng.poisson(mean).astype(float)
+    size = np.pi / 4**depth * paths
+    return incident, count, count / size, count / size**2
+
+
+def test_joined_cells_keep_the_light_of_each_incident_cell():
+    """Single values are lost in noise; the light in all is known ten times better."""
+    depth, paths = 3, 200
+    incident, count, value, noise = steep_block(paths=paths)
+    cells = chosen_cells(levels(value, noise, 4, depth), rank=4)
+    counted = np.bincount(incident, count) / paths
+    light = IncidentLight(counted, np.zeros(len(counted)))
+    kept = keep_light(cells, light, WHOLE, rank=4, depth=depth)
+    size = np.pi / 4**depth
+
+    def in_all(found):
+        return np.bincount(incident, expanded(found, 4, depth)) * size
+
+    assert np.abs(in_all(cells) - counted).max() > 0.1
+    assert np.abs(in_all(kept) - counted).max() < 0.02 + 1e-9
+    assert in_all(kept).sum() == pytest.approx(in_all(cells).sum())
+    # Every finest cell still belongs to one cell
+    span = 1 << 4 * kept.height
+    assert span.sum() == 1 << 4 * depth
+    assert np.array_equal(np.sort(kept.slots[kept.slots >= 0]), np.arange(len(span)))
+
+
+def test_slots_of_cut_cells_lead_to_their_values():
+    depth = 3
+    incident, count, value, noise = steep_block()
+    cells = chosen_cells(levels(value, noise, 4, depth), rank=4)
+    light = IncidentLight(np.bincount(incident, count) / 200, np.zeros(64))
+    kept = keep_light(cells, light, WHOLE, rank=4, depth=depth)
+    for number in (0, len(kept.place) // 2, len(kept.place) - 1):
+        place, height = int(kept.place[number]), int(kept.height[number])
+        slot = int(kept.slots[0])
+        for level in range(depth - height - 1, -1, -1):
+            branch = place >> 4 * level & 15
+            slot = int(kept.slots[~slot + branch])
+        assert slot == number
+
+
+def test_light_that_is_hardly_known_cuts_nothing():
+    incident, count, value, noise = steep_block()
+    cells = chosen_cells(levels(value, noise, 4, 3), rank=4)
+    share = np.bincount(incident, count) / 200
+    vague = IncidentLight(share, np.full(64, 1.0))
+    kept = keep_light(cells, vague, WHOLE, rank=4, depth=3)
+    assert np.array_equal(kept.slots, cells.slots)
