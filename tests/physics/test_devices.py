@@ -1,0 +1,85 @@
+"""Which device is taken, and how large its launches are: without any GPU."""
+
+import ctypes
+
+import pytest
+
+from clerestory.engine import device as devices
+from clerestory.engine import work
+from clerestory.errors import ClerestoryWarning, DeviceError
+
+
+class FakeDriver:
+    """A CUDA driver that tells 20 GB of free memory, or fails at one call."""
+
+    def __init__(self, failing=None):
+        self.failing, self.calls = failing, []
+
+    def __getattr__(self, name):
+        def call(*arguments):
+            self.calls.append(name)
+            if name == self.failing:
+                return 100
+            if name == "cuMemGetInfo_v2":
+                arguments[0]._obj.value, arguments[1]._obj.value = 20 << 30, 24 << 30
+            return 0
+
+        return call
+
+
+@pytest.fixture
+def driver(monkeypatch):
+    """Put a driver in place of the machine's."""
+
+    def install(failing=None):
+        fake = FakeDriver(failing)
+        monkeypatch.setattr(devices, "_cuda_driver", lambda: "cuda")
+        monkeypatch.setattr(ctypes, "CDLL", lambda name: fake)
+        return fake
+
+    return install
+
+
+def test_the_driver_tells_its_free_memory(driver):
+    fake = driver()
+    assert devices.free_memory() == 20 << 30
+    assert fake.calls[-1] == "cuDevicePrimaryCtxRelease_v2"
+
+
+@pytest.mark.parametrize(
+    "failing",
+    ["cuInit", "cuDeviceGet", "cuDevicePrimaryCtxRetain", "cuCtxPushCurrent_v2",
+     "cuMemGetInfo_v2"],
+)  # fmt: skip
+def test_a_driver_that_fails_tells_nothing(driver, failing):
+    driver(failing)
+    assert devices.free_memory() is None
+
+
+def test_launches_on_a_gpu_fill_a_part_of_its_memory(monkeypatch):
+    """A quarter for paths, a quarter for sums; never less than on a CPU."""
+    local, cpu = work.Local(), work.Local().grain("cpu")
+    monkeypatch.setattr(work, "free_memory", lambda: 8 << 30)
+    grain = local.grain("cuda")
+    assert grain.paths * work._PATH_BYTES == 2 << 30
+    assert grain.sums == 2 << 30
+    monkeypatch.setattr(work, "free_memory", lambda: 1 << 20)
+    assert local.grain("cuda") == cpu
+    monkeypatch.setattr(work, "free_memory", lambda: None)
+    assert local.grain("cuda") == cpu
+
+
+def test_a_gpu_that_fails_leaves_the_work_to_the_cpu_and_says_why(monkeypatch):
+    monkeypatch.setattr(devices, "_cuda_driver", lambda: "cuda")
+    monkeypatch.setattr(devices, "_probe", lambda variant, environment: "out of order")
+    monkeypatch.setattr(devices, "_start_llvm", lambda: None)
+    with pytest.warns(ClerestoryWarning, match=r"not used \(out of order\); the CPU"):
+        assert devices.resolve.__wrapped__("auto") == "cpu"
+    with pytest.raises(DeviceError, match="out of order"):
+        devices.resolve.__wrapped__("cuda")
+
+
+def test_a_machine_without_a_gpu_says_nothing(monkeypatch):
+    monkeypatch.setattr(devices, "_cuda_driver", lambda: None)
+    monkeypatch.setattr(devices, "_start_llvm", lambda: None)
+    assert devices.resolve.__wrapped__("auto") == "cpu"
