@@ -140,6 +140,20 @@ def test_a_uniform_vector_is_the_same_everywhere(call):
     np.testing.assert_allclose(values[:, 0, 0], 0.2, rtol=1e-6)
 
 
+def test_a_perez_vector_sends_the_light_asked_for(call):
+    """Visible irradiance on the ground, and from the sun, over the patches."""
+    command = "sky vector perez --sun 40 180 --diffuse 90 --direct 400 -o S.nc -q"
+    assert call(*command.split(), "--subdivision", "4").status == 0
+    sent = read_netcdf("S.nc")
+    dome = sent.rows.partition
+    assert call(*command.split(), "--subdivision", "4", "--no-direct").status == 0
+    sky_alone = read_netcdf("S.nc").values[:, :, 0] / [[0.960], [1.004], [1.118]]
+    received = sky_alone[:, 1:] @ dome.dome.projected_solid_angles()
+    np.testing.assert_allclose(received, 90, rtol=2e-3)
+    whole = sent.values[:, :, 0] / [[0.960], [1.004], [1.118]]
+    assert whole.max() > 3 * sky_alone.max()
+
+
 def test_a_clear_vector_has_its_sun_unless_told_otherwise(call):
     command = "sky vector clear --sun 40 180 --direct 500 --subdivision 2 -o S.vec"
     call(*command.split())
@@ -206,6 +220,10 @@ BAD = {
     "plot of another kind": ("sky plot two_days.wea -o sky.gif", ".png or .svg"),
     "dome at night": ("sky plot two_days.wea --time 06-21T00:30 -o s.png", "by day"),
     "unknown sky": ("sky vector foggy --sun 40 0 -o S.vec", "unknown sky 'foggy'"),
+    "perez without sun": (
+        "sky vector perez --sun 40 0 --diffuse 9 -o S.vec",
+        "both expected",
+    ),
     "general sky without level": ("sky vector 3 --sun 40 0 -o S.vec", "sky 3 without"),
 }
 

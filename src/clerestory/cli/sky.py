@@ -30,6 +30,7 @@ from clerestory.files import write_text
 from clerestory.sky.conditions import daylight_steps
 from clerestory.sky.describe import describe_weather
 from clerestory.sky.gensky import cie_sky
+from clerestory.sky.perez_moment import perez_moment
 from clerestory.sky.point import sky_vector
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
@@ -121,7 +122,8 @@ def vector(
         str,
         typer.Argument(
             metavar="SKY",
-            help="uniform, overcast, intermediate, clear, or a CIE general sky 1..15.",
+            help="uniform, overcast, intermediate, clear, a CIE general sky 1..15, or"
+            " perez.",
         ),
     ],
     output: Output,
@@ -159,21 +161,33 @@ def vector(
     encoding: Format = "float",
     quiet: Quiet = False,
 ) -> None:
-    """Sky vector of a CIE sky: radiance of ground and sky patches [W/(m²·sr)].
+    """Sky vector of one moment: radiance of ground and sky patches [W/(m²·sr)].
 
-    The vector of a moment of the weather: `sky matrix WEATHER --time`.
+    That of a moment of the weather: `sky matrix WEATHER --time`.
     """
-    altitude, azimuth = np.radians(sun)
-    sky = cie_sky(
-        sky_kind(kind),
-        sun_altitude=float(altitude),
-        sun_azimuth=float(azimuth),
-        with_sun=not no_direct,
-        turbidity=turbidity,
-        diffuse_horizontal=diffuse,
-        direct_normal=direct,
-        ground_reflectance=ground_reflectance,
-    )
+    altitude, azimuth = (float(angle) for angle in np.radians(sun))
+    if kind == "perez":
+        if diffuse is None or direct is None:
+            raise InputError("sky perez without --diffuse and --direct; both expected")
+        sky = perez_moment(
+            sun_altitude=altitude,
+            sun_azimuth=azimuth,
+            diffuse_horizontal=diffuse,
+            direct_normal=direct,
+            with_sun=not no_direct,
+            ground_reflectance=ground_reflectance,
+        )
+    else:
+        sky = cie_sky(
+            sky_kind(kind),
+            sun_altitude=altitude,
+            sun_azimuth=azimuth,
+            with_sun=not no_direct,
+            turbidity=turbidity,
+            diffuse_horizontal=diffuse,
+            direct_normal=direct,
+            ground_reflectance=ground_reflectance,
+        )
     placement, diameter = placement_of(sun_size)
     column = sky_vector(
         sky, subdivision=subdivision, sun=placement, sun_diameter_deg=diameter

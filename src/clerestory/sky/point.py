@@ -13,7 +13,7 @@ from scipy.sparse import csc_array
 from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.sky.conditions import Spectrum, sky_conditions
+from clerestory.sky.conditions import SkyConditions, Spectrum, sky_conditions
 from clerestory.sky.direct import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.distribution import (
     Distribution,
@@ -100,6 +100,22 @@ def perez_point(
         dew_point_c=dew_point_c,
         spectrum=spectrum,
     )
+    return perez_under(
+        conditions,
+        ground_reflectance=ground_reflectance,
+        sky_colour=sky_colour,
+        time=weather.times[0],
+    )
+
+
+def perez_under(
+    conditions: SkyConditions,
+    *,
+    ground_reflectance: float = GROUND_REFLECTANCE,
+    sky_colour: tuple[float, float, float] = SKY_COLOUR,
+    time: np.datetime64 = np.datetime64("NaT", "s"),  # noqa: B008
+) -> PointSky:
+    """Return Perez's sky under the conditions of a single step."""
     sky = perez_sky(conditions.state, azimuth=conditions.sun.azimuth)
     shape = FiveParameters(*(float(p[0]) for p in (sky.a, sky.b, sky.c, sky.d, sky.e)))
     diffuse = float(conditions.diffuse_horizontal[0])
@@ -117,7 +133,7 @@ def perez_point(
         float(conditions.direct_normal[0]),
         ground_reflectance * level / np.pi,
         sky_colour,
-        weather.times[0],
+        time,
     )
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
 from clerestory.sky.distribution import (
     FiveParameters,
@@ -12,6 +13,7 @@ from clerestory.sky.distribution import (
     horizontal_integral,
 )
 from clerestory.sky.gensky import cie_sky
+from clerestory.sky.perez_moment import perez_moment
 from clerestory.sky.point import perez_point, sky_vector
 from clerestory.sky.sky_matrix import sky_matrix
 
@@ -189,3 +191,31 @@ def test_skies_that_cannot_be_are_refused(kind, arguments, message):
 def test_a_moment_is_a_single_step(spring_day):
     with pytest.raises(InputError, match="96 steps; a single one"):
         perez_point(spring_day)
+
+
+@pytest.mark.parametrize("step", [28, 40, 47, 60])
+def test_a_moment_known_by_its_light_has_the_sky_of_the_weather(spring_day, step):
+    """The efficacy inverted and applied again is the same sky."""
+    weather = spring_day.select(slice(step, step + 1))
+    truth = perez_point(weather)
+    up = np.arcsin(truth.sun[2]), np.arctan2(truth.sun[0], truth.sun[1])
+    found = perez_moment(
+        sun_altitude=float(up[0]),
+        sun_azimuth=float(up[1]),
+        diffuse_horizontal=truth.diffuse_horizontal(),
+        direct_normal=truth.direct_normal,
+        time=weather.times[0],
+    )
+    directions = from_azimuth(np.linspace(0, 6, 40), np.linspace(0.1, 1.5, 40))
+    np.testing.assert_allclose(
+        found.radiance(directions), truth.radiance(directions), rtol=1e-3
+    )
+    assert found.ground == pytest.approx(truth.ground, rel=1e-6)
+
+
+def test_a_moment_without_sense_is_refused():
+    light = {"diffuse_horizontal": 10.0, "direct_normal": 10.0, "sun_azimuth": 0.0}
+    with pytest.raises(InputError, match="-90 to 90"):
+        perez_moment(sun_altitude=2.0, **light)
+    with pytest.raises(InputError, match="from 0 expected"):
+        perez_moment(sun_altitude=1.0, **{**light, "direct_normal": -1.0})
