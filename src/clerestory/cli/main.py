@@ -8,7 +8,10 @@ from clerestory import __version__
 from clerestory.cli import bsdf, glazing, gonio, luminaire, picture, sky, trace
 from clerestory.cli.compare import compare
 from clerestory.cli.doctor import doctor
+from clerestory.cli.glare import EXAMPLE as glare_example
 from clerestory.cli.glare import glare
+from clerestory.cli.illum import illum
+from clerestory.cli.import_model import import_model
 from clerestory.cli.metrics import metrics
 from clerestory.cli.multiply import multiply
 from clerestory.cli.picture_capture import calibrate, merge, reproject
@@ -45,13 +48,18 @@ app.command(
     epilog="Example: clerestory render --scene materials.rad room.rad --view"
     " desk.vf --sky 'gensky 9 21 12 +s -a 48 -o -11 -m -15' -o noon.hdr"
 )(render)
-app.command(epilog="Example: clerestory glare desk.hdr --detail --check found.hdr")(
-    glare
-)
+app.command(
+    epilog="Example: clerestory illum --scene materials.rad room.rad --panes window.rad"
+    " --sky 'gensky 9 21 12 +s' -o lamps.rad"
+)(illum)
+app.command(epilog=f"Example: {glare_example}")(glare)
 app.command(epilog="Example: clerestory metrics results -o metrics.csv")(metrics)
 app.command(epilog="Example: clerestory compare measured.csv study_results -o found")(
     compare
 )
+app.command(
+    "import", epilog="Example: clerestory import room.hbjson --weather oslo.epw -o room"
+)(import_model)
 app.command(epilog="Example: clerestory doctor")(doctor)
 app.command(epilog="Example: clerestory multiply V.mtx blind.xml D.mtx S.smx -o E.mtx")(
     multiply
