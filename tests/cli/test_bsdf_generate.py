@@ -82,6 +82,51 @@ def test_bad_requests_end_with_one_line(call, words, message):
     assert done.err.count("\n") == 1
 
 
+GLASS = """
+void dielectric glass 0 0 5 1 1 1 1.5 0
+glass polygon top 0 0 9  0 0 0  1 0 0  0 1 0
+glass polygon low 0 0 9  0 0 -0.1  0 1 -0.1  1 0 -0.1
+glass polygon one 0 0 12  0 0 0  0 0 -0.1  1 0 -0.1  1 0 0
+glass polygon two 0 0 12  0 0 0  0 1 0  0 1 -0.1  0 0 -0.1
+"""
+TWICE = SLATS + "grey polygon part 0 0 9  0.2 0.1 -0.01  0.8 0.1 -0.01  0.5 0.1 -0.04"
+MILLIMETRES = """
+void plastic grey 0 0 5 0.5 0.5 0.5 0 0
+grey polygon slat 0 0 12  0 100 0  1000 100 0  1000 150 -50  0 150 -50
+"""
+HIGH = SLATS + "grey polygon edge 0 0 9  0 0.3 0.02  1 0.3 0.02  1 0.3 -0.05"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (HIGH, 'system.rad:5: polygon "edge" reaches 20 mm into the room'),
+        (MILLIMETRES, "1000 m wide, 50 m high and 50 m deep; is it in millimetres?"),
+        (GLASS, 'has an open edge: dielectric "glass" does not enclose a solid'),
+        (GLASS, 'system.rad:3: polygon "top"'),
+        (TWICE, 'system.rad:3: polygon "slat" and system.rad:5: polygon "part" lie in'),
+    ],
+)
+def test_doubts_name_the_item_and_its_line(call, room, text, said):
+    """In the room, in millimetres, not closed, one in the other: told, and traced."""
+    (room / "system.rad").write_text(text)
+    done = call(
+        *("bsdf", "generate", "system.rad", "-o", "x.xml"),
+        *("--basis", "quarter", "--sides", "back", "--samples", 8, "--quiet"),
+    )
+    assert done.status == 0
+    assert said in done.err
+    assert all(line.startswith("warning: ") for line in done.err.splitlines())
+
+
+def test_a_system_in_the_room_is_refused(call, room):
+    (room / "slats.rad").write_text(SLATS.replace("-0.05", "0.05"))
+    done = call("bsdf", "generate", "slats.rad", "-o", "x.xml")
+    assert done.status == 2
+    assert "all surfaces lie in the room" in done.err
+    assert done.err.count("\n") == 1
+
+
 def test_doubts_are_warnings(call, room):
     (room / "slats.rad").write_text(SLATS.replace("-0.05", "0.05"))
     (room / "more.rad").write_text("grey polygon low 0 0 9  0 0 -0.1  1 0 -0.1  0 1 0")
