@@ -206,7 +206,7 @@ def simulate(options: argparse.Namespace, folder: Path) -> Log:
 
 def sweep(options: argparse.Namespace) -> dict[str, list[tuple[float, dict]]]:
     """Return the stages of halls that differ in one size each."""
-    base = {"triangles": 250_000, "sensors": 2000, "windows": 4, "states": 2}
+    base = {"triangles": 100_000, "sensors": 1000, "windows": 4, "states": 2}
     found: dict[str, list[tuple[float, dict]]] = {}
     done: dict[str, dict] = {}
     for name, middle in base.items():

@@ -6,9 +6,9 @@ What leaves the windows, X, is small: patches of all windows × steps. V comes f
 file block by block of sensors, and the results of a block go to theirs. Time grows in
 proportion to sensors × patches × steps; memory does not grow with sensors.
 
-The error of D enters by its components as that of V does. Those of different windows
-are independent; component k of all windows is taken at once, which leaves the expected
-variance as it is and takes one product for all windows instead of one for each.
+Errors of V and D are independent, and so are those of D of different windows.
+Component k of all of them is taken at once, (V + V_k)(X + X_k) − V X: that leaves the
+expected variance as it is, and takes one product for each component of all.
 """
 
 from collections.abc import Sequence
@@ -202,25 +202,30 @@ def stream_illuminance(
         lux, error = (
             _variable(file, name, views.sensors, len(times)) for name in names
         )
+        light = [leaving.values, *(leaving.values + n for n in leaving.components)]
+        columns = [_rows(each) for each in light]
         for block in views.blocks(_SENSORS):
             night = np.zeros((2, block.rows.stop - block.rows.start, len(times)), "f4")
-            night[:, :, leaving.steps] = received(block, leaving)
+            night[:, :, leaving.steps] = received(block, columns)
             lux[block.rows], error[block.rows] = night
             if progress is not None:
                 done = block.rows.stop
                 progress(done / views.sensors, f"{done} of {views.sensors} sensors")
 
 
-def received(block: ViewBlock, leaving: Leaving) -> Float32[np.ndarray, "2 sensor lit"]:
-    """Illuminance [lux] of some sensors in the steps with light, and its error."""
-    light = _rows(leaving.values)
-    view = _columns(block.values)
-    total = view @ light
+def received(
+    block: ViewBlock, light: Sequence[Float32[np.ndarray, "patch lit"]]
+) -> Float32[np.ndarray, "2 sensor lit"]:
+    """Illuminance [lux] of some sensors in the steps with light, and its error.
+
+    Parameters
+    ----------
+    light : of the patches, channels below each other; then with each component added
+    """
+    total = _columns(block.values) @ light[0]
     variance = np.zeros_like(total)
-    for part in block.components:
-        variance += np.square(_columns(part) @ light)
-    for noise in leaving.components:
-        variance += np.square(view @ _rows(noise))
+    for part, other in zip(block.components, light[1:], strict=True):
+        variance += np.square(_columns(block.values + part) @ other - total)
     return np.stack([total, np.sqrt(variance)])
 
 
