@@ -165,7 +165,11 @@ def _view(job: Job, tracing: Tracing, table: ViewTable, camera: Camera) -> ViewT
     ) -> tuple[ShadedWindow, ...]:
         views = _view_matrices(job, table, camera, direct=direct)
         return tuple(
-            ShadedWindow(views[group.name], part.transmissions, part.daylight)
+            ShadedWindow(
+                views[group.name],
+                part.transmissions,
+                replace(part.daylight, components=None),  # pictures tell no error
+            )
             for group, part in zip(job.inputs.groups, parts, strict=True)
         )
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.gonio.layer import read_layer
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -77,9 +77,9 @@ def read_window_groups(table: WindowTable) -> list[WindowGroup]:
     InputError : a file is wrong, or a BSDF without patches
     """
     tables = table.states()
-    layers = [read_bsdf(state.bsdf) for state in tables]
+    layers = [read_layer(state.bsdf) for state in tables]
     fine = [
-        read_bsdf(state.sun_bsdf) if state.sun_bsdf else layer
+        read_layer(state.sun_bsdf) if state.sun_bsdf else layer
         for state, layer in zip(tables, layers, strict=True)
     ]
     windows = read_windows(table.file)
