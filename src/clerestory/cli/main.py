@@ -16,6 +16,7 @@ from clerestory.cli.metrics import metrics
 from clerestory.cli.multiply import multiply
 from clerestory.cli.picture_capture import calibrate, merge, reproject
 from clerestory.cli.render import render
+from clerestory.cli.new import new
 from clerestory.cli.report import report
 from clerestory.cli.run import demo, run
 from clerestory.cli.start import main, new_app
@@ -41,6 +42,10 @@ picture.app.command(
     epilog="Example: clerestory picture calibrate fisheye.hdr --before 1520"
     " --after 1490 -o desk.hdr"
 )(calibrate)
+app.command(
+    epilog="Example: clerestory new office --scene materials.rad room.rad"
+    " --window glazing.rad --bsdf blind.xml --weather oslo.epw"
+)(new)
 app.command(epilog="Example: clerestory run study.toml --out results")(run)
 app.command(epilog="Example: clerestory demo my_first_study")(demo)
 app.command(epilog="Example: clerestory report study_results")(report)

@@ -1,8 +1,8 @@
 """Where `clerestory …` starts: run one command, and turn what goes wrong into words.
 
 Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings are one
-line each on the error stream. A command of a group named below loads that group alone;
-all the others together take seconds.
+line each on the error stream. A group or command named below is loaded alone; all the
+others together take seconds.
 """
 
 import importlib
@@ -28,6 +28,9 @@ _GROUPS = {
     name: f"clerestory.cli.{name}"
     for name in ("trace", "sky", "bsdf", "glazing", "gonio")
 }
+
+# Commands that are, with their EXAMPLE
+_COMMANDS = {"glare": "clerestory.cli.glare"}
 
 # Typer's base of usage errors, which it does not export
 _UsageError: type[Exception] = next(
@@ -76,14 +79,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _app_for(words: list[str]) -> typer.Typer:
-    # The group that the first word names, or the whole program
-    if not words or words[0] not in _GROUPS:
-        whole: typer.Typer = importlib.import_module("clerestory.cli.main").app
-        return whole
+    # The group or command that the first word names, or the whole program
+    first = words[0] if words else ""
     app = new_app()
-    group = importlib.import_module(_GROUPS[words[0]])
-    app.add_typer(group.app, name=words[0])
+    if first in _GROUPS:
+        app.add_typer(importlib.import_module(_GROUPS[first]).app, name=first)
+    elif first in _COMMANDS:
+        module = importlib.import_module(_COMMANDS[first])
+        app.callback()(_program)
+        app.command(first, epilog=f"Example: {module.EXAMPLE}")(getattr(module, first))
+    else:
+        app = importlib.import_module("clerestory.cli.main").app
     return app
+
+
+def _program() -> None:
+    # With it, a program of one command still wants the command's name
+    pass
 
 
 def spread(words: list[str]) -> list[str]:

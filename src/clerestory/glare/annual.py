@@ -4,10 +4,11 @@ What depends on the view alone is worked out once. Illuminances are products wit
 view's weights; only pictures that hold a glare pixel are searched for sources.
 """
 
+import importlib
 from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Float
 
 from clerestory.errors import InputError
@@ -18,6 +19,9 @@ from clerestory.glare.rules import SourceRules
 from clerestory.glare.sources import find_sources
 from clerestory.glare.view import GlareView, glare_view
 from clerestory.scene.view import View
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # Units of what has one
 _UNITS = {
@@ -46,7 +50,7 @@ def annual_glare(
     low_light: bool = False,
     coefficients: DgpCoefficients = EVALGLARE,
     progress: Callable[[int], None] | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Return all indices of glare for a stack of pictures.
 
     Parameters
@@ -133,7 +137,7 @@ def _dataset(
     results: list[dict[str, float]],
     times: np.ndarray | None,
     illuminance: np.ndarray | None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     count = len(results)
     for name, given in (("times", times), ("illuminances", illuminance)):
         if given is not None and len(given) != count:
@@ -144,15 +148,16 @@ def _dataset(
         raise InputError("no pictures; at least one expected")
     axis = "step" if times is None else "time"
     variables = {
-        name: xr.DataArray(
-            [result[name] for result in results],
-            dims=axis,
-            attrs={"units": _UNITS.get(name, "1")},
-        )
-        for name in results[0]
+        name: (axis, [result[name] for result in results], {"units": unit})
+        for name, unit in ((name, _UNITS.get(name, "1")) for name in results[0])
     }
     steps = np.arange(count) if times is None else times
-    return xr.Dataset(variables, coords={axis: steps})
+
+    # xarray takes longer to load than a picture to evaluate
+    labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
+        variables, coords={axis: steps}
+    )
+    return labelled
 
 
 def glare_of_steps(
