@@ -253,7 +253,7 @@ def test_renderings_of_the_tutorial_have_the_same_glare(shared_data, tmp_path, v
     folder = shared_data / "tutorial_room"
     (tmp_path / "sky.rad").write_text(SKY)
     run(
-        f"oconv materials.rad room.rad objects/Glazing.rad {tmp_path}/sky.rad"
+        f"oconv -f materials.rad room.rad objects/Glazing.rad {tmp_path}/sky.rad"
         f" > {tmp_path}/room.oct",
         folder=folder,
     )
