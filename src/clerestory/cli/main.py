@@ -14,9 +14,9 @@ from clerestory.cli.illum import illum
 from clerestory.cli.import_model import import_model
 from clerestory.cli.metrics import metrics
 from clerestory.cli.multiply import multiply
+from clerestory.cli.new import new
 from clerestory.cli.picture_capture import calibrate, merge, reproject
 from clerestory.cli.render import render
-from clerestory.cli.new import new
 from clerestory.cli.report import report
 from clerestory.cli.run import demo, run
 from clerestory.cli.start import main, new_app
