@@ -41,7 +41,7 @@ SYSTEMS = {
     "microlouvre": microlouvre,
     "prismatic film": prismatic,
 }
-PATHS = {5: 4096, 6: 1024, 7: 512}
+PATHS = {5: 4096, 6: 1024, 7: 256}
 
 # Halvings within a block of bare counts, so that a few hundred megabytes hold them.
 WITHIN = {5: 5, 6: 5, 7: 4}

@@ -22,6 +22,7 @@ from clerestory.bsdfgen.slats import venetian
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.mgf import parse_mgf
+from clerestory.scene.rad import read_rad
 from clerestory.scene.tessellate import meshes
 
 BLIND = {"slat_width": 0.08, "spacing": 0.072}
@@ -211,3 +212,25 @@ def test_geometry_stands_in_the_file(tmp_path):
     )
     write_bsdf(tmp_path / "blind.xml", bsdf)
     assert '<MGFblock unit="meter">xf -t' in (tmp_path / "blind.xml").read_text()
+
+
+@pytest.mark.parametrize("tilt", [0, 20, 45, 80])
+def test_slats_are_those_of_genblinds(tmp_path, tilt):
+    """Radiance's generator, turned into genBSDF's frame, up to where it begins."""
+    file = tmp_path / "blind.rad"
+    file.write_text(
+        "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
+        f"!genblinds grey blind 0.08 1 1.008 14 {tilt} | xform -rz -90 -rx -90\n"
+    )
+    theirs = read_rad(file)
+    ours = venetian(
+        slat_width=0.08, spacing=0.072, tilt_deg=tilt, slats=14, length=1.0
+    ).scene
+    places = []
+    for scene in (theirs, ours):
+        corners = np.array([slat.vertices for slat in scene.surfaces])
+        corners -= corners.reshape(-1, 3).min(axis=0)
+        # Sides of thin slats are alike: any corner may come first, either way round
+        order = np.lexsort(corners.round(6).transpose(2, 0, 1), axis=-1)
+        places.append(np.take_along_axis(corners, order[..., None], axis=1))
+    assert places[0] == pytest.approx(places[1], abs=1e-6)
