@@ -18,6 +18,7 @@ from clerestory.image.picture import Picture
 from clerestory.image.write import write_picture
 from clerestory.phases.shaded import States
 from clerestory.phases.trace import Progress
+from clerestory.scene.view import View
 from clerestory.study.evidence import Judge
 from clerestory.study.job import Display
 from clerestory.study.lamps import Lamps
@@ -26,6 +27,9 @@ from clerestory.study.tracing import Skies
 from clerestory.study.view_tracing import ViewTracing
 
 PICTURE_FOLDER = "pictures"
+
+# Angle that an eye sees, a little less for views that are cut
+_EYE_DEG = 179.0
 
 
 def study_views(
@@ -49,30 +53,46 @@ def study_views(
 
     Returns
     -------
-    variables `glare_…` over (view, time), such as `glare_dgp` and `glare_illuminance`,
-    the vertical illuminance at the eye [lux]
+    variables `glare_…` over (view, time), for the views of an eye's width, such as
+    `glare_dgp` and `glare_illuminance`, the vertical illuminance at the eye [lux]
     """
     times = skies.whole.times
     daylight = skies.whole.diffuse.max(axis=0) > 0
     steps = np.flatnonzero(daylight | (output > 0).any(axis=0))
-    found = []
+    found = {}
     for view in views:
+        label = view.table.label
         kept = _asked_for(view.table, times, steps)
-        show = _counted(display(f"pictures of {view.table.label}"), len(steps))
-        lit = lamps.pictures(view.table.label)
-        series = _written(
-            _with_lamps(view.pictures(states, skies, steps), lit, output),
-            kept,
-            out / PICTURE_FOLDER,
-            view.table.label,
+        seen = steps if sees_glare(view.camera.view) else np.array(sorted(kept), int)
+        if len(seen) == 0:
+            continue
+        show = _counted(display(f"pictures of {label}"), len(seen))
+        lit = _with_lamps(
+            view.pictures(states, skies, seen), lamps.pictures(label), output
         )
-        glare = _glare(series, view, times, steps, states, progress=show)
-        found.append(glare.sortby("time").reindex(time=times))
+        series = _written(lit, kept, out / PICTURE_FOLDER, label)
+        if sees_glare(view.camera.view):
+            glare = _glare(series, view, times, seen, states, progress=show)
+            found[label] = glare.sortby("time").reindex(time=times)
+        else:
+            for done, _ in enumerate(series, start=1):
+                show(done)
     if not found:
         return xr.Dataset()
-    names = [view.table.label for view in views]
-    every = xr.concat(found, dim="view").assign_coords(view=names)
+    every = xr.concat(list(found.values()), dim="view").assign_coords(view=list(found))
     return every.rename({name: f"glare_{name}" for name in every.data_vars})
+
+
+def sees_glare(view: View) -> bool:
+    """Whether a view is as wide as an eye's, so that its glare can be judged.
+
+    >>> sees_glare(View(kind="angular", horizontal=180, vertical=180))
+    True
+    >>> sees_glare(View(horizontal=60, vertical=40))
+    False
+    """
+    wide = min(view.horizontal, view.vertical) >= _EYE_DEG
+    return wide and view.kind in ("angular", "hemispherical")
 
 
 def glare_judge(
@@ -90,8 +110,11 @@ def glare_judge(
     ) -> Float[np.ndarray, " step"]:
         worst = np.zeros(len(steps))
         bright = steps[lit[steps]]
-        for view in views:
-            if len(bright) and (not names or view.table.label in names):
+        named = [view for view in views if view.table.label in names]
+        eyes = [view for view in views if sees_glare(view.camera.view)]
+        for view in named or eyes or views:
+            _require_eye(view)
+            if len(bright):
                 series = view.pictures(states, skies, bright)
                 glare = _glare(
                     (picture.luminance() for _, picture in series),
@@ -108,6 +131,15 @@ def glare_judge(
         return worst
 
     return judge
+
+
+def _require_eye(view: ViewTracing) -> None:
+    if not sees_glare(view.camera.view):
+        raise InputError(
+            f'view "{view.table.label}" is too narrow to judge glare by; an angular or'
+            " hemispherical one of 180° expected",
+            file=view.table.file,
+        )
 
 
 def _glare(
