@@ -1,0 +1,155 @@
+"""A grid of sensors over the floor of the room behind a window, found by itself.
+
+From a point behind the window the room is filled step by step, as far as nothing stands
+in the way at the height of the window's middle. The floor lies where most of these
+points see it beneath them. Furniture taller than the sensors leaves none in its place.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.scene.model import Scene
+from clerestory.scene.proximity import Triangulation, first_hits
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.tessellate import meshes
+from clerestory.scene.window import Window
+
+# How far behind the window the search starts, and how far a room can reach [m]
+_START, _LARGEST = 0.3, 60.0
+
+# Heights that differ by less are one floor [m]
+_SAME = 0.02
+
+_UP = np.array([0.0, 0.0, 1.0])
+_SIDEWAYS = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
+
+
+def floor_grid(
+    scene: Scene,
+    window: Window,
+    *,
+    others: Sequence[Window] = (),
+    spacing: float = 0.5,
+    height: float = 0.76,
+) -> Sensors:
+    """Return sensors that face up, evenly over the floor of a window's room.
+
+    Parameters
+    ----------
+    scene : the room, without its windows
+    window : an opening of the room; which side of it is inside need not be right
+    others : further openings, which close the room too
+    spacing : of the sensors [m]
+    height : above the floor [m]
+
+    Raises
+    ------
+    InputError : no closed room on either side of the window
+    """
+    walls = _walls(scene, [window, *others])
+    side = room_side(scene, window)
+    start = _centre(window) + _START * side * window.frame.normal
+    inside = _filled(walls, _centred(walls, start, spacing), spacing)
+    drop = np.array([first_hits(p, -_UP[None], walls.corner)[0] for p in inside])
+    floor = _most_frequent(inside[:, 2] - drop)
+
+    # A sensor needs a free way down to it
+    free = inside[:, 2] - drop < floor + height - _SAME
+    below = np.isfinite(drop) & free & (inside[:, 2] > floor + height)
+    position = inside[below]
+    if not len(position):
+        raise InputError(
+            f'no floor was found behind window "{window.name}"; sensors expected'
+        )
+    position[:, 2] = floor + height
+    order = np.lexsort((position[:, 0], position[:, 1]))
+    return Sensors(position[order], np.tile(_UP, (len(position), 1)))
+
+
+def room_side(scene: Scene, window: Window) -> int:
+    """Return 1 if the room lies before the window's front, −1 if behind its back.
+
+    The room is where there is something overhead; where that is so on both sides or on
+    neither, the front is believed.
+    """
+    walls = _walls(scene, [])
+    covered = [
+        np.isfinite(
+            first_hits(
+                _centre(window) + side * _START * window.frame.normal,
+                _UP[None],
+                walls.corner,
+            )[0]
+        )
+        for side in (1, -1)
+    ]
+    return -1 if covered[1] and not covered[0] else 1
+
+
+def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
+    # Openings are closed, or the search would run out of them
+    parts = [mesh.vertices[mesh.faces] for mesh in meshes(scene)]
+    parts += [t.vertices[t.faces] for window in windows for t in window.triangles()]
+    corner = np.concatenate(parts) if parts else np.zeros((0, 3, 3))
+    return Triangulation(corner, np.zeros(len(corner), dtype=int))
+
+
+def _centre(window: Window) -> Float[np.ndarray, "3"]:
+    # A point of the largest triangle lies in the opening, whatever its outline
+    corner = np.concatenate([t.vertices[t.faces] for t in window.triangles()])
+    sides = corner[:, 1:] - corner[:, :1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    return np.asarray(corner[int(np.argmax(area))].mean(axis=0))
+
+
+def _centred(
+    walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
+) -> Float[np.ndarray, "3"]:
+    # Move the start so that rows of points keep equal distances to both walls
+    east, west, north, south = first_hits(start, _SIDEWAYS, walls.corner)
+    moved = start.copy()
+    for axis, ahead, behind in ((0, east, west), (1, north, south)):
+        width = ahead + behind
+        if np.isfinite(width) and width > spacing:
+            margin = (width - (width // spacing - 1) * spacing) / 2
+            place = (behind - margin) / spacing
+            moved[axis] += (round(place) - place) * spacing
+    return moved
+
+
+def _filled(
+    walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
+) -> Float[np.ndarray, "point 3"]:
+    # Go from point to point where nothing stands between them
+    known, waiting = {(0, 0)}, [(0, 0)]
+    most = round(_LARGEST / spacing)
+    while waiting:
+        cell = waiting.pop()
+        point = start + spacing * np.array([*cell, 0.0])
+        near = walls.near(point, spacing)
+        free = first_hits(point, _SIDEWAYS, near.corner) > spacing
+        for step in _SIDEWAYS[free].astype(int).tolist():
+            there = (cell[0] + step[0], cell[1] + step[1])
+            if max(map(abs, there)) > most:
+                raise InputError(
+                    f"the room behind the window is open, or reaches {_LARGEST:g} m;"
+                    " a closed room expected, or sensors"
+                )
+            if there not in known:
+                known.add(there)
+                waiting.append(there)
+    cells = np.array(sorted(known), dtype=float)
+    return start + spacing * np.column_stack([cells, np.zeros(len(cells))])
+
+
+def _most_frequent(levels: Float[np.ndarray, " point"]) -> float:
+    found = np.round(levels[np.isfinite(levels)] / _SAME)
+    if not len(found):
+        raise InputError("nothing lies beneath the window; a floor expected")
+    values, count = np.unique(found, return_counts=True)
+    chosen = values[int(np.argmax(count))]
+    same = np.abs(levels / _SAME - chosen) <= 1
+    return float(np.median(levels[same]))

@@ -1,0 +1,81 @@
+"""`clerestory new`: from a room's files to a study that runs."""
+
+import tomllib
+
+import pytest
+
+from clerestory.scene.window import read_windows
+from clerestory.study.config import read_study
+from clerestory.study.demo import write_demo
+
+COMMAND = (
+    "new office --scene materials.rad room.rad --window window.rad"
+    " --bsdf venetian_blind.xml --weather 723170TYA.CSV --spacing 1"
+)
+
+
+@pytest.fixture
+def demo(call, tmp_path, monkeypatch):
+    """The files of the demo, without its study."""
+    folder = tmp_path / "demo"
+    write_demo(folder)
+    (folder / "study.toml").unlink()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def test_a_study_is_begun_that_can_be_read(call, demo):
+    """6.1 × 9.1 m hold 6 × 9 sensors of a metre, but for those within screens."""
+    outcome = call(*COMMAND.split())
+    assert outcome.status == 0, outcome.err
+    study = read_study(demo / "office" / "study.toml")
+    assert study.title == "office"
+    assert [table.file.resolve() for table in study.window] == [
+        (demo / "window.rad").resolve()
+    ]
+    rows = (demo / "office" / "sensors.pts").read_text().splitlines()
+    assert 45 <= len(rows) <= 54
+    assert all(row.endswith("0.7600 0 0 1") for row in rows)
+    assert "next: clerestory run" in outcome.out
+
+
+def test_a_window_that_turns_its_back_is_turned_round(call, demo):
+    text = (demo / "window.rad").read_text()
+    lines = text.rstrip().splitlines()
+    corners = lines[-4:]
+    (demo / "window.rad").write_text("\n".join(lines[:-4] + corners[::-1]) + "\n")
+    outcome = call(*COMMAND.split())
+    assert outcome.status == 0, outcome.err
+    assert 'window "window_glow" turned round' in outcome.out
+    (turned,) = read_windows(demo / "office" / "window.rad")
+    assert turned.frame.normal.tolist() == pytest.approx([0, 1, 0])
+    assert turned.frame.up.tolist() == pytest.approx([0, 0, 1])
+    table = tomllib.loads((demo / "office" / "study.toml").read_text())
+    assert table["window"][0]["file"] == "window.rad"
+
+
+def test_several_windows_get_a_table_each_and_own_sensors_are_kept(call, demo):
+    (demo / "other.rad").write_text((demo / "window.rad").read_text())
+    words = COMMAND.replace("window.rad", "window.rad other.rad").split()
+    assert call(*words, "--sensors", "desks.pts").status == 0
+    table = tomllib.loads((demo / "office" / "study.toml").read_text())
+    assert [w["file"] for w in table["window"]] == ["../window.rad", "../other.rad"]
+    assert table["sensors"] == [{"file": "../desks.pts"}]
+
+
+def test_a_study_that_is_there_stays(call, demo):
+    assert call(*COMMAND.split()).status == 0
+    before = (demo / "office" / "study.toml").read_bytes()
+    outcome = call(*COMMAND.split())
+    assert outcome.status == 2
+    assert "a new folder expected" in outcome.err
+    assert (demo / "office" / "study.toml").read_bytes() == before
+
+
+def test_names_with_quotes_are_kept(call, demo):
+    (demo / "window.rad").rename(demo / 'the "south".rad')
+    words = COMMAND.replace("window.rad", "W").split()
+    words[words.index("W")] = 'the "south".rad'
+    assert call(*words).status == 0
+    study = read_study(demo / "office" / "study.toml")
+    assert study.window[0].file.name == 'the "south".rad'
