@@ -8,11 +8,14 @@ import pytest
 import clerestory
 
 COMMANDS = [
+    "new",
     "run",
     "demo",
     "report",
     "doctor",
     "metrics",
+    "compare",
+    "import",
     "multiply",
     "glare",
     "picture merge",
