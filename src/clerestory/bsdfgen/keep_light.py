@@ -19,10 +19,11 @@ from clerestory.bsdfgen.refine import Cells
 # Joined cells are cut where the light from one of their incident cells would else be
 # off by more than this share of all that comes, if they span a sixteenth of the disc
 # of directions; the more the smaller they are, for what is moved within them stays
-# within that area. It must be more than so many standard errors.
+# within that area. It must be more than so many standard errors, of which an
+# upper bound is known.
 _TOLERANCE = 0.01
 _SPAN = 4
-_SURE = 1.0
+_SURE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
