@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from clerestory.metrics.honeybee import write_honeybee
+from clerestory.study.results import Results, save_results
 
 
 @pytest.fixture
@@ -51,3 +53,47 @@ def test_bad_input_is_one_line(call, room, folder, words, message):
     assert outcome.status == 2
     assert message in outcome.err
     assert outcome.err.count("\n") == 1
+
+
+def results(folder, *, sun_hours):
+    """A year of two sensors, direct sun of 2000 lux at the first one for some hours."""
+    hours = np.arange(8760)
+    times = np.datetime64("2023-01-01T00:30", "s") + hours * np.timedelta64(1, "h")
+    occupied = (hours % 24 >= 8) & (hours % 24 < 18)
+    direct = np.zeros((2, 8760), dtype=np.float32)
+    direct[0, np.flatnonzero(occupied)[:sun_hours]] = 2000
+    lux = np.full((2, 8760), 500, dtype=np.float32)
+    axes = ("sensor", "time")
+    dgp = np.where(np.arange(8760) % 100 < 4, 0.5, 0.2)
+    data = xr.Dataset(
+        {
+            "illuminance": (axes, lux),
+            "standard_error": (axes, 0 * lux),
+            "direct_open": (axes, direct),
+            "sun_hours": ("sensor", [float(sun_hours), 0.0]),
+            "glare_dgp": (("view", "time"), dgp[None]),
+        },
+        coords={
+            "time": times.astype("datetime64[ns]"),
+            "sensor": ["desks.1", "desks.2"],
+            "grid": ("sensor", ["desks", "desks"]),
+            "view": ["eye"],
+        },
+        attrs={"title": "year", "step_minutes": 60.0},
+    )
+    folder.mkdir()
+    save_results(Results(data), folder)
+
+
+@pytest.mark.parametrize(("hours", "share"), [(250, "0.0 %"), (251, "50.0 %")])
+def test_ase_counts_more_than_250_hours_of_direct_sun(call, room, hours, share):
+    results(room / "run", sun_hours=hours)
+    outcome = call("metrics", "run")
+    assert f"ASE1000,250                 {share}, {hours} h at most\n" in outcome.out
+    assert "LEED v4.1 option 1" in outcome.out
+
+
+def test_glare_of_views_has_its_level(call, room):
+    """DGP 0.5 in 4 % of the hours is no more than EN 17037 lets pass."""
+    results(room / "run", sun_hours=1)
+    assert "EN 17037 glare              high" in call("metrics", "run").out

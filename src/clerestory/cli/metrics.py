@@ -16,7 +16,13 @@ from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.metrics.autonomy import continuous_autonomy, daylight_autonomy
-from clerestory.metrics.en17037 import LEVELS, daylight_hours, daylight_provision
+from clerestory.metrics.en17037 import (
+    GLARE_SHARE,
+    LEVELS,
+    daylight_hours,
+    daylight_provision,
+    glare_level,
+)
 from clerestory.metrics.exposure import light_exposure
 from clerestory.metrics.honeybee import (
     HoneybeeFolder,
@@ -52,6 +58,7 @@ class _Grid:
     lux: xr.DataArray
     error: xr.DataArray | None
     direct: xr.DataArray | None
+    step_hours: float = 1.0
 
 
 def metrics(
@@ -116,6 +123,8 @@ def metrics(
             typer.echo(f"{one.name}: {one.lux.sizes['sensor']} sensors")
             for line in lines:
                 typer.echo(f"  {line}")
+    for line in () if quiet else _views(results, from_hour, to_hour):
+        typer.echo(line)
     if output is not None:
         write_text(output, "\n".join([_HEAD, *rows]) + "\n")
     if honeybee is not None:
@@ -151,7 +160,29 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
     found = read_results(path)
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
-        yield _Grid(name, part["illuminance"], part["standard_error"], None)
+        # The limits of ASE are meant for a sun at its place, not spread over patches
+        direct = part["direct_open"] if "sun_hours" in part else None
+        step = float(found.data.attrs.get("step_minutes", 60)) / 60
+        yield _Grid(name, part["illuminance"], part["standard_error"], direct, step)
+
+
+def _views(path: Path, from_hour: float, to_hour: float) -> Iterator[str]:
+    # Protection from glare of each view that a run judged
+    if path.is_dir() and (path / "grids_info.json").is_file():
+        return
+    data = read_results(path).data
+    if "glare_dgp" not in data:
+        return
+    hours = occupied_hours(data["time"].values, from_hour=from_hour, to_hour=to_hour)
+    for view in data["view"].values:
+        dgp = data["glare_dgp"].sel(view=view).values
+        judged = hours & ~np.isnan(dgp)
+        if not np.any(judged):
+            continue
+        level = LEVELS[glare_level(dgp, judged)]
+        top = float(np.quantile(dgp[judged], 1 - GLARE_SHARE))
+        yield f"{view}: view"
+        yield f"  {'EN 17037 glare':28}{level} (DGP {top:.2f} in 5 % of the hours)"
 
 
 def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
@@ -203,13 +234,16 @@ def _room(
     yield f"{'sDA300/50':28}{_share(reached)}"
     exposure = 0.0
     if grid.direct is not None:
-        found = sunlight_exposure(grid.direct, hours)
+        found = sunlight_exposure(grid.direct, hours, step_hours=grid.step_hours)
         exposure = found.value
-        most = float(hours_above(grid.direct, hours).max())
-        yield f"{'ASE1000,250':28}{_share(found)}, {most:.0f} h at most"
+        most = float(hours_above(grid.direct, hours, step_hours=grid.step_hours).max())
+        part = _part_of_year(grid)
+        yield f"{'ASE1000,250':28}{_share(found)}, {most:.0f} h at most{part}"
         credit = simulated_daylight(reached.value, exposure, version=leed.value)
         note = f" ({credit.note})" if credit.note else ""
         yield f"{'LEED ' + leed.value + ' option 1':28}{credit.points} points{note}"
+    else:
+        yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
     if half is not None:
         level = daylight_provision(grid.lux, half, standard_error=grid.error)
         yield (
@@ -218,6 +252,13 @@ def _room(
         )
     exposed = light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool))
     yield f"{'light exposure':28}{float(exposed.mean()):.0f} lux h"
+
+
+def _part_of_year(grid: _Grid) -> str:
+    # Hours of a part of a year are fewer than the limit is meant for
+    hours = grid.lux.sizes["time"] * grid.step_hours
+    short = hours < _HOURS_A_YEAR - 24
+    return f" (of {hours / 24:.0f} days only)" if short else ""
 
 
 def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:

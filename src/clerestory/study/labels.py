@@ -7,6 +7,7 @@ import xarray as xr
 from jaxtyping import Bool
 
 from clerestory.metrics.hours import occupied_hours
+from clerestory.metrics.spatial import hours_above
 from clerestory.metrics.summary import sensor_metrics
 from clerestory.study.config import Study
 from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing
@@ -61,6 +62,7 @@ def label_results(
             window_drawing([group.inner for group in inputs.groups]),
             layer_drawing(inputs.groups),
             _states(evidence, acts),
+            _direct_sun(evidence, hours),
             *(_sensors_left_out(part) for part in parts),
         ],
         combine_attrs="drop_conflicts",
@@ -118,15 +120,24 @@ def _states(evidence: Evidence, acts: Operation) -> xr.Dataset:
     )
     if acts.kept is not None:
         found["rule_kept"] = ("time", acts.kept)
-    if evidence.tracing.direct:
-        opened = [np.zeros_like(state) for state in acts.states]
-        sun = evidence.tracing.direct_illuminance(evidence.skies, opened)
-        found["direct_open"] = (
-            ("sensor", "time"),
-            sun.astype(np.float32),
-            {"units": "lux"},
-        )
     return found
+
+
+def _direct_sun(evidence: Evidence, hours: Bool[np.ndarray, " time"]) -> xr.Dataset:
+    # Light straight from the sun with every shade at its most open, where it is known
+    tracing = evidence.tracing
+    if tracing.suns is None and not tracing.direct:
+        return xr.Dataset()
+    steps = len(evidence.times)
+    opened = [np.zeros(steps, dtype=np.int64) for _ in evidence.inputs.groups]
+    lux = tracing.direct_illuminance(evidence.skies, opened).astype(np.float32)
+    axes = ("sensor", "time")
+    sun = xr.DataArray(lux, dims=axes, attrs={"units": "lux"})
+    found = xr.Dataset({"direct_open": sun}, coords={"time": evidence.times})
+    if tracing.suns is None:
+        return found  # spread over patches, too dim to count hours above a limit
+    step_hours = evidence.step_minutes / 60
+    return found.assign(sun_hours=hours_above(sun, hours, step_hours=step_hours))
 
 
 def _single(rows: Sequence[np.ndarray]) -> np.ndarray:

@@ -46,8 +46,10 @@ class Results:
         - where windows have states: `state` (window, time) int8, from 0, the most
           open; `state_name` (window, state_number); `control` (window), the rules;
           `facade_irradiance` [W/m²] and `profile_angle` [rad] (window, time);
-          `direct_open` (sensor, time), direct sun with all shades open [lux];
           `rule_kept` (time) of LM-83's rule
+        - where direct light was traced: `direct_open` (sensor, time), direct sun with
+          all shades open [lux]; with the sun at its place also `sun_hours` (sensor),
+          scheduled hours in which that exceeds 1000 lux [h], for ASE
         - where there is electric light: `electric_illuminance` (sensor, time) [lux],
           `dimming` 0…1 and `lighting_power` [W] (zone, time), `lighting_energy` and
           `lighting_energy_error` (zone) [Wh]
