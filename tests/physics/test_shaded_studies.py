@@ -178,3 +178,20 @@ def test_a_lamp_lights_as_far_as_the_inverse_square_says(study, tmp_path):
     lit = data["dimming"].values[0] > 0
     assert np.all(np.isnan(glare[night & ~lit]))
     assert np.all(glare[lit] > 0)
+
+
+def test_pictures_of_every_step_are_written_and_narrow_views_not_judged(
+    study, tmp_path
+):
+    """A perspective view has pictures and no glare."""
+    (tmp_path / "study" / "door.vf").write_text(
+        "rvu -vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 60 -vv 45\n"
+    )
+    more = VIEW.replace("seat.vf", "door.vf") + 'pictures = "every"\n' + VIEW
+    made = study(control='rule = "fixed"\nstate = 0', more=more, hours=NOON)
+    data = run_study(made, out=tmp_path / "out").data
+    assert data["view"].values.tolist() == ["seat"]
+    lit = data["time"].values[np.isfinite(data["glare_dgp"].values[0])]
+    expected = [f"door_{str(t)[5:16].replace(':', '')}.hdr" for t in lit]
+    found = sorted(path.name for path in (tmp_path / "out" / "pictures").iterdir())
+    assert found == expected

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.study.config import read_study
 from clerestory.study.weather import study_weather
 
@@ -69,9 +69,9 @@ def test_five_minute_measurements_become_half_hours(study_file):
     shutil.copy(DATA / "roof_5min.csv", study_file.with_name("roof_5min.csv"))
     head = (DATA / "roof_5min.csv").read_text().splitlines()[0].split(",")
     columns = f'columns = {{time = "{head[0]}", global_horizontal = "{head[1]}"}}\n'
-    found = weather(
-        study_file, ROOF + columns + "[schedule]\nfrom_hour = 0\nto_hour = 24"
-    )
+    table = ROOF + columns + "[schedule]\nfrom_hour = 0\nto_hour = 24"
+    with pytest.warns(ClerestoryWarning, match="2 of 288 values missing"):
+        found = weather(study_file, table)
     assert found.step_minutes == 30
     assert set(np.diff(found.times).astype(int).tolist()) <= {1800}
 
