@@ -5,9 +5,13 @@ import sys
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import clerestory
+from clerestory.image.picture import Picture
+from clerestory.image.write import write_picture
+from clerestory.scene.view import View
 
 REPOSITORY = Path(__file__).parents[1]
 
@@ -68,6 +72,17 @@ def test_a_sky_matrix_waits_for_no_package_that_it_does_not_need(tmp_path):
     code = f"from clerestory.cli.start import main\nassert main({words!r}) == 0"
     needless = {"pandas", "pvlib", "xarray", "h5py", "matplotlib", "rich"}
     assert not loaded_after(code) & needless
+
+
+def test_the_glare_of_a_picture_waits_for_no_package_that_it_does_not_need(tmp_path):
+    """Loading all commands took longer than evalglare takes."""
+    eye = View(kind="angular", horizontal=180, vertical=180)
+    path = tmp_path / "even.hdr"
+    write_picture(Picture(np.ones((160, 160, 3), np.float32), view=eye), path)
+    code = "from clerestory.cli.start import main\n"
+    code += f"assert main(['glare', {str(path)!r}, '--trust', '-q']) == 0"
+    needless = {"pandas", "pvlib", "xarray", "h5py", "matplotlib", "rich", "lxml"}
+    assert not loaded_after(code) & (needless | set(TRACERS))
 
 
 @pytest.mark.parametrize("name", clerestory.__all__)
