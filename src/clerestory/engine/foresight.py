@@ -14,7 +14,7 @@ import numpy as np
 
 from clerestory.engine.device import Device
 from clerestory.engine.estimate import GROWTH, PILOT, Sums
-from clerestory.engine.lit import Batches, IrradianceJob, PictureJob
+from clerestory.engine.lit import Batches
 from clerestory.engine.work import Executor, Goal, Grain, Job, Unit
 
 # Paths of a trial on each worker
@@ -131,7 +131,7 @@ def _try(noted: Noted, place: Executor) -> _Trial:
 
 def _needed(job: Job, unit: Unit, sums: np.ndarray) -> float | None:
     # Points of a batch at which the relative error would be one
-    if isinstance(job, PictureJob | IrradianceJob):
+    if hasattr(job, "error"):
         return unit.count * job.error(Batches(sums, unit.count)) ** GROWTH
     if hasattr(job, "unfinished"):
         count = np.full(len(unit.rows), unit.count)
