@@ -12,6 +12,7 @@ import clerestory
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from docstrings import convert
 from reference import write_reference
 
 HERE = Path(__file__).parent
@@ -24,9 +25,9 @@ version = release = clerestory.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.mathjax",
-    "sphinx.ext.napoleon",
+    "mathml",
 ]
+html_math_renderer = "mathml"
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["_build"]
 root_doc = "index"
@@ -38,17 +39,13 @@ myst_heading_anchors = 3
 # Words in backquotes are code; that some are also names of several things is no fault
 suppress_warnings = ["myst.header", "misc.highlighting_failure", "ref.python"]
 
-# Docstrings: shapes and units stand in the text, shapes in the signature too
-napoleon_google_docstring = False
-napoleon_numpy_docstring = True
-napoleon_use_ivar = True
-napoleon_use_rtype = False
+# Docstrings tell meanings, units and shapes; signatures stay short
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 default_role = "code"
 python_use_unqualified_type_names = True
 
-# The theme; nothing is fetched from other hosts but formulas' script
+# The theme; nothing is fetched from other hosts
 html_theme = "furo"
 html_title = f"Clerestory {release}"
 html_show_sourcelink = False
@@ -79,3 +76,4 @@ def setup(app: object) -> None:
     """Write the reference, and keep links within the site."""
     write_reference(HERE / "reference")
     app.connect("source-read", _within_site)
+    app.connect("autodoc-process-docstring", convert)

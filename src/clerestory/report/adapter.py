@@ -127,7 +127,8 @@ def schedule_words(schedule: Mapping[str, Any]) -> str:
 def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
     """Return the study file as tables, one for each of its own."""
     tables = []
-    for name in sorted(study, key=_place_in_study):
+    unused = () if "5-phase" in study.get("method", "") else ("sun",)
+    for name in sorted(set(study) - set(unused), key=_place_in_study):
         value = study[name]
         groups = value if isinstance(value, list) else [value]
         for group in groups:
@@ -171,7 +172,7 @@ def _rows(values: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     return tuple(
         (str(key), _one_line(value))
         for key, value in values.items()
-        if value is not None
+        if value is not None and value not in ("", [], {})
     )
 
 

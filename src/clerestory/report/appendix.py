@@ -92,4 +92,5 @@ def words_section(content: ReportContent) -> Markup:
         for word, meaning in words
     )
     heading = element("h2", "What the words mean")
-    return element("section", heading, element("dl", *items, class_="words"))
+    words_list = element("dl", *items, class_="words")
+    return element("section", heading, words_list, id="words")
