@@ -31,13 +31,13 @@ sys.path.insert(0, str(REPOSITORY / "tests"))
 from clerestory.bsdf.xml import read_bsdf  # noqa: E402
 from clerestory.gonio.angles import angle_between, from_degrees  # noqa: E402
 from clerestory.gonio.beam import beam_direction  # noqa: E402
-from clerestory.gonio.fit import FitOptions, condense, total_flux  # noqa: E402
+from clerestory.gonio.fit import FitOptions, condense, misplaced_light, total_flux  # noqa: E402
 from clerestory.gonio.fitted import fit_measurement  # noqa: E402
 from clerestory.gonio.measurement import Measurement  # noqa: E402
 from clerestory.gonio.raster import Raster  # noqa: E402
 from clerestory.gonio.read import read_measurement  # noqa: E402
 from clerestory.gonio.tree_export import to_tree  # noqa: E402
-from clerestory.gonio.validation import cross_validate, misplaced_light  # noqa: E402
+from clerestory.gonio.validation import cross_validate  # noqa: E402
 from clerestory.report.gonio_plots import between_figure, fit_figure  # noqa: E402
 from goniometer import (  # noqa: E402
     Goniophotometer,

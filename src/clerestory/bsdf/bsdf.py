@@ -10,7 +10,7 @@ the room side front and swaps the names while it reads a file; it uses the
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -96,6 +96,11 @@ class Bsdf:
             f" it has {known or 'no data'}",
             file=self.source,
         )
+
+    def tabulated(self) -> "Bsdf":
+        """Return the layer with all functions as matrices or trees, for kernels."""
+        parts = {key: part.tabulated() for key, part in self.functions.items()}
+        return replace(self, functions=parts)
 
     def function(
         self,

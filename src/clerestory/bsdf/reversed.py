@@ -97,6 +97,10 @@ class ReversedFunction(ScatteringFunction):
         """Return the function itself."""
         return self.forward
 
+    def tabulated(self) -> ScatteringFunction:
+        """Return the other function as a table, seen from its other side."""
+        return self.forward.tabulated().reciprocal()
+
     def own_partitions(self) -> None:
         """None: the function is not made of patches."""
 

@@ -116,5 +116,9 @@ class ScatteringFunction(ABC):
         """
 
     @abstractmethod
+    def tabulated(self) -> "ScatteringFunction":
+        """Return the function as a matrix or tree, which kernels can look up."""
+
+    @abstractmethod
     def own_partitions(self) -> tuple[RingPartition, RingPartition] | None:
         """Exit and incident patches of its own; None if it is not made of patches."""

@@ -161,6 +161,10 @@ class ScatteringMatrix(ScatteringFunction):
             self.values[np.ix_(incident, leaving)].T, self.incidents, self.exits
         )
 
+    def tabulated(self) -> "ScatteringMatrix":
+        """Return the function itself."""
+        return self
+
     def own_partitions(self) -> tuple[RingPartition, RingPartition]:
         """Exit and incident patches."""
         return self.exits, self.incidents

@@ -197,6 +197,10 @@ class ScatteringTree(ScatteringFunction):
         slots[1:] = self.slots[1:].reshape(-1, 16)[:, branch].ravel()
         return ScatteringTree(slots, 4, self.depth)
 
+    def tabulated(self) -> "ScatteringTree":
+        """Return the function itself."""
+        return self
+
     def own_partitions(self) -> None:
         """None: a tree is not made of patches."""
 

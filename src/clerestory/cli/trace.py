@@ -9,7 +9,6 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from clerestory.bsdf.xml import read_bsdf
 from clerestory.cli.matrix_files import write_pictures
 from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.options import (
@@ -34,6 +33,7 @@ from clerestory.cli.progress import progress_display
 from clerestory.cluster.cluster import executor_at
 from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.gonio.layer import read_layer
 from clerestory.matrix.radiance_format import Encoding
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.pictures import (
@@ -171,7 +171,7 @@ def sun(
     pixels per normal irradiance [1/sr].
     """
     begin = time.perf_counter()
-    room, windows, layer = read_rad(*scene), read_windows(*window), read_bsdf(bsdf)
+    room, windows, layer = read_rad(*scene), read_windows(*window), read_layer(bsdf)
     receiver = _receiver(sensors, camera, resolution)
     _warn_of_doubts(room, windows, receiver)
     suns = sun_matrix(read_weather(weather), tolerance_deg=tolerance).directions

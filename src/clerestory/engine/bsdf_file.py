@@ -33,6 +33,7 @@ _REVERSE = [FUNCTIONS.index(OTHER_SIDE.get(name, name)) for name in FUNCTIONS]
 
 def scattering_table(bsdf: Bsdf) -> Table:
     """Return the visible functions of a layer as a table for kernels."""
+    bsdf = bsdf.tabulated()
     parts = [_colours(bsdf, name) for name in FUNCTIONS]
     trees = [p for p in parts if p is not None and isinstance(p[0], ScatteringTree)]
     if trees and len({p[0].rank for p in trees}) == 1 == len(
@@ -48,6 +49,7 @@ def forward_table(bsdf: Bsdf) -> Table:
     It is the reciprocal function: what the table calls leaving is where the light
     comes from, and what it calls incident where it goes.
     """
+    bsdf = bsdf.tabulated()
     parts = _colours(bsdf, "transmission_front")
     if parts is not None and isinstance(parts[0], ScatteringTree):
         if parts[0].rank == 3:
@@ -136,6 +138,7 @@ def define() -> type:
 
         def take(self, bsdf, up, added, peak):
             """Scatter by a `Bsdf` and by diffuse parts: front, back, transmission."""
+            bsdf = bsdf.tabulated()
             self.table = scattering_table(bsdf)
             self.up = mi.Vector3f(*[float(c) for c in up])
             self.added = Added(*[mi.Color3f(*[float(c) for c in a]) for a in added])

@@ -23,6 +23,13 @@ from clerestory.gonio.transport import Plan
 # Light of a triangle in its smallest particles that is given to the others.
 _SMALL_CHANGE = 2e-3
 
+# Limits and steps in the search for the shares of corners.
+_STEEPEST, _BISECTIONS = 12.0, 40
+
+# Differences of the fluxes of corners, relative to their mean, up to which light
+# changes alike, and from which on some of it is cut off.
+_ALIKE = 0.3, 0.7
+
 
 @dataclass(frozen=True, eq=False)
 class Particles:
@@ -56,7 +63,7 @@ def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
     """Return the particles of a triangle from the plans of its edges."""
     edge = edge_particles(a_to_b)
     i, j, _ = edge.corner.T
-    of_a, of_b = np.flatnonzero(i >= 0), np.flatnonzero(j >= 0)
+    of_a, of_b = np.flatnonzero(edge.flux[:, 0]), np.flatnonzero(edge.flux[:, 1])
     from_a = _onwards(i[of_a], j[of_a], edge.flux[of_a, 0], a_to_c, at=(0, 2))
     from_b = _onwards(j[of_b], i[of_b], edge.flux[of_b, 1], b_to_c, at=(1, 3))
     return _without_change(_joined(from_a + from_b))
@@ -68,6 +75,7 @@ def displace(
     *,
     s: float,
     t: float,
+    shares: Float[np.ndarray, "3"] | None = None,
 ) -> Lobes:
     """Return the lobes at a place of a triangle or an edge.
 
@@ -75,6 +83,7 @@ def displace(
     ----------
     corners : lobes of A, B, C; of an edge C is not looked at
     s, t : shares of the way from A to B and from there to C
+    shares : of the fluxes of A, B and C, if these are not to follow the way
 
     Examples
     --------
@@ -88,7 +97,10 @@ def displace(
     >>> float(np.arcsin(between.centre[0, 1]).round(6))
     0.1
     """
-    flux = particles.flux @ [(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t]
+    if shares is None:
+        shares = np.array([(1 - s) * (1 - t), s * (1 - t), t])
+    a, b, c = shares
+    flux = particles.flux @ [a, b, c * (1 - s), c * s]
     keep = flux > 0
     i, j, k = particles.corner[keep].T
     centre, square = _at(corners[0], i)
@@ -101,6 +113,44 @@ def displace(
         centre, square, centre_c, square_c, _share((i < 0) & (j < 0), k < 0, t)
     )
     return Lobes(centre, np.sqrt(square), flux[keep])
+
+
+def corner_shares(
+    shares: Float[np.ndarray, " corners"],
+    fluxes: Float[np.ndarray, " corners"],
+    total: float,
+) -> Float[np.ndarray, " corners"]:
+    """Shares of the corners changed as little as a total flux asks for.
+
+    A corner counts for more by a factor that grows exponentially with its flux. So
+    half-way to a cut-off light is that of the open side, as much of it as passes, and
+    what is scattered on both sides stays what it is. Where the fluxes of the corners
+    differ little, as by Fresnel's formulas, all light changes alike, and shares stay.
+
+    >>> corner_shares(np.array([0.5, 0.5]), np.array([0.1, 0.5]), 0.2).round(6).tolist()
+    [0.75, 0.25]
+    >>> corner_shares(np.array([0.5, 0.5]), np.array([0.5, 0.6]), 0.52).tolist()
+    [0.5, 0.5]
+    """
+    mean = float(shares @ fluxes)
+    if mean <= 0:
+        return shares
+    alike, cut_off = _ALIKE
+    apart = float(np.ptp(fluxes[shares > 0])) / mean
+    if apart <= alike:
+        return shares
+    total = mean + (total - mean) * min((apart - alike) / (cut_off - alike), 1)
+    relative = fluxes / mean - 1
+    low, high = -_STEEPEST, _STEEPEST
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2
+        tilted = shares * np.exp(middle * relative)
+        tilted = tilted / tilted.sum()
+        if tilted @ fluxes < total:
+            low = middle
+        else:
+            high = middle
+    return np.asarray(tilted)
 
 
 def _particles(

@@ -19,9 +19,11 @@ from clerestory.gonio.lobes import LEAST_RADIUS, MOST_RADIUS, Lobes
 from clerestory.gonio.measurement import Scan
 from clerestory.gonio.quadtree import Quadtree
 
-# Means of neighbouring points that stand for the points themselves: where lobes are
-# fitted, and where their flux is summed.
-_MOST_BINS, _MOST_SUMMED = 2000, 10_000
+# Means of neighbouring points that stand for the points themselves in a fit.
+_MOST_BINS = 2000
+
+# Least share of the mean weight that a point keeps, so that every bin has a mean.
+_LEAST_WEIGHT = 1e-6
 
 # Halvings of the coarsest cells: of bins, a lobe's own cell and those about it.
 _COARSEST_BIN, _COARSEST_LOBE = 5, 2
@@ -29,6 +31,9 @@ _COARSEST_BIN, _COARSEST_LOBE = 5, 2
 # Radius of a lobe over the width of its cell, if smoothing is 1. Lobes at this
 # distance sum to an even plain.
 _RADIUS_OVER_WIDTH = 0.6
+
+# Fits that misplace more of the light than this get twice as many lobes.
+_MISPLACED = 0.05
 
 # Weight of the mean of a cell against the values themselves.
 _PRIOR = 1e-2
@@ -46,7 +51,8 @@ class FitOptions:
 
     Attributes
     ----------
-    lobes : most lobes a scan
+    lobes : most lobes a scan; twice as many where these misplace more than a
+        twentieth of the light, as on plateaus with steep edges
     smoothing : width of lobes against the distance between them; 1 is an even sum,
         less is sharper and follows noise, more is softer
 
@@ -91,17 +97,27 @@ class Points:
 
 
 def condense(scan: Scan, *, most: int = _MOST_BINS) -> Points:
-    """Return a scan as at most `most` points, each the mean of its neighbours."""
-    tree = Quadtree(scan.leaving, scan.values)
-    cells = tree.cut(most, coarsest=_COARSEST_BIN)
-    direction = cells.mean_direction(scan.leaving, np.ones(len(scan.values)))
-    value = cells.sum(scan.values) / cells.count()
-    return Points(direction, value, integration_weights(direction))
+    """Return a scan as at most `most` points, each the mean of its neighbours.
+
+    Every value counts by the projected solid angle it stands for, so that a bin half
+    of which was scanned finely has the mean of its area, and no flux is lost.
+    """
+    share = integration_weights(scan.leaving)
+    if len(share) <= most:
+        return Points(scan.leaving, scan.values, share)
+    cells = Quadtree(scan.leaving, scan.values).cut(most, coarsest=_COARSEST_BIN)
+    share = np.maximum(share, _LEAST_WEIGHT * share.mean())
+    weight = cells.sum(share)
+    return Points(
+        cells.mean_direction(scan.leaving, share),
+        cells.sum(scan.values * share) / weight,
+        weight * (np.pi / weight.sum()),
+    )
 
 
 def total_flux(scan: Scan) -> float:
     """Share of the incident light that a scan finds scattered in all."""
-    return condense(scan, most=_MOST_SUMMED).flux
+    return float(scan.values @ integration_weights(scan.leaving))
 
 
 def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
@@ -112,23 +128,42 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
     InputError : the scan scatters no light in all
     """
     points = condense(scan)
-    total = total_flux(scan) if len(scan.values) > _MOST_BINS else points.flux
-    if total <= 0:
+    if points.flux <= 0:
         raise InputError(
-            f"{total:.3g} of the light from {scan.words} is scattered; more than"
+            f"{points.flux:.3g} of the light from {scan.words} is scattered; more than"
             " zero expected: is the blank reading too large?",
             file=scan.source,
         )
-    centre, radius, prior = _placed(points, options)
+    lobes = _fitted(points, options, options.lobes)
+    if misplaced_light(points, lobes.evaluate(points.direction)) > _MISPLACED:
+        lobes = _fitted(points, options, 2 * options.lobes)
+    return lobes
+
+
+def misplaced_light(points: Points, predicted: Float[np.ndarray, " points"]) -> float:
+    """Share of measured light that a prediction puts elsewhere.
+
+    Parameters
+    ----------
+    points : of a scan, condensed
+    predicted : BSDF at the points [1/sr]
+    """
+    moved = points.weight @ np.abs(predicted - points.value) / 2
+    return float(moved / max(points.flux, 1e-300))
+
+
+def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
+    # At most so many lobes, scaled to the flux of the points
+    centre, radius, prior = _placed(points, options, most)
     basis = Lobes(centre, radius, prior).basis(points.direction)
     flux = _solve(basis, points, prior)
     keep = flux > 1e-9 * flux.sum()
-    scale = total / flux.sum()
+    scale = points.flux / flux.sum()
     return Lobes(centre[keep], radius[keep], flux[keep] * scale)
 
 
 def _placed(
-    points: Points, options: FitOptions
+    points: Points, options: FitOptions, most: int
 ) -> tuple[
     Float[np.ndarray, "lobes 3"],
     Float[np.ndarray, " lobes"],
@@ -136,7 +171,7 @@ def _placed(
 ]:
     # A lobe a cell: at the centroid of its light, as wide as the cell, with its flux
     cells = Quadtree(points.direction, points.value).cut(
-        options.lobes - 1, coarsest=_COARSEST_LOBE
+        most - 1, coarsest=_COARSEST_LOBE
     )
     bright = np.maximum(points.value, 0) + _FLOOR * np.abs(points.value).mean()
     centre = cells.mean_direction(points.direction, bright * points.weight)

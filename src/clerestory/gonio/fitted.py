@@ -81,8 +81,12 @@ def fit_measurement(
     )
 
 
-def measured_bsdf(fits: Sequence[Fitted]) -> Bsdf:
+def measured_bsdf(fits: Sequence[Fitted], *, source: str | None = None) -> Bsdf:
     """Return the layer of several fitted functions, to be evaluated and sampled.
+
+    Parameters
+    ----------
+    source : file they came from, for messages
 
     Raises
     ------
@@ -100,4 +104,4 @@ def measured_bsdf(fits: Sequence[Fitted]) -> Bsdf:
     if not functions:
         raise InputError("no fitted measurement; one or more expected")
     name = next((fit.name for fit in fits if fit.name), "measured layer")
-    return Bsdf(functions, Product(name=name))
+    return Bsdf(functions, Product(name=name), source=source)

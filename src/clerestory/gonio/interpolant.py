@@ -15,19 +15,23 @@ from jaxtyping import Float, Int
 from clerestory.bsdf.overlap import patches_in_cells
 from clerestory.bsdf.reversed import ReversedFunction
 from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.tree import ScatteringTree
 from clerestory.gonio.angles import straight_on, upright
+from clerestory.gonio.continuation import with_continuations
 from clerestory.gonio.displacement import (
     Particles,
+    corner_shares,
     displace,
     edge_particles,
     triangle_particles,
 )
-from clerestory.gonio.flux import FluxSurface, flux_surface
+from clerestory.gonio.flux import Flux, flux_surface
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.mesh import Place, locate
 from clerestory.gonio.nodes import Network, about_normal, turned
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
+from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.partition import RingPartition
 
 # Halvings of the grid on which light is gathered for patches; Klems' smallest patch
@@ -37,7 +41,8 @@ _GATHER = 6
 # Incident directions over which a patch is averaged: rings by azimuths.
 _PATCH_RINGS, _PATCH_AZIMUTHS = 2, 4
 
-# Halvings that stand for the resolution of an interpolant in its reverse.
+# Halvings that stand for the resolution of an interpolant in its reverse and as a
+# table for kernels.
 _HALVINGS = 6
 
 
@@ -72,14 +77,23 @@ class Interpolant(ScatteringFunction):
     symmetry: Symmetry
     follow: float = field(init=False)
     _particles: dict[tuple[bool, int], Particles] = field(init=False, repr=False)
-    _flux: FluxSurface = field(init=False, repr=False)
+    _moving: Network = field(init=False, repr=False)
+    _flux: Flux = field(init=False, repr=False)
+    _tree: list[ScatteringTree] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         mesh = self.network.mesh
         object.__setattr__(self, "_particles", {})
-        object.__setattr__(self, "follow", _followed(self.network))
+        object.__setattr__(self, "_tree", [])
+        follow = _followed(self.network)
+        object.__setattr__(self, "follow", follow)
+        moving = with_continuations(self.network, follow=follow)
+        object.__setattr__(self, "_moving", moving)
         totals = np.array([lobes.total for lobes in self.network.lobes])
-        object.__setattr__(self, "_flux", flux_surface(mesh, totals))
+        flux = flux_surface(
+            mesh, totals, symmetry=self.symmetry, quadrant=self.network.quadrant
+        )
+        object.__setattr__(self, "_flux", flux)
 
     def __reduce__(self) -> tuple[type, tuple[Network, Symmetry]]:
         return Interpolant, (self.network, self.symmetry)
@@ -103,8 +117,7 @@ class Interpolant(ScatteringFunction):
         place = locate(self.network.mesh, folded)
         total = self._flux.at(folded)
         for k, matrix in enumerate(matrices):
-            lobes = turned(self._at(place, k, folded[k]), matrix)
-            yield _scaled(lobes, total[k], self._corners(place, k))
+            yield turned(self._at(place, k, folded[k], float(total[k])), matrix)
 
     def evaluate(
         self,
@@ -184,35 +197,46 @@ class Interpolant(ScatteringFunction):
         """Return the function with incident and leaving directions exchanged."""
         return ReversedFunction(self, halvings=_HALVINGS)
 
+    def tabulated(self) -> ScatteringTree:
+        """Return a tree of 2^6 cells along each axis, made when it is first needed."""
+        if not self._tree:
+            self._tree.append(to_tree(self, halvings=_HALVINGS))
+        return self._tree[0]
+
     def own_partitions(self) -> None:
         """None: an interpolant is not made of patches."""
 
-    def _at(self, place: Place, k: int, wanted: Float[np.ndarray, "3"]) -> Lobes:
-        mesh, lobes = self.network.mesh, self.network.lobes
+    def _at(
+        self, place: Place, k: int, wanted: Float[np.ndarray, "3"], total: float
+    ) -> Lobes:
+        mesh, lobes = self.network.mesh, self._moving.lobes
         number, s, t = int(place.simplex[k]), float(place.s[k]), float(place.t[k])
-        if not place.on_edge[k]:
-            a, b, c = (lobes[v] for v in mesh.triangles[number])
-            return displace(self._travelling(False, number), (a, b, c), s=s, t=t)
-        a, b = (lobes[v] for v in mesh.edges[number])
-        found = displace(self._travelling(True, number), (a, b, b), s=s, t=t)
-        return _shifted(found, place.found[k], wanted, self.follow)
+        on_edge = bool(place.on_edge[k])
+        corner = (mesh.edges if on_edge else mesh.triangles)[number]
+        shares = np.array([(1 - s) * (1 - t), s * (1 - t), t])
+        fluxes = np.array([lobes[v].total for v in corner])
+        if np.isfinite(total):
+            shares[: len(corner)] = corner_shares(shares[: len(corner)], fluxes, total)
+        parts = lobes[corner[0]], lobes[corner[1]], lobes[corner[-1]]
+        particles = self._travelling(on_edge, number)
+        found = displace(particles, parts, s=s, t=t, shares=shares)
+        if np.isfinite(total) and found.total > 0:
+            scale = total / found.total
+            found = Lobes(found.centre, found.radius, found.flux * scale)
+        if on_edge:
+            found = _shifted(found, place.found[k], wanted, self.follow)
+        return found
 
     def _travelling(self, on_edge: bool, number: int) -> Particles:
         # Particles of a triangle or an edge, made when they are first needed
         key = on_edge, number
         if key not in self._particles:
             self._particles[key] = (
-                edge_particles(self.network.plans[number])
+                edge_particles(self._moving.plans[number])
                 if on_edge
-                else triangle_particles(*self.network.plans_of(number))
+                else triangle_particles(*self._moving.plans_of(number))
             )
         return self._particles[key]
-
-    def _corners(self, place: Place, k: int) -> Float[np.ndarray, " corners"]:
-        # Flux at the corners about a place
-        mesh, number = self.network.mesh, int(place.simplex[k])
-        corners = (mesh.edges if place.on_edge[k] else mesh.triangles)[number]
-        return np.array([self.network.lobes[v].total for v in corners])
 
     def _grouped(
         self, source: Float[np.ndarray, "directions 3"]
@@ -244,20 +268,11 @@ def _followed(network: Network) -> float:
         start, end = network.lobes[a], network.lobes[b]
         move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
         # Sharp lobes show where light goes, wide ones are noise of the grid
-        weight = plan.sent / (start.radius[plan.source] * end.radius[plan.target])
+        flux = np.minimum(plan.sent, plan.received)
+        weight = flux / (start.radius[plan.source] * end.radius[plan.target])
         along += float(weight @ (move @ turn))
         squared += float(weight.sum() * (turn @ turn))
     return float(np.clip(along / squared, -1, 1)) if squared > 0 else 0.0
-
-
-def _scaled(
-    lobes: Lobes, total: float, corners: Float[np.ndarray, " corners"]
-) -> Lobes:
-    # To the flux of the smooth surface, within that of the corners
-    if not np.isfinite(total) or lobes.total <= 0:
-        return lobes
-    wanted = np.clip(total, corners.min(), corners.max())
-    return Lobes(lobes.centre, lobes.radius, lobes.flux * (wanted / lobes.total))
 
 
 def _shifted(

@@ -36,6 +36,10 @@ _REACH_PER_RADIUS = 1.0
 # Lobes whose centres are nearer than so many of their radii are parts of one peak.
 _TOUCHING = 1.5
 
+# A lobe this much wider than another is no part of its peak: a beam that is cut off
+# does not become a veil.
+_WIDER = 3.0
+
 # Lobes count fully within the reach and soon no more beyond it.
 _STEEPNESS = 8
 
@@ -127,6 +131,8 @@ def _companions(
         none = np.zeros(0, dtype=int)
         return none, none, none
     apart = angle_between(lobes.centre[lone, None], lobes.centre[part])
+    alike = lobes.radius[part] < _WIDER * lobes.radius[lone, None]
+    apart = np.where(alike, apart, np.inf)
     nearest = apart.argmin(axis=1)
     touch = _TOUCHING * (lobes.radius[lone] + lobes.radius[part[nearest]])
     near = apart[np.arange(len(lone)), nearest] < touch

@@ -6,9 +6,9 @@ cells along each of four axes, 268 million values, never stands in memory: in ea
 block cells that hardly differ become one at once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from jaxtyping import Float, Int32
@@ -17,9 +17,10 @@ from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_combine import bits_of
 from clerestory.bsdf.tree_text import branch_order
 from clerestory.errors import InputError
-from clerestory.gonio.interpolant import Interpolant
+from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.raster import Raster
+from clerestory.gonio.symmetry import Symmetry
 from clerestory.hemisphere.square import disc_from_square
 
 # Halvings at which trees are cut into blocks, counted from the smallest cells.
@@ -32,6 +33,17 @@ _DEEPEST: dict[int, int] = {4: 7, 3: 8}
 _FLOOR = 0.01
 
 
+class Source(Protocol):
+    """What can be drawn: lobes for every incident direction, as of an interpolant."""
+
+    @property
+    def symmetry(self) -> Symmetry:
+        """Symmetry of the layer."""
+
+    def lobes_of(self, incident: Float[np.ndarray, "directions 3"]) -> Iterator[Lobes]:
+        """Yield the lobes of the light from each direction."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Forest:
     # Subtrees of one incident block: their roots, and the slots below them
@@ -40,7 +52,7 @@ class _Forest:
 
 
 def to_tree(
-    interpolant: Interpolant,
+    interpolant: Source,
     *,
     halvings: int,
     tolerance: float = 0.05,
@@ -78,9 +90,7 @@ def to_tree(
     return _assembled([forests[block] for block in blocks], halvings, within)
 
 
-def _rank_3(
-    interpolant: Interpolant, halvings: int, tolerance: float
-) -> ScatteringTree:
+def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringTree:
     # The first axis is half the distance from the rim; its second half is not used
     wide, raster = 1 << halvings, Raster.of(halvings)
     radius = 1 - 2 * (np.arange(wide // 2) + 0.5) / wide
@@ -110,7 +120,7 @@ _IMAGES: dict[str, tuple[tuple[bool, bool], ...]] = {
 
 
 def _images(
-    interpolant: Interpolant, block: tuple[int, int], wide: int
+    interpolant: Source, block: tuple[int, int], wide: int
 ) -> dict[tuple[int, int], tuple[bool, bool]]:
     images: dict[tuple[int, int], tuple[bool, bool]] = {}
     for flip in _IMAGES[interpolant.symmetry]:
@@ -122,12 +132,12 @@ def _images(
     return images
 
 
-def _first_image(interpolant: Interpolant, block: tuple[int, int], wide: int) -> bool:
+def _first_image(interpolant: Source, block: tuple[int, int], wide: int) -> bool:
     return block == min(_images(interpolant, block, wide))
 
 
 def _drawn_block(
-    work: tuple[Interpolant, tuple[int, int], int, int, float],
+    work: tuple[Source, tuple[int, int], int, int, float],
 ) -> dict[tuple[int, int], _Forest]:
     # Values of the incident cells of a block, and the forests of all its images
     interpolant, block, halvings, within, tolerance = work

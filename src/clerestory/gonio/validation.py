@@ -20,9 +20,9 @@ from clerestory.gonio.earth_mover import earth_mover
 from clerestory.gonio.fit import (
     DEFAULT,
     FitOptions,
-    Points,
     condense,
     fit_lobes,
+    misplaced_light,
     total_flux,
 )
 from clerestory.gonio.interpolant import Interpolant
@@ -166,18 +166,6 @@ def smoothing_study(
         )
         for factor in factors
     )
-
-
-def misplaced_light(points: Points, predicted: Float[np.ndarray, " points"]) -> float:
-    """Share of measured light that a prediction puts elsewhere.
-
-    Parameters
-    ----------
-    points : of a scan, condensed
-    predicted : BSDF at the points [1/sr]
-    """
-    moved = points.weight @ np.abs(predicted - points.value) / 2
-    return float(moved / max(points.flux, 1e-300))
 
 
 def _left_out(

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import InputError
+from clerestory.gonio.layer import read_layer
 from clerestory.scene.arguments import Arguments, Definition
 from clerestory.scene.definition import material
 from clerestory.scene.finish import Finish, finished
@@ -234,7 +234,7 @@ class _Reading:
         # One value for each file, so that equal materials are known as such
         path = library_file(name, beside=file, line=line).resolve()
         if path not in self.bsdfs:
-            self.bsdfs[path] = read_bsdf(path)
+            self.bsdfs[path] = read_layer(path)
         return self.bsdfs[path]
 
     def _alias(self, item: Alias, file: str) -> None:

@@ -1,0 +1,179 @@
+"""Layers whose light is traced from their geometry, for the virtual goniophotometer.
+
+Light comes from a small disc about an incident direction and is counted in the fine
+cells of the hemisphere that it leaves through. What the instrument then sees, and the
+truth that interpolation is judged by, are both made of these counts.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from scipy.spatial import cKDTree
+
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.system import System
+from clerestory.engine.points import points
+from clerestory.engine.sample_area import follow, lower_slab, start
+from clerestory.engine.square import square_from_disc
+from clerestory.engine.starts import lanes
+from clerestory.engine.walk import FIXED_POINT, Target
+from clerestory.gonio.angles import angle_between, straight_on
+from clerestory.hemisphere.square import disc_from_square
+from clerestory.scene.model import Polygon, Scene, Trans
+
+# Fine cells are 2^9 along an axis: 0.35° wide at the normal.
+HALVINGS = 9
+
+# Light this near belongs to one beam [rad]: 6°; a beam has this share of what comes in.
+BEAM, LEAST_BEAM = np.radians(6.0), 0.05
+
+
+def rough_pane(*, roughness=0.12):
+    """Pane that lets most light on within a lobe (Radiance's `trans`)."""
+    sheet = Trans("pane", np.full(3, 0.9), 0.0, roughness, 0.9, 0.85)
+    corners = np.array([[-0.1, -0.1, 0], [1.1, -0.1, 0], [1.1, 1.1, 0], [-0.1, 1.1, 0]])
+    scene = Scene({"pane": sheet}, (Polygon(corners, "pane", "pane"),))
+    return System(scene, SampleArea(np.array([[0.0, 0, 0], [1, 1, 0]]), periodic=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """Transmitted light from one incident direction.
+
+    Attributes
+    ----------
+    direction : unit vectors of the fine cells that light leaves through
+    flux : share of the incident light in each
+    """
+
+    direction: np.ndarray
+    flux: np.ndarray
+
+    @property
+    def total(self):
+        return float(self.flux.sum())
+
+    def seen(self, leaving, aperture):
+        """BSDF that a disc-shaped aperture of a radius [rad] sees [1/sr]."""
+        near = cKDTree(self.direction).query_ball_point(
+            leaving, 2 * np.sin(aperture / 2)
+        )
+        light = np.array([self.flux[k].sum() for k in near])
+        solid_angle = 2 * np.pi * (1 - np.cos(aperture))
+        return light / (solid_angle * np.maximum(leaving[:, 2], 1e-3))
+
+
+@dataclass(eq=False)
+class TracedLayer:
+    """A layer whose geometry is traced.
+
+    Attributes
+    ----------
+    system : its geometry
+    paths : from each incident direction
+    source : radius of the disc that light comes from [rad]
+    """
+
+    system: System
+    paths: int = 1 << 19
+    source: float = np.radians(0.25)
+    seed: int = 1
+
+    def __post_init__(self):
+        area = self.system.area
+        self._slab = lower_slab(self.system.scene, area.slab(), periodic=True)
+
+    def light(self, incidents):
+        """Transmitted light from each direction."""
+        return [self._traced(d, k) for k, d in enumerate(incidents)]
+
+    def _traced(self, incident, number):
+        wide = 1 << HALVINGS
+        target = Target(None, None, dr.zeros(mi.UInt64), wide * wide, 1)
+        target.sums = dr.zeros(mi.UInt64, wide * wide + 1)
+        table = _Disc(mi.Vector3f(*straight_on(incident).tolist()), self.source)
+        dr.make_opaque(table.centre)
+        for first in range(0, self.paths, 1 << 16):
+            sequence = points(first, min(1 << 16, self.paths - first))
+            rows = np.array([number])
+            paths = lanes(sequence, rows=rows, batches=1, seed=self.seed, stream=0)
+            front = dr.opaque(mi.Bool, False)
+            ray = start(self._slab, sequence, paths, table, mi.UInt32(0), front)
+            limit = dr.opaque(mi.UInt32, 1 << 20)
+            follow(self._slab, _Cells(target), sequence, paths, ray, limit)
+            dr.eval(target.sums)
+        flux = target.sums.numpy()[:-1] / (FIXED_POINT * self.paths)
+        cell = np.flatnonzero(flux)
+        a, b = (cell // wide + 0.5) / wide, (cell % wide + 0.5) / wide
+        x, y = disc_from_square(a, b)
+        z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+        return Light(np.stack([x, y, z], axis=-1), flux[cell])
+
+
+@dataclass
+class _Disc:
+    # Directions of travel evenly within a disc about one
+    centre: mi.Vector3f
+    radius: float
+
+    def sample(self, _cell, u, v):
+        disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, v))
+        local = mi.Vector3f(disc.x, disc.y, 0) * self.radius
+        found = dr.normalize(mi.Frame3f(self.centre).to_world(local) + self.centre)
+        found.z = dr.abs(found.z)
+        return found
+
+
+@dataclass
+class _Cells:
+    target: Target
+
+    def receive(self, _paths, direction, weight, active):
+        place = square_from_disc(direction.x, direction.y) * (1 << HALVINGS)
+        a, b = (
+            mi.UInt32(dr.clip(mi.Int32(c), 0, (1 << HALVINGS) - 1))
+            for c in (place.x, place.y)
+        )
+        through = active & (direction.z > 0)
+        self.target.score(mi.UInt32(0), (a << HALVINGS) + b, weight, through)
+
+
+def beam(light, near):
+    """Middle of the light within 6° of itself, sought uphill of a direction."""
+    middle = near
+    for _ in range(50):
+        within = angle_between(light.direction, middle) < BEAM
+        total = light.flux[within] @ light.direction[within]
+        if not np.any(total):
+            return near
+        found = total / np.linalg.norm(total)
+        if angle_between(found, middle) < 1e-5:
+            break
+        middle = found
+    return middle
+
+
+def beams(light):
+    """Beams of the light, brightest first, and the share of each."""
+    left = light.flux.copy()
+    wide = cKDTree(light.direction)
+    found, shares = [], []
+    while len(left) and left.max() > 0:
+        # Start at the brightest 2° and climb
+        chosen = np.argsort(left)[-200:]
+        near = wide.query_ball_point(light.direction[chosen], np.radians(2.0))
+        start_at = chosen[np.argmax([left[k].sum() for k in near])]
+        middle = beam(light, light.direction[start_at])
+        within = angle_between(light.direction, middle) < BEAM
+        share = float(light.flux[within].sum())
+        taken = float(left[within].sum())
+        if taken < LEAST_BEAM:
+            break
+        if taken > 0.7 * share:
+            found.append(middle)
+            shares.append(share)
+        left[within] = 0
+        left[wide.query_ball_point(light.direction[start_at], BEAM)] = 0
+    return np.array(found).reshape(-1, 3), np.array(shares)
