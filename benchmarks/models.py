@@ -41,7 +41,7 @@ DOME = (
 )
 
 # Repetitions of a sensor, and directions of its first gather
-_AGAIN, _DIRECTIONS = 8, 256
+_AGAIN, _DIRECTIONS = 64, 32
 
 # Paths of a sensor of ours
 _SAMPLES = 1 << 15

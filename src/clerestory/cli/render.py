@@ -101,7 +101,7 @@ def render(
     """
     begin = time.perf_counter()
     room = read_rad(*scene)
-    room = room + _sky(sky, moment, weather)
+    room = room + sky_of(sky, moment, weather)
     camera = view_of(view)
     columns, rows = camera.size_for(resolution)
     with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
@@ -128,7 +128,8 @@ def render(
         typer.echo(_summary(made, output, time.perf_counter() - begin))
 
 
-def _sky(sky: str | None, moment: str | None, weather: Path | None) -> Scene:
+def sky_of(sky: str | None, moment: str | None, weather: Path | None) -> Scene:
+    """Return the sky that options ask for, nothing where they do not."""
     if (moment is None) != (weather is None) or (sky and moment):
         raise InputError("either --sky, or --time with --weather, or neither expected")
     if moment is not None and weather is not None:

@@ -9,7 +9,7 @@ are added in the order of their units, whoever traced them.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 from jaxtyping import Float
@@ -71,6 +71,27 @@ class Batches:
         return spread / (self.count * math.sqrt(len(self.total)))
 
 
+class LitJob(Job, Protocol):
+    """A job whose rows are lights that are gathered.
+
+    Attributes
+    ----------
+    batches : independent estimates of each row
+    """
+
+    batches: ClassVar[int]
+
+    @property
+    def receivers(self) -> int:
+        """Number of rows."""
+
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of some rows."""
+
+    def error(self, values: Batches) -> float:
+        """Return the error that is to be reached, relative."""
+
+
 @dataclass(frozen=True, eq=False)
 class PictureJob:
     """Radiance of a view's pixels, or irradiance, row by row from the top."""
@@ -94,7 +115,7 @@ class PictureJob:
 
     def trial(self, paths: int) -> Unit:
         """Return a unit of the middle of the picture."""
-        return _middle(self.receivers, self.batches, paths)
+        return middle_unit(self.receivers, self.batches, paths)
 
     def error(self, values: Batches) -> float:
         """Return the error of the mean pixel, relative."""
@@ -122,7 +143,7 @@ class IrradianceJob:
 
     def trial(self, paths: int) -> Unit:
         """Return a unit of some sensors."""
-        return _middle(self.receivers, self.batches, paths)
+        return middle_unit(self.receivers, self.batches, paths)
 
     def error(self, values: Batches) -> float:
         """Return the relative error of the worst sensor."""
@@ -151,16 +172,17 @@ def trace_picture(
     """
     walk = effort.bounces, effort.seed, effort.device
     job = PictureJob(scene, view, columns, rows, *walk, quantity)
-    return _estimate(job, effort)
+    return estimate_lit(job, effort)
 
 
 def trace_irradiance(scene: Scene, sensors: Sensors, effort: Effort) -> Lit:
     """Return the irradiance of sensors; every one reaches the relative error."""
     job = IrradianceJob(scene, sensors, effort.bounces, effort.seed, effort.device)
-    return _estimate(job, effort)
+    return estimate_lit(job, effort)
 
 
-def _estimate(job: PictureJob | IrradianceJob, effort: Effort) -> Lit:
+def estimate_lit(job: LitJob, effort: Effort) -> Lit:
+    """Trace a job until its samples are taken or its error is reached."""
     batches, rows = job.batches, job.receivers
     if not effort.executor.accepts(job, effort.goal):
         return Lit(np.zeros((rows, 3)), np.zeros((rows, 3)), 0, True)
@@ -186,7 +208,8 @@ def _estimate(job: PictureJob | IrradianceJob, effort: Effort) -> Lit:
     return Lit(sums.mean(), sums.error(), rows * batches * sums.count, reached)
 
 
-def _middle(rows: int, batches: int, paths: int) -> Unit:
+def middle_unit(rows: int, batches: int, paths: int) -> Unit:
+    """Return a unit of the middle of a job."""
     # Consecutive rows, a good part of them, or all with many samples
     block = max(1, min(rows, paths // (batches * _SHORTEST)))
     first = (rows - block) // 2

@@ -35,7 +35,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     """Return what traces the radiance of a view's pixels, or their irradiance."""
     rays = PixelRays.of(job.view, job.columns, job.rows)
     origin = np.asarray(job.view.position, dtype=float)
-    lit, limit = _lit(job.scene, origin), _segments(job.bounces)
+    lit, limit = light_of(job.scene, origin), segments_of(job.bounces)
 
     def irradiance(draw: Draw, row):
         # The first numbers of the sequence go to the surface, not to the pixel
@@ -66,13 +66,13 @@ def prepare_picture(job: PictureJob) -> Tracer:
         )  # fmt: skip
 
     kind = irradiance if job.quantity == "irradiance" else light
-    return _tracer(kind, job.seed, job.batches)
+    return tracer_of(kind, job.seed, job.batches)
 
 
 def prepare_irradiance(job: IrradianceJob) -> Tracer:
     """Return what traces the irradiance of sensors."""
     origin = np.mean(job.sensors.position, axis=0)
-    lit = _lit(job.scene, origin)
+    lit = light_of(job.scene, origin)
     position = vectors(mi.Point3f, job.sensors.position - origin)
     normal = vectors(mi.Vector3f, job.sensors.direction)
     # Radiance counts a sensor's own gather as a bounce
@@ -88,16 +88,18 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
             mi.Bool(False), dr.opaque(mi.UInt32, limit), active,
         )  # fmt: skip
 
-    return _tracer(gathered, job.seed, job.batches)
+    return tracer_of(gathered, job.seed, job.batches)
 
 
-def _lit(scene: Scene, origin: Float[np.ndarray, "3"]) -> LitScene:
+def light_of(scene: Scene, origin: Float[np.ndarray, "3"]) -> LitScene:
+    """Return a scene with all that lights it, around a point."""
     model = lower(scene, origin=origin)
     portals, mirrors = Portals.of(scene, origin), Mirrors.of(scene)
     return LitScene(model, SkyLight.of(scene), portals, mirrors)
 
 
-def _segments(bounces: int | None) -> int:
+def segments_of(bounces: int | None) -> int:
+    """Return the most segments between diffuse reflections."""
     return (1 << 30) if bounces is None else bounces + 1
 
 
@@ -159,11 +161,11 @@ def _rays(kind: type, values: Float[np.ndarray, "row column 3"]):
     return vectors(kind, values.reshape(-1, 3))
 
 
-def _tracer(light: Callable, seed: int, batches: int) -> Tracer:
+def tracer_of(light: Callable, seed: int, batches: int) -> Tracer:
+    """Return what traces units: consecutive rows along a stretch of the sequence."""
     stretch = lru_cache(maxsize=1)(points)
 
     def trace(unit: Unit) -> Float[np.ndarray, "batch row 3"]:
-        # Trace consecutive rows along a stretch of the sequence
         sequence, count = stretch(unit.first, unit.count), unit.count
         lane = dr.arange(mi.UInt32, len(unit.rows) * batches * count)
         index = lane % dr.opaque(mi.UInt32, count)
