@@ -63,3 +63,21 @@ def report(room, tmp_path_factory):
     page = tmp_path_factory.mktemp("report") / "report.html"
     write_report(room.analytic_results(), page)
     return page
+
+
+@pytest.fixture(scope="session")
+def full_report(room, tmp_path_factory):
+    """Report with states, glare of two views, a film and the equation's terms."""
+    file = Path(__file__).parents[1] / "unit" / "report" / "course.py"
+    spec = importlib.util.spec_from_file_location("course", file)
+    course = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(course)
+    folder = tmp_path_factory.mktemp("full")
+    moments = [f"01-03T{hour:02d}:30" for hour in range(7, 18)]
+    course.write_pictures(folder, moments)
+    results = course.with_course(
+        room.analytic_results(times=room.year(days=30)), pictures=moments
+    )
+    page = folder / "report.html"
+    write_report(results, page, pictures=folder)
+    return page
