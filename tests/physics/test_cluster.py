@@ -115,8 +115,9 @@ def study_in(folder):
     shutil.copytree(ROOM, folder)
     write_bsdf(folder / "diffuser.xml", lambertian(0.5, klems("quarter")))
     file = folder / "study.toml"
-    text = file.read_text().replace("samples = 256", "samples = 65536")
-    file.write_text(text + '\n[[view]]\nname = "seat"\nfile = "seat.vf"\n')
+    text = file.read_text().replace("samples = 256", "samples = 8192")
+    view = '[[view]]\nname = "seat"\nfile = "seat.vf"\nresolution = 16\nsamples = 64\n'
+    file.write_text(f"{text}\n{view}")
     (folder / "seat.vf").write_text("rvu -vta -vp 2 2 1.2 -vd 0 -1 0 -vh 180 -vv 180\n")
     return cl.read_study(file)
 
@@ -128,11 +129,11 @@ def test_a_study_gives_the_same_files_on_a_cluster(small_units, tmp_path, worker
     study = study_in(tmp_path / "room")
     here = cl.run_study(study, out=tmp_path / "here")
     with local_cluster(tmp_path, workers=workers) as started:
-        killer = Assassin(started, share=0.1)
+        killer = Assassin(started, share=0.2)
         there = cl.run_study(
             study.with_trace(cluster=started.address),
             out=tmp_path / "there",
-            display=lambda phase: killer if "view" in phase else lambda *_: None,
+            display=lambda phase: killer if "daylight" in phase else lambda *_: None,
         )
         assert killer.struck
     files = sorted(path.name for path in (tmp_path / "here/matrices").iterdir())
