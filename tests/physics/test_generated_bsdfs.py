@@ -5,8 +5,11 @@ import pytest
 
 import clerestory as cl
 from clerestory.bsdf.analytic import pane_shares
+from clerestory.bsdf.overlap import patches_in_cells
 from clerestory.bsdf.reciprocity import diffuse_share
+from clerestory.bsdf.resample import to_matrices
 from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.branches import incident_part
 from clerestory.bsdfgen.channel import mirrored_channels
 from clerestory.bsdfgen.fabric import fabric
 from clerestory.bsdfgen.microlouvre import microlouvre
@@ -15,6 +18,7 @@ from clerestory.bsdfgen.pane import clear_pane, diffuse_pane
 from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.screen import perforated, woven
 from clerestory.bsdfgen.slats import venetian
+from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.model import Metal, Plastic, Polygon, Scene
 
@@ -357,6 +361,62 @@ def test_trees_keep_the_light_of_matrices(device, kind):
         cells = part(tree, name)
         error = cells.standard_error.extrema()[1]
         assert 0 < error < cells.extrema()[1]
+
+
+def counted(system, halvings, device, *, samples):
+    """Bare counts of the light in all from each incident cell, light from the room."""
+    engine = devices.load(device, "sample_area_tree")
+    area = system.area
+    slab = engine.lower_slab(system.scene, area.slab(), periodic=area.periodic)
+    grid = engine.Grid(4, halvings, min(halvings, 4))
+    rows = np.arange(grid.incidents)
+    which = incident_part(np.arange(grid.cells), rank=4, levels=grid.block)
+    light = np.empty((1 << halvings, 1 << halvings))
+    for block in range(grid.blocks):
+        start = {"back": True, "segments": 1 << 30, "seed": 9}
+        sums = engine.trace_block(slab, grid, block, [(rows, 0, samples)], **start)
+        share = np.bincount(which, sums[..., 0].sum(axis=0)) / samples
+        number = block * grid.incidents + rows
+        one, other = (
+            sum((n >> bit) & (1 << bit) for bit in range(halvings))
+            for n in (number, number >> 1)
+        )
+        light[one, other] = share
+    return light.ravel()
+
+
+@pytest.mark.parametrize("kind", ["venetian", "prismatic", "microlouvre"])
+@pytest.mark.parametrize(
+    ("halvings", "samples"),
+    [
+        (4, 4096),
+        pytest.param(5, 4096, marks=pytest.mark.slow),
+    ],
+)
+def test_trees_keep_the_light_of_each_incident_patch(device, kind, halvings, samples):
+    """As bare counts of other paths have it, on the same cells, in Klems' patches."""
+    system = SYSTEMS.get(kind) or microlouvre()
+    tree = cl.generate_bsdf(
+        system,
+        basis="tree4",
+        halvings=halvings,
+        samples=samples,
+        sides="back",
+        device=device,
+    )
+    full = klems("full")
+    cells = patches_in_cells(full, halvings)
+    bare = cells @ counted(system, halvings, device, samples=samples)
+    bare /= np.asarray(cells.sum(axis=1)).ravel()
+    total = sum(
+        part(to_matrices(tree, full), name).direct_hemispherical()
+        for name in ("transmission_back", "reflection_back")
+    )
+    paths = samples * 4**halvings * full.projected_solid_angles() / np.pi
+    # Roulette makes a variance of about 0.25 a path where nothing is lost
+    error = np.sqrt(2 * bare * np.maximum(1 - bare, 0.25) / paths)
+    assert np.all(np.abs(total - bare) < 0.005 + 2 * error)
+    assert np.all(total < 1.005 + 2 * error)
 
 
 def test_straight_light_keeps_its_energy_in_trees(device):

@@ -27,6 +27,9 @@ from clerestory.bsdfgen.refine import (
 _FIRST_SHARE = 0.25
 _PILOT = 256
 
+# Variance of what leaves a path of a film that loses nothing, by Russian roulette.
+_ROULETTE = 0.25
+
 # Most paths from one incident cell: an aim that needs more is out of reach.
 _MOST = 1 << 20
 
@@ -161,12 +164,13 @@ class Counter:
     def _kept(
         self, found: BlockCells, sums: Float[np.ndarray, "cell more"]
     ) -> BlockCells:
-        # Shares lie between 0 and 1: their variance is at most s (1 - s)
+        # All that leaves a path is about 0 to 1 in all: its variance is s (1 - s), or
+        # what roulette adds where nothing is lost
         luminous = sums[:, :-1] @ self.weights
         total = np.bincount(self._incident, luminous, minlength=self.grid.incidents)
         paths = np.maximum(self._paths, 1)
         share = total / paths
-        light = IncidentLight(share, np.maximum(share * (1 - share), 0) / paths)
+        light = IncidentLight(share, share * np.maximum(1 - share, _ROULETTE) / paths)
         cells = keep_light(
             found.cells, light, self.weights, rank=self.grid.rank, depth=self.grid.depth
         )

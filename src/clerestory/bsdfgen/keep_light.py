@@ -17,9 +17,9 @@ from clerestory.bsdfgen.branches import incident_part
 from clerestory.bsdfgen.refine import Cells
 
 # Joined cells are cut where the light from one of their incident cells would else be
-# off by more than this share of all that comes, if they span a sixteenth of the disc
-# of directions; the more the smaller they are, for what is moved within them stays
-# within that area. It must be more than so many standard errors, of which an
+# off by more than this share of all that comes, if they are a sixteenth of the square
+# of directions wide; twice as much at half the width, for what is moved within them
+# stays there. It must be more than so many standard errors, of which an
 # upper bound is known.
 _TOLERANCE = 0.01
 _SPAN = 4
@@ -74,7 +74,7 @@ def keep_light(
     cut, joined = cells, cells.height > 0
     for height in range(int(cells.height.max(initial=0)), 0, -1):
         wide = 1 << (rank - 2) * height
-        limit = np.maximum(_TOLERANCE * 4.0 ** (depth - height - _SPAN), unsure)
+        limit = np.maximum(_TOLERANCE * 2.0 ** (depth - height - _SPAN), unsure)
         mean = np.repeat(scale.reshape(-1, wide).mean(axis=1), wide)
         off = np.abs(scale - mean) * together > limit
         apart = off.reshape(-1, wide).any(axis=1)
