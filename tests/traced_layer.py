@@ -5,11 +5,13 @@ cells of the hemisphere that it leaves through. What the instrument then sees, a
 truth that interpolation is judged by, are both made of these counts.
 """
 
+import functools
 from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+from scipy import sparse
 from scipy.spatial import cKDTree
 
 from clerestory.bsdfgen.area import SampleArea
@@ -20,6 +22,8 @@ from clerestory.engine.square import square_from_disc
 from clerestory.engine.starts import lanes
 from clerestory.engine.walk import FIXED_POINT, Target
 from clerestory.gonio.angles import angle_between, straight_on
+from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.raster import Raster
 from clerestory.hemisphere.square import disc_from_square
 from clerestory.scene.model import Polygon, Scene, Trans
 
@@ -77,7 +81,7 @@ class TracedLayer:
     """
 
     system: System
-    paths: int = 1 << 19
+    paths: int = 1 << 18
     source: float = np.radians(0.25)
     seed: int = 1
 
@@ -177,3 +181,105 @@ def beams(light):
         left[within] = 0
         left[wide.query_ball_point(light.direction[start_at], BEAM)] = 0
     return np.array(found).reshape(-1, 3), np.array(shares)
+
+
+# The instrument: radius of its aperture [rad], noise of values and of its dark [1/sr],
+# points over the hemisphere and about what is bright.
+APERTURE, NOISE, DARK = np.radians(0.7), 0.02, 2e-4
+EVERYWHERE, NEAR_PEAKS = 4000, 6000
+
+
+def measure(incidents, lights, *, name="", seed=1):
+    """Scans of a layer by a virtual goniophotometer."""
+    rng = np.random.default_rng(seed)
+    scans = tuple(_scan(d, x, rng) for d, x in zip(incidents, lights, strict=True))
+    return Measurement(scans, "transmission_front", name=name)
+
+
+def _scan(incident, light, rng):
+    k = np.arange(EVERYWHERE) + 0.5
+    z, turn = 1 - k / EVERYWHERE, np.pi * (1 + 5**0.5) * k
+    flat = np.sqrt(1 - z * z)
+    leaving = np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=-1)
+
+    # Scan within 3° of what is bright once more, finer
+    spots = _spots(light)
+    if len(spots):
+        centre = np.repeat(spots, NEAR_PEAKS // len(spots), axis=0)
+        aside = rng.normal(size=centre.shape)
+        aside -= np.sum(aside * centre, axis=1, keepdims=True) * centre
+        aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+        away = np.radians(3.0) * np.sqrt(rng.random((len(centre), 1)))
+        near = centre + aside * away
+        near /= np.linalg.norm(near, axis=1, keepdims=True)
+        leaving = np.concatenate([leaving, near])
+
+    # No detector near the horizon, nor behind the arm on the right
+    leaving = leaving[leaving[:, 2] > np.cos(np.radians(87))]
+    low = leaving[:, 2] < np.cos(np.radians(30))
+    beside = np.abs(np.arctan2(leaving[:, 1], leaving[:, 0])) < np.radians(4)
+    leaving = leaving[~(low & beside)]
+    value = light.seen(leaving, APERTURE)
+    value = value * (1 + NOISE * rng.normal(size=len(value)))
+    return Scan(incident, leaving, value + DARK * rng.normal(size=len(value)))
+
+
+def _spots(light):
+    # Places with at least 0.3 % of the light within 1.5°, brightest first
+    left, tree, found = light.flux.copy(), cKDTree(light.direction), []
+    while len(found) < 100:
+        chosen = np.argsort(left)[-50:]
+        near = tree.query_ball_point(light.direction[chosen], np.radians(1.5))
+        shares = [left[k].sum() for k in near]
+        best = int(np.argmax(shares))
+        if shares[best] < 0.003 * light.total:
+            break
+        middle = left[near[best]] @ light.direction[near[best]]
+        middle /= np.linalg.norm(middle)
+        found.append(middle)
+        left[near[best]] = 0
+        left[tree.query_ball_point(middle, np.radians(2.0))] = 0
+    return np.array(found)
+
+
+def drawn(lobes):
+    """Light of lobes in the cells of a grid of 2^7."""
+    cells = Raster.of(7).cells(lobes)
+    return Light(_cells(), cells * (np.pi / len(cells)))
+
+
+def compare(found, truth):
+    """Error of the flux, angle between the brightest beams [°], ghosts."""
+    middles, _ = beams(truth)
+    turn = ghost = 0.0
+    if len(middles):
+        ends = (beam(light, middles[0]) for light in (truth, found))
+        turn = float(np.degrees(angle_between(*ends)))
+        real, seen = (_within_3_degrees(light) for light in (truth, found))
+        lit = cKDTree(_cells()[real > 0.02 * real.max()])
+        away = lit.query(_cells())[0] > np.radians(4.0)
+        ghost = float((seen - real)[away].max(initial=0) / real.max())
+    return found.total - truth.total, turn, ghost
+
+
+def _within_3_degrees(light):
+    _, cell = cKDTree(_cells()).query(light.direction)
+    flux = np.bincount(cell, light.flux, len(_cells()))
+    return _disc() @ flux
+
+
+@functools.cache
+def _disc():
+    near = cKDTree(_cells()).query_ball_point(_cells(), np.radians(3.0))
+    row = np.repeat(np.arange(len(near)), [len(k) for k in near])
+    column = np.concatenate([np.array(k) for k in near])
+    shape = len(near), len(near)
+    return sparse.csr_array((np.ones(len(row)), (row, column)), shape=shape)
+
+
+@functools.cache
+def _cells():
+    middle = (np.arange(128) + 0.5) / 128
+    a, b = (part.ravel() for part in np.meshgrid(middle, middle, indexing="ij"))
+    x, y = disc_from_square(a, b)
+    return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)

@@ -15,9 +15,10 @@ suit, and how far values reach along each, is what makes the measured values mos
 likely; the images that symmetry implies count as well.
 
 References: C. Schlick, "An inexpensive BRDF model for physically-based rendering",
-Computer Graphics Forum 13 (3), 1994; F. N. Fritsch, R. E. Carlson, "Monotone piecewise cubic interpolation",
-SIAM Journal on Numerical Analysis 17 (2), 1980; C. E. Rasmussen, C. K. I. Williams,
-"Gaussian Processes for Machine Learning", MIT Press 2006, equations 2.30 and 4.17.
+Computer Graphics Forum 13 (3), 1994; F. N. Fritsch, R. E. Carlson, "Monotone piecewise
+cubic interpolation", SIAM Journal on Numerical Analysis 17 (2), 1980; C. E. Rasmussen,
+C. K. I. Williams, "Gaussian Processes for Machine Learning", MIT Press 2006, equations
+2.30 and 4.17.
 """
 
 from dataclasses import dataclass

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
