@@ -11,11 +11,11 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 from scipy.sparse import coo_array, csc_array
-from scipy.spatial import cKDTree
 
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import SkyPartition
+from clerestory.sky.nearest import nearest_patches
 
 SunPlacement = Literal["spread", "patch", "disc"]
 
@@ -65,8 +65,7 @@ def sun_radiance(
         )
     up = np.flatnonzero(direct > _THRESHOLD)
     count = _NEIGHBOURS if placement == "spread" else 1
-    centres = partition.dome.centres()
-    distance, near = cKDTree(centres).query(directions[up], k=np.arange(1, count + 1))
+    distance, near = nearest_patches(partition.dome, directions[up], count=count)
 
     # Weigh by proximity: distance² = 2 − 2 cos γ
     weight = 1 / (_SOFTENING - 1 + distance**2 / 2)

@@ -1,5 +1,6 @@
 """Weather files of every kind, told apart by their content."""
 
+import importlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,7 +8,6 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.epw import read_epw
 from clerestory.sky.networks import looks_like_surfrad, read_surfrad
-from clerestory.sky.station import read_station
 from clerestory.sky.tmy2 import looks_like_tmy2, read_tmy2
 from clerestory.sky.tmy3 import read_tmy3
 from clerestory.sky.wea import read_wea
@@ -37,7 +37,10 @@ def read_weather(path: str | Path) -> Weather:
 
 def _reader(path: str | Path) -> Callable[[str | Path], Weather]:
     if Path(path).suffix.lower() == ".toml":
-        return read_station
+        # Tables of settings take long to load, which only station files should wait for
+        station = importlib.import_module("clerestory.sky.station")
+        reader: Callable[[str | Path], Weather] = station.read_station
+        return reader
     head = read_text(path)[:4000].splitlines()
     first = head[0].lstrip().lower() if head else ""
     if first.startswith("location,"):

@@ -5,13 +5,13 @@ that never shine. Here every lit step has its own sun, and steps whose suns lie
 within a stated angle share one: the strongest keeps its exact place.
 """
 
+import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import coo_array, csc_array
-from scipy.spatial import cKDTree
 
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import InputError, MatrixError
@@ -201,7 +201,8 @@ def share_suns(
     count = len(directions)
     if count == 0 or tolerance == 0:
         return np.arange(count)
-    tree = cKDTree(directions)
+    # Search trees take long to load, which only tolerances should wait for
+    tree = importlib.import_module("scipy.spatial").cKDTree(directions)
     near = tree.query_ball_point(directions, 2 * np.sin(tolerance / 2))
     leader = np.full(count, -1)
     for step in np.argsort(-weight, kind="stable"):
