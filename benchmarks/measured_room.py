@@ -48,12 +48,13 @@ of columns to sensors. Made by `benchmarks/measured_room.py`.
 
 How to read it:
 
-- This is no good agreement, and says more about the room than about the method.
+- This is no good agreement; what is known of the room limits it, for Radiance as well.
   Materials are those that the authors measured: glass of transmissivity 0.88, floor
   0.30, gallery 0.36. Nothing is calibrated. With these their own Radiance runs are too
   bright as well; to match, they lower the transmissivity of the glass to 0.70 to 0.80
-  and the floors. Dirt, the people who carried the sensors, and trees are not in the
-  model.
+  and the floors. The corners beside the windows are darker than the model's: its
+  windows may begin too early. Dirt, trees, and the people who carried the sensors are
+  not in it.
 - The weather is an hourly file made from a station's measurement; a scan takes minutes,
   and clouds pass within the hour. The simulation is interpolated between the middles of
   two hours; the authors take the hour that ends with the scan. `compare` finds no shift

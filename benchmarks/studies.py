@@ -1,6 +1,6 @@
 """A picture of each study of the gallery, and its figures: docs/studies.md.
 
-    python benchmarks/studies.py [--only NAME]…
+    python benchmarks/studies.py [--only NAME]… [--samples N] [--resolution N]
 
 Each study is run as it stands, by `clerestory run`, and once more for one moment with a
 camera added. Pictures go to docs/studies/, tone-mapped.
@@ -71,24 +71,27 @@ SHOWN = (
 )  # fmt: skip
 
 
-def picture(shown: Shown) -> None:
+def picture(shown: Shown, resolution: int, samples: int) -> None:
     """Trace the picture of a study and write it for the page."""
     folder = STUDIES / shown.name
     text = (folder / "study.toml").read_text()
     tables = tomllib.loads(text)
     if tables["method"] == "2-phase":
-        seen = outdoors(folder, tables, shown)
+        seen = outdoors(folder, tables, shown, resolution, samples)
     else:
-        seen = indoors(folder, text, shown)
+        seen = indoors(folder, text, shown, resolution, samples)
     display = to_srgb(human_vision(seen, colour_loss=False))
     write_display(display, PICTURES / f"{shown.name}.jpg")
 
 
-def indoors(folder: Path, text: str, shown: Shown) -> cl.Picture:
+def indoors(
+    folder: Path, text: str, shown: Shown, resolution: int, samples: int
+) -> cl.Picture:
     """Return the picture through the study's own windows."""
     with tempfile.TemporaryDirectory() as out:
         study = folder / "picture.toml"
-        view = f'\n[[view]]\nfile = "{shown.view}"\nresolution = 300\nsamples = 128\n'
+        view = f'\n[[view]]\nfile = "{shown.view}"\nresolution = {resolution}\n'
+        view += f"samples = {samples}\n"
         view += f'pictures = ["{shown.moment}"]\n'
         only = f'[weather]\nmoments = ["{shown.moment}"]\n'
         quick = text.replace("relative_error = 0.02", "samples = 512")
@@ -101,7 +104,9 @@ def indoors(folder: Path, text: str, shown: Shown) -> cl.Picture:
         return cl.read_picture(file)
 
 
-def outdoors(folder: Path, tables: dict[str, Any], shown: Shown) -> cl.Picture:
+def outdoors(
+    folder: Path, tables: dict[str, Any], shown: Shown, resolution: int, samples: int
+) -> cl.Picture:
     """Return a picture of the scene as it stands, under the sky of the moment."""
     files = [folder / name for name in tables["scene"]["files"]]
     weather = cl.read_weather(folder / tables["weather"]["file"])
@@ -109,8 +114,8 @@ def outdoors(folder: Path, tables: dict[str, Any], shown: Shown) -> cl.Picture:
     moment = datetime.datetime.fromisoformat(f"{year}-{shown.moment}")
     scene = cl.read_rad(*files) + sky_at(weather, moment)
     view = cl.read_view(folder / shown.view)
-    columns, rows = view.size_for(400)
-    made = render(scene, view, columns=columns, rows=rows, samples=256, seed=1)
+    columns, rows = view.size_for(resolution)
+    made = render(scene, view, columns=columns, rows=rows, samples=samples, seed=1)
     return made.picture
 
 
@@ -160,9 +165,10 @@ def page(found: dict[str, dict[str, Any]]) -> str:
             "",
             shown.words,
             "",
-            f"![{shown.words.split('.')[0]}](studies/{shown.name}.jpg)",
-            "",
         ]
+        if (PICTURES / f"{shown.name}.jpg").is_file():
+            title = shown.words.split(".")[0]
+            lines += [f"![{title}](studies/{shown.name}.jpg)", ""]
         one = found.get(shown.name)
         if one is not None:
             lines += [
@@ -178,6 +184,8 @@ def main() -> None:
     """Run the studies asked for and write the page of all that were ever run."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", action="append", default=[])
+    parser.add_argument("--samples", type=int, default=1024)
+    parser.add_argument("--resolution", type=int, default=480)
     parser.add_argument("--results", type=Path, help="folder of finished runs, by name")
     parser.add_argument("--skip-pictures", action="store_true")
     words = parser.parse_args()
@@ -187,7 +195,7 @@ def main() -> None:
         if words.only and shown.name not in words.only:
             continue
         if not words.skip_pictures:
-            picture(shown)
+            picture(shown, words.resolution, words.samples)
         found[shown.name] = figures(shown, words.results)
         KEPT.write_text(json.dumps(found, indent=1) + "\n")
     PAGE.write_text(page(found))
