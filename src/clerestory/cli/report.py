@@ -6,10 +6,9 @@ from typing import Annotated
 import typer
 
 from clerestory.cli.options import Quiet
-from clerestory.cli.run import REPORT_FILE
+from clerestory.cli.run import REPORT_FILE, picture_folder
 from clerestory.report.page import write_report
 from clerestory.study.results import read_results
-from clerestory.study.views import PICTURE_FOLDER
 
 
 def report(
@@ -27,6 +26,7 @@ def report(
     """
     folder = results if results.is_dir() else results.parent
     page = output or folder / REPORT_FILE
-    write_report(read_results(results), page, pictures=folder / PICTURE_FOLDER)
+    found = read_results(results)
+    write_report(found, page, pictures=picture_folder(folder, found))
     if not quiet:
         typer.echo(f"report: {page}")

@@ -85,11 +85,17 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
     with progress_display(quiet=quiet) as display:
         results = run_study(study, out=folder, display=display)
     page = folder / REPORT_FILE
-    write_report(results, page, pictures=folder / PICTURE_FOLDER)
+    write_report(results, page, pictures=picture_folder(folder, results))
     if not quiet:
         Console().print(_summary(results))
         typer.echo(f"results: {folder}")
         typer.echo(f"report:  {page.resolve().as_uri()}")
+
+
+def picture_folder(folder: Path, results: Results) -> Path:
+    """Return where pictures lie: of several methods, in the folder of the last one."""
+    own = folder / str(results.data.attrs.get("method", "")) / PICTURE_FOLDER
+    return own if own.is_dir() else folder / PICTURE_FOLDER
 
 
 def _summary(results: Results) -> Table:

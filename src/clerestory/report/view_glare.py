@@ -193,7 +193,7 @@ def _class_table(
         for kind in range(len(CATEGORIES)):
             chosen = occupied & (found == kind)
             share = 100 * chosen.sum() / max(occupied.sum(), 1)
-            words = f"{hours_in(times, chosen):,.0f} h, {share:.1f} %"
+            words = f"{number(hours_in(times, chosen))} h, {share:.1f} %"
             cells.append(element("td", words))
         rows.append(element("tr", *cells))
     return _table(head, rows)

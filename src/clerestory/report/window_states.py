@@ -12,8 +12,10 @@ from jaxtyping import Bool, Int, UInt8
 from matplotlib import colormaps
 
 from clerestory.report.day_map import DayMap, day_map, keys
+from clerestory.report.figure import number
 from clerestory.report.markup import Markup, element
 from clerestory.report.period import hours_in
+from clerestory.study.window_tables import ControlTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +63,13 @@ def state_maps(states: Sequence[WindowStates]) -> list[DayMap]:
     """Return the year of each window as a map of its states."""
     return [
         DayMap(
-            f"states-{number}",
+            f"states-{k}",
             f"State of window {each.window} by day and hour",
             each.state,
             each.names,
             each.colours(),
         )
-        for number, each in enumerate(states)
+        for k, each in enumerate(states)
     ]
 
 
@@ -105,10 +107,10 @@ def state_shares(
 ) -> list[str]:
     """Return name, share and hours of each state in the occupied hours."""
     words = []
-    for number, name in enumerate(each.names):
-        chosen = occupied & (each.state == number)
+    for k, name in enumerate(each.names):
+        chosen = occupied & (each.state == k)
         share = 100 * chosen.sum() / max(occupied.sum(), 1)
-        words.append(f"{name}: {share:.1f} %, {hours_in(times, chosen):,.0f} h")
+        words.append(f"{name}: {share:.1f} %, {number(hours_in(times, chosen))} h")
     return words
 
 
@@ -133,13 +135,20 @@ def _label(table: dict[str, Any]) -> str:
 
 
 def _rule_words(control: dict[str, Any] | None) -> str:
-    # The rule's name and its own numbers, as the study file has them
+    # The rule's name, and what the study file says beyond its defaults
     if not control:
         return ""
-    keys = {k: v for k, v in control.items() if k != "rule" and v not in (None, [], "")}
-    words = ", ".join(f"{k.replace('_', ' ')} {_plain(v)}" for k, v in keys.items())
-    return f"{control.get('rule', '')}: {words}" if words else str(control.get("rule"))
+    fields = ControlTable.model_fields
+    words = [
+        f"{key.replace('_deg', ' [°]').replace('_', ' ')} {_plain(value)}"
+        for key, value in control.items()
+        if key != "rule" and key in fields and value != fields[key].get_default()
+    ]
+    rule = str(control.get("rule", ""))
+    return f"{rule}: {', '.join(words)}" if words else rule
 
 
 def _plain(value: Any) -> str:
-    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    if isinstance(value, list):
+        return ", ".join(map(_plain, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)

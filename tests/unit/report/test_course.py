@@ -96,7 +96,7 @@ def test_states_are_counted_in_the_occupied_hours(page):
         "closed: 40.0 %, 40 h",
     ]
     rule = words(page.xpath("//section[@id='states']")[0])
-    assert "cut-off: tilts deg 0.0, 45.0, 90.0" in rule
+    assert "cut-off: tilts [°] 0, 45, 90" in rule
 
 
 def test_the_page_knows_the_state_of_every_step(data, content, course):
@@ -254,7 +254,9 @@ def test_layers_keep_what_they_pass(content):
     """A layer that scatters τ/π everywhere passes τ of all light."""
     for layer, tau in zip(content.layers, (0.6, 0.2), strict=True):
         source = np.array([[0.0, 0.6, -0.8]])
-        assert layer.bsdf().hemispherical(source, function="transmission_front")[0] == pytest.approx(tau)
+        assert layer.bsdf().hemispherical(source, function="transmission_front")[
+            0
+        ] == pytest.approx(tau)
 
 
 def test_methods_are_told_against_the_last(room):
