@@ -10,6 +10,7 @@ from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.study.config import read_study
+from clerestory.study.results import read_results
 from clerestory.study.run import run_study
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
@@ -37,11 +38,13 @@ name = "closed"
 bsdf = "closed.xml"
 """
 
+SUNS = "\n[sun]\npicture_samples = 2\n"
+
 VIEW = """
 [[view]]
 file = "seat.vf"
-resolution = 40
-samples = 32
+resolution = 144
+samples = 8
 """
 
 
@@ -80,15 +83,15 @@ def test_glare_chooses_the_least_closed_state(study, tmp_path, method):
     glare = []
     for state in range(3):
         fixed = study(
-            method=method, control=f'rule = "fixed"\nstate = {state}', more=VIEW,
-            hours=NOON,
+            method=method, control=f'rule = "fixed"\nstate = {state}',
+            more=VIEW + SUNS, hours=NOON,
         )  # fmt: skip
         data = run_study(fixed, out=tmp_path / "out").data
         glare.append(data["glare_dgp"].values[0])
     dgp = np.stack(glare)
     limit = float(np.median(dgp[1]))
     rule = f'rule = "glare"\ndgp_below = {limit!r}'
-    ruled = study(method=method, control=rule, more=VIEW, hours=NOON)
+    ruled = study(method=method, control=rule, more=VIEW + SUNS, hours=NOON)
     results = run_study(ruled, out=tmp_path / "out")
     good = dgp <= limit + 1e-9
     expected = np.where(good.any(axis=0), good.argmax(axis=0), dgp.argmin(axis=0))
@@ -101,18 +104,26 @@ def test_glare_chooses_the_least_closed_state(study, tmp_path, method):
 
 
 def test_methods_agree_behind_a_diffuser(study, tmp_path):
-    """A Lambertian pane of no reflectance: what all three methods know exactly."""
-    methods = '["2-phase", "3-phase", "5-phase"]'
+    """A Lambertian pane that reflects nothing: two and three phases are the same.
+
+    Paths of the two-phase method find the sun's patches by chance, hence their number.
+    """
     compared = study(
-        method=methods, control='rule = "fixed"\nstate = 1', hours=NOON, samples=16384
+        method='["2-phase", "3-phase"]',
+        control='rule = "fixed"\nstate = 1',
+        hours=NOON,
+        samples=1 << 17,
     )
-    data = run_study(compared, out=tmp_path / "out").data
-    lux = data["illuminance_by_method"].values[:, :3]
-    error = data["standard_error"].values[:3]
-    assert np.all(error < 0.05 * lux[2])
-    for method in range(2):
-        off = np.abs(lux[method] - lux[2])
-        assert np.all(off < 4 * np.sqrt(2) * error + 0.02 * lux[2])
+    run_study(compared, out=tmp_path / "out")
+    two, three = (
+        read_results(tmp_path / "out" / method).data.isel(sensor=slice(3))
+        for method in ("2-phase", "3-phase")
+    )
+    # All steps share their paths, so the day's errors add up as they are
+    off = (two["illuminance"] - three["illuminance"]).sum("time").values
+    error = np.hypot(two["standard_error"], three["standard_error"])
+    assert np.all(np.abs(off) < 4 * error.sum("time").values)
+    assert error.values.mean() < 0.06 * three["illuminance"].values.mean()
 
 
 LAMPS = """
