@@ -116,13 +116,14 @@ def study_in(folder):
     write_bsdf(folder / "diffuser.xml", lambertian(0.5, klems("quarter")))
     file = folder / "study.toml"
     text = file.read_text().replace("samples = 256", "samples = 8192")
-    view = '[[view]]\nname = "seat"\nfile = "seat.vf"\nresolution = 16\nsamples = 64\n'
+    view = '[[view]]\nname = "seat"\nfile = "seat.vf"\nresolution = 24\nsamples = 64\n'
     file.write_text(f"{text}\n{view}")
     (folder / "seat.vf").write_text("rvu -vta -vp 2 2 1.2 -vd 0 -1 0 -vh 180 -vv 180\n")
     return cl.read_study(file)
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.* pixels in the merging angle")
 @pytest.mark.parametrize("workers", [2, 3])
 def test_a_study_gives_the_same_files_on_a_cluster(small_units, tmp_path, workers):
     """Matrices byte by byte, results value by value, with one worker killed."""
