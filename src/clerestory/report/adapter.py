@@ -28,7 +28,7 @@ from clerestory.report.method_table import method_comparison
 from clerestory.report.moments import view_pictures
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.view_glare import view_glare
-from clerestory.report.window_states import window_states
+from clerestory.report.window_states import rule_words, window_states
 from clerestory.study.results import Results
 
 _SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
@@ -135,6 +135,8 @@ def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
             if isinstance(group, dict) and group and name not in _SHOWN_ELSEWHERE:
                 title = " ".join(filter(None, (name, str(group.get("name") or ""))))
                 shown = {_label(k): v for k, v in group.items() if k != "name"}
+                if isinstance(group.get("control"), dict):
+                    shown["Control"] = rule_words(group["control"])
                 tables.append(FactTable(_label(title), _rows(shown)))
     return tuple(tables)
 
@@ -189,7 +191,9 @@ def _one_line(value: Any) -> str:
         return f"{value:.4g}"
     if isinstance(value, dict):
         return ", ".join(
-            f"{k} {_one_line(v)}" for k, v in value.items() if v is not None
+            f"{k} {_one_line(v)}"
+            for k, v in value.items()
+            if v is not None and v not in ("", [], {})
         )
     if isinstance(value, list | tuple):
         if len(value) > _MOST_ITEMS:

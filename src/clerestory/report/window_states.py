@@ -47,7 +47,7 @@ def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
     if "state" not in data:
         return ()
     study = json.loads(data.attrs.get("study", "{}"))
-    rules = {_label(t): _rule_words(t.get("control")) for t in study.get("window", [])}
+    rules = {_label(t): rule_words(t.get("control")) for t in study.get("window", [])}
     found = []
     for window in data["window"].values.tolist():
         names = state_names(data, str(window))
@@ -134,15 +134,17 @@ def _label(table: dict[str, Any]) -> str:
     return str(table.get("name") or Path(str(table.get("file", ""))).stem)
 
 
-def _rule_words(control: dict[str, Any] | None) -> str:
-    # The rule's name, and what the study file says beyond its defaults
+def rule_words(control: dict[str, Any] | None) -> str:
+    """Return the rule's name, and what the study file says beyond its defaults."""
     if not control:
         return ""
     fields = ControlTable.model_fields
     words = [
         f"{key.replace('_deg', ' [°]').replace('_', ' ')} {_plain(value)}"
         for key, value in control.items()
-        if key != "rule" and key in fields and value != fields[key].get_default()
+        if key != "rule"
+        and key in fields
+        and value not in (fields[key].get_default(), "", [], None)
     ]
     rule = str(control.get("rule", ""))
     return f"{rule}: {', '.join(words)}" if words else rule
