@@ -112,6 +112,30 @@ def picked(
     return np.asarray(np.moveaxis(by_time, 0, -1))
 
 
+def held(
+    schedule: StateSchedule, times: np.ndarray
+) -> dict[str, Int[np.ndarray, " time"]]:
+    """States at some times, each line of a schedule holding until the next.
+
+    The year does not matter. Before the first line the last one holds, as in a year
+    that comes again.
+
+    Examples
+    --------
+    >>> lines = np.array(["2001-01-01T08:00", "2001-01-01T18:00"], "datetime64[s]")
+    >>> schedule = StateSchedule(lines, {"south": np.array([1, 0])})
+    >>> day = np.array(["2023-01-01T07:30", "2023-01-01T09:30"], "datetime64[s]")
+    >>> held(schedule, day)["south"].tolist()
+    [0, 1]
+    """
+    if len(schedule.times) == 0:
+        raise InputError("a schedule without lines; at least one expected")
+    lines, steps = _of_the_year(schedule.times), _of_the_year(times)
+    order = np.argsort(lines, kind="stable")
+    at = order[np.searchsorted(lines[order], steps, side="right") - 1]
+    return {group: np.asarray(states)[at] for group, states in schedule.states.items()}
+
+
 def read_schedule(path: str | Path) -> StateSchedule:
     """Read a CSV: a line of heads `time,GROUP…`, then a moment and states a line.
 
@@ -164,3 +188,12 @@ def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
         states = (str(int(state[step])) for state in schedule.states.values())
         rows.append(",".join([str(moment), *states]))
     write_text(path, "\n".join(rows) + "\n")
+
+
+def _of_the_year(times: np.ndarray) -> np.ndarray:
+    # Month, day and time as one growing number: minutes of a leap year
+    moments = times.astype("datetime64[m]")
+    months = moments.astype("datetime64[M]")
+    month = months.astype(int) % 12
+    leap = (np.datetime64("2024-01", "M") + month).astype("datetime64[m]")
+    return np.asarray((leap + (moments - months)).astype(int))

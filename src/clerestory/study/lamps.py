@@ -4,19 +4,16 @@ Luminaires light the room with the windows open and black: what falls on them is
 What else shines in the scene's files is left out.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import xarray as xr
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.metrics.lighting import LightingUse, LightingZone, lighting_use
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.render import irradiance, render
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
@@ -25,9 +22,6 @@ from clerestory.scene.photometry.read import read_luminaire
 from clerestory.scene.rad import read_rad
 from clerestory.study.job import LAMPS, Job
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
-
-# Rounds in which zones that light each other settle
-_ROUNDS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,108 +221,3 @@ def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.nda
 
     name = f"lamps-{table.label}-{zone.table.label}"
     return job.matrix(name, key, make).values[:, :, 0].T
-
-
-def lighting(
-    lamps: Lamps,
-    hourly: xr.Dataset,
-    *,
-    rows: Sequence[Int[np.ndarray, " sensor"]],
-    occupied: Bool[np.ndarray, " time"],
-    step_hours: float,
-) -> xr.Dataset:
-    """Return what the luminaires do at every step.
-
-    Dimmed zones see daylight and each other; those that are switched see daylight.
-
-    Parameters
-    ----------
-    hourly : `illuminance` and `standard_error` of daylight [lux]
-    rows : numbers of the sensors that govern each zone
-    occupied : whether somebody is there
-    step_hours : length of a step [h]
-
-    Returns
-    -------
-    `electric_illuminance` (sensor, time) [lux], `dimming` (zone, time), 0…1,
-    `lighting_power` (zone, time) [W], `lighting_energy` and `lighting_energy_error`
-    (zone) [Wh]; empty without luminaires
-    """
-    if not lamps.zones:
-        return xr.Dataset()
-    full = lamps.illuminance()
-    daylight, error = hourly["illuminance"].values, hourly["standard_error"].values
-    output = np.zeros((len(lamps.zones), daylight.shape[1]))
-    uses: list[LightingUse] = []
-    for _ in range(1 if len(lamps.zones) == 1 else _ROUNDS):
-        uses = []
-        for number, (zone, chosen) in enumerate(zip(lamps.zones, rows, strict=True)):
-            others = np.delete(np.arange(len(lamps.zones)), number)
-            seen = daylight[chosen].astype(float)
-            if zone.table.control != "on-off":
-                seen = seen + full[np.ix_(others, chosen)].T @ output[others]
-            own = full[number, chosen]
-            use = lighting_use(
-                _governed(zone, own),
-                _reading(zone.table, seen, own),
-                occupied,
-                standard_error=error[chosen].mean(axis=0),
-                step_hours=step_hours,
-            )
-            output[number] = use.output
-            uses.append(use)
-    return _dataset(lamps, full, output, uses)
-
-
-def _governed(zone: Zone, full: np.ndarray) -> LightingZone:
-    table = zone.table
-    if not (len(full) and full.min() > 0):
-        raise InputError(
-            f'the luminaires of lighting "{table.label}" do not reach all sensors of'
-            f' grid "{table.grid}"; light at each of them expected'
-        )
-    return LightingZone(
-        power=zone.power,
-        full_lux=float(full.mean()),
-        setpoint_lux=table.setpoint_lux,
-        control=table.control,
-        least_output=table.least_output,
-        least_power=table.least_power,
-        standby=table.standby,
-    )
-
-
-def _reading(
-    table: LightingTable, seen: Float[np.ndarray, "sensor time"], full: np.ndarray
-) -> Float[np.ndarray, " time"]:
-    # Illuminance of the photosensor; "lowest" is the sensor that needs most light
-    if table.reading == "mean":
-        return np.asarray(seen.mean(axis=0))
-    missing = ((table.setpoint_lux - seen) / full[:, None]).max(axis=0)
-    return np.asarray(table.setpoint_lux - full.mean() * missing)
-
-
-def _dataset(
-    lamps: Lamps, full: np.ndarray, output: np.ndarray, uses: Sequence[LightingUse]
-) -> xr.Dataset:
-    axes = ("zone", "time")
-    power = np.stack([use.power for use in uses])
-    names = np.array([zone.table.label for zone in lamps.zones], dtype=str)
-    return xr.Dataset(
-        {
-            "electric_illuminance": (
-                ("sensor", "time"),
-                (full.T @ output).astype(np.float32),
-                {"units": "lux"},
-            ),
-            "dimming": (axes, output.astype(np.float32), {"units": "1"}),
-            "lighting_power": (axes, power.astype(np.float32), {"units": "W"}),
-            "lighting_energy": ("zone", [use.energy for use in uses], {"units": "Wh"}),
-            "lighting_energy_error": (
-                "zone",
-                [use.error for use in uses],
-                {"units": "Wh"},
-            ),
-        },
-        coords={"zone": names},
-    )

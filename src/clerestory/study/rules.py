@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from clerestory.control.choice import Limit, best_states, least_closed
 from clerestory.control.profile import blocking_states
 from clerestory.control.rule import Situation, apply_rule
-from clerestory.control.schedule import StateSchedule, read_schedule
+from clerestory.control.schedule import held, read_schedule
 from clerestory.control.threshold import staged_states, threshold_states
 from clerestory.control.user_rule import load_rule
 from clerestory.errors import InputError
@@ -165,28 +165,6 @@ def by_schedule(case: Case) -> _StateTimes:
     return states
 
 
-def held(schedule: StateSchedule, times: np.ndarray) -> dict[str, _StateTimes]:
-    """States at some times, each line of a schedule holding until the next.
-
-    The year does not matter. Before the first line the last one holds, as in a year
-    that comes again.
-
-    Examples
-    --------
-    >>> lines = np.array(["2001-01-01T08:00", "2001-01-01T18:00"], "datetime64[s]")
-    >>> schedule = StateSchedule(lines, {"south": np.array([1, 0])})
-    >>> day = np.array(["2023-01-01T07:30", "2023-01-01T09:30"], "datetime64[s]")
-    >>> held(schedule, day)["south"].tolist()
-    [0, 1]
-    """
-    if len(schedule.times) == 0:
-        raise InputError("a schedule without lines; at least one expected")
-    lines, steps = _of_the_year(schedule.times), _of_the_year(times)
-    order = np.argsort(lines, kind="stable")
-    at = order[np.searchsorted(lines[order], steps, side="right") - 1]
-    return {group: np.asarray(states)[at] for group, states in schedule.states.items()}
-
-
 def by_function(case: Case) -> _StateTimes:
     """Return what the user's own function says."""
     file, function = case.control.function.rsplit(":", 1)
@@ -313,12 +291,3 @@ def _simplified_glare(case: Case) -> Float[np.ndarray, "state time"]:
         for state in range(case.count)
     ]
     return np.stack([_DGPS_SLOPE * e.max(axis=0) + _DGPS_OFFSET for e in lux])
-
-
-def _of_the_year(times: np.ndarray) -> np.ndarray:
-    # Month, day and time as one growing number: minutes of a leap year
-    moments = times.astype("datetime64[m]")
-    months = moments.astype("datetime64[M]")
-    month = months.astype(int) % 12
-    leap = (np.datetime64("2024-01", "M") + month).astype("datetime64[m]")
-    return np.asarray((leap + (moments - months)).astype(int))

@@ -26,7 +26,8 @@ from clerestory.study.facts import run_facts
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.labels import label_results, occupied_steps, sensor_labels
-from clerestory.study.lamps import Lamps, lighting, trace_lamps
+from clerestory.study.lamps import Lamps, trace_lamps
+from clerestory.study.lighting import lighting
 from clerestory.study.operation import Operation, operate
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, save_results
