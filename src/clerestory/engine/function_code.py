@@ -6,7 +6,7 @@ function that calls itself must end by a condition on plain numbers. Where there
 value (a division by zero, a root of a negative number) the ray counts as faulty.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,9 +14,9 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from clerestory.engine.function_library import FUNCTIONS, Value, either_bad, where
 from clerestory.errors import InputError
 from clerestory.scene.cal.library import PRELUDE
-from clerestory.scene.cal.noise import TABLES, noise, slope_of
 from clerestory.scene.cal.program import Program
 from clerestory.scene.cal.rows import Frame
 from clerestory.scene.cal.syntax import (
@@ -70,107 +70,6 @@ _START = parse_definitions(
 )
 
 
-@dataclass(frozen=True)
-class Value:
-    """A number or an array of them, and where it is faulty."""
-
-    value: Any
-    bad: Any = False
-
-
-def _or(one: Any, other: Any) -> Any:
-    # Plain truth values stay plain
-    if one is False:
-        return other
-    return one if other is False else one | other
-
-
-def _where(condition: Any, yes: Any, no: Any) -> Any:
-    return dr.select(condition, mi.Float64(yes), mi.Float64(no))
-
-
-def _guarded(function: Callable[..., Any], wrong: Callable[..., Any], safe: float):
-    # A function of one number that is 0 and faulty where `wrong` says
-    def compute(x: Value) -> Value:
-        bad = wrong(x.value)
-        if isinstance(bad, bool):
-            value = 0.0 if bad else function(x.value)
-            return Value(value, _or(x.bad, bad))
-        value = dr.select(bad, 0, function(dr.select(bad, safe, x.value)))
-        return Value(value, _or(x.bad, bad))
-
-    return compute
-
-
-def _plain(function: Callable[..., Any], arity: int = 1):
-    def compute(*given: Value) -> Value:
-        used = given[:arity]
-        bad = False
-        for each in used:
-            bad = _or(bad, each.bad)
-        return Value(function(*(each.value for each in used)), bad)
-
-    return compute
-
-
-def _folded(function: Callable[[Any, Any], Any]):
-    # Of any number of arguments
-    def compute(*given: Value) -> Value:
-        total = given[0]
-        for each in given[1:]:
-            total = Value(function(total.value, each.value), _or(total.bad, each.bad))
-        return total
-
-    return compute
-
-
-def _random(x: Any) -> Any:
-    # Radiance's rand(x): its hash of a number
-    mixed = x * (1 / (1 + x * x) + 2.71828182845904)
-    share = 1e5 / (mixed + 0.785398163397447 - dr.floor(mixed))
-    return share - dr.floor(share)
-
-
-def _noise(x: Any, y: Any, z: Any) -> Any:
-    tables = [mi.Float64(table) for table in TABLES]
-    dr.make_opaque(tables)
-
-    def take(table: int, place: Any) -> Any:
-        index = mi.UInt32(mi.Int32(place) & 255)
-        return dr.gather(mi.Float64, tables[table], index)
-
-    point = [mi.Float64(c) for c in (x, y, z)]
-    return noise(*point, floor=dr.floor, take=take)
-
-
-_FUNCTIONS: Mapping[str, tuple[int, Callable[..., Value]]] = {
-    "sqrt": (1, _guarded(dr.sqrt, lambda x: x < 0, 0)),
-    "log": (1, _guarded(dr.log, lambda x: x <= 0, 1)),
-    "log10": (1, _guarded(lambda x: dr.log(x) / np.log(10), lambda x: x <= 0, 1)),
-    "asin": (1, _guarded(dr.asin, lambda x: abs(x) > 1, 0)),
-    "acos": (1, _guarded(dr.acos, lambda x: abs(x) > 1, 0)),
-    "exp": (1, _guarded(dr.exp, lambda x: x > 700, 0)),
-    "sin": (1, _plain(dr.sin)),
-    "cos": (1, _plain(dr.cos)),
-    "tan": (1, _plain(dr.tan)),
-    "atan": (1, _plain(dr.atan)),
-    "atan2": (2, _plain(dr.atan2, 2)),
-    "floor": (1, _plain(dr.floor)),
-    "ceil": (1, _plain(dr.ceil)),
-    "erf": (1, _plain(dr.erf)),
-    "erfc": (1, _plain(lambda x: 1 - dr.erf(x))),
-    "min": (1, _folded(dr.minimum)),
-    "max": (1, _folded(dr.maximum)),
-    "rand": (1, _plain(_random)),
-    "noise3": (3, _plain(_noise, 3)),
-    **{
-        f"noise3{name}": (3, _plain(slope_of(_noise, axis), 3))
-        for names in ("xyz", "abc")
-        for axis, name in enumerate(names)
-    },
-}
-
-
 @dataclass(eq=False)
 class FunctionCode:
     """Expressions of a function file, to be computed in a kernel.
@@ -209,7 +108,7 @@ class FunctionCode:
         found = self._definition(name)
         if found is not None:
             return len(found.parameters or ())
-        return _FUNCTIONS[name][0] if name in _FUNCTIONS else 0
+        return FUNCTIONS[name][0] if name in FUNCTIONS else 0
 
     def _definition(self, name: str) -> Definition | None:
         return self.program.definitions.get(name) or _START.get(name)
@@ -280,9 +179,9 @@ class FunctionCode:
         values = [self._node(argument, frame) for argument in given]
         if name == "arg":
             return self._argument(values[0])
-        if name not in _FUNCTIONS:
+        if name not in FUNCTIONS:
             raise InputError(f'the function "{name}" does not work on surfaces')
-        return _FUNCTIONS[name][1](*values)
+        return FUNCTIONS[name][1](*values)
 
     def _argument(self, which: Value) -> Value:
         if isinstance(which.value, float | int):
@@ -298,18 +197,18 @@ class FunctionCode:
         place = mi.Int32(dr.floor(which.value + 0.5))
         bad = (place < 0) | (place > len(self.arguments))
         index = mi.UInt32(dr.clip(place, 0, len(self.arguments)))
-        return Value(dr.gather(mi.Float64, table, index), _or(which.bad, bad))
+        return Value(dr.gather(mi.Float64, table, index), either_bad(which.bad, bad))
 
     def _choice(self, given: tuple[Node, ...], frame: Frame | None) -> Value:
         condition = self._node(given[0], frame)
         yes = condition.value > 0
         if isinstance(yes, bool):
             one = self._node(given[1 if yes else 2], frame)
-            return Value(one.value, _or(one.bad, condition.bad))
+            return Value(one.value, either_bad(one.bad, condition.bad))
         one, other = self._node(given[1], frame), self._node(given[2], frame)
         return Value(
-            _where(yes, one.value, other.value),
-            _or(condition.bad, _either(yes, one.bad, other.bad)),
+            where(yes, one.value, other.value),
+            either_bad(condition.bad, _either(yes, one.bad, other.bad)),
         )
 
     def _selection(self, given: tuple[Node, ...], frame: Frame | None) -> Value:
@@ -324,11 +223,11 @@ class FunctionCode:
             return self._node(given[number], frame)
         number = mi.Int32(dr.floor(which.value + 0.5))
         value = mi.Float64(float(len(given) - 1))
-        bad = _or(which.bad, (number < 0) | (number >= len(given)))
+        bad = either_bad(which.bad, (number < 0) | (number >= len(given)))
         for i, choice in enumerate(given[1:], start=1):
             one = self._node(choice, frame)
-            value = _where(number == i, one.value, value)
-            bad = _or(bad, _either(number == i, one.bad, False))
+            value = where(number == i, one.value, value)
+            bad = either_bad(bad, _either(number == i, one.bad, False))
         return Value(value, bad)
 
 
@@ -339,7 +238,7 @@ def _either(condition: Any, yes: Any, no: Any) -> Any:
 
 
 def _combined(one: Value, sign: str, other: Value) -> Value:
-    bad = _or(one.bad, other.bad)
+    bad = either_bad(one.bad, other.bad)
     match sign:
         case "+":
             return Value(one.value + other.value, bad)
@@ -351,12 +250,12 @@ def _combined(one: Value, sign: str, other: Value) -> Value:
     if isinstance(zero, bool):
         return Value(0.0, True) if zero else Value(one.value / other.value, bad)
     quotient = one.value / dr.select(zero, 1, other.value)
-    return Value(dr.select(zero, 0, quotient), _or(bad, zero))
+    return Value(dr.select(zero, 0, quotient), either_bad(bad, zero))
 
 
 def _power(base: Value, exponent: Value) -> Value:
     # Whole exponents take any base, others none below 0
-    bad, power = _or(base.bad, exponent.bad), exponent.value
+    bad, power = either_bad(base.bad, exponent.bad), exponent.value
     if isinstance(power, float | int) and isinstance(base.value, float | int):
         made = float(np.power(float(base.value), power))
         return Value(made, bad) if np.isfinite(made) else Value(0.0, True)
@@ -372,4 +271,4 @@ def _power(base: Value, exponent: Value) -> Value:
     odd = whole & (dr.floor(p * 0.5) * 2 != p)
     value = dr.select((b < 0) & odd, -size, size)
     value = dr.select(b == 0, dr.select(p == 0, 1.0, 0.0), value)
-    return Value(dr.select(wrong, 0, value), _or(bad, wrong))
+    return Value(dr.select(wrong, 0, value), either_bad(bad, wrong))

@@ -12,7 +12,8 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.function_code import FunctionCode, Value
+from clerestory.engine.function_code import FunctionCode
+from clerestory.engine.function_library import Value
 from clerestory.errors import InputError
 from clerestory.scene.data_array import DataArray
 from clerestory.scene.material import Source
