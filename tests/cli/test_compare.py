@@ -64,7 +64,9 @@ def test_tables_and_page_tell_the_agreement(call, room, run):
     assert "http-equiv" in page
     assert 'src="http' not in page
     facts = json.loads((room / "out" / "comparison.json").read_text())
-    assert facts[0]["offset_not_applied"]["illuminance"]["minutes"] == 0
+    # Too low a measurement may fit a little better a step of the search away
+    assert abs(facts[0]["offset_not_applied"]["illuminance"]["minutes"]) <= 5
+    assert "is one clock wrong" not in outcome.out
     assert facts[0]["groups"][0]["relative_bias"] == pytest.approx(0.11)
 
 
