@@ -43,20 +43,20 @@ def scattering_table(bsdf: Bsdf) -> Table:
     return MatrixTable(_matrices(bsdf))
 
 
-def forward_table(bsdf: Bsdf) -> Table:
-    """Return the transmission of daylight as a table that is drawn from for its light.
+def forward_table(bsdf: Bsdf, name: Function = "transmission_front") -> Table:
+    """Return a transmission as a table that is drawn from for the light that enters.
 
     It is the reciprocal function: what the table calls leaving is where the light
     comes from, and what it calls incident where it goes.
     """
     bsdf = bsdf.tabulated()
-    parts = _colours(bsdf, "transmission_front")
+    parts = _colours(bsdf, name)
     if parts is not None and isinstance(parts[0], ScatteringTree):
         if parts[0].rank == 3:
             # Function 0 is read from function 1 with directions exchanged
             return TreeTable([None, parts], [1, 0])
         return TreeTable([tuple(part.reciprocal() for part in parts)], [0])
-    matrices = _matrices(bsdf)[FUNCTIONS.index("transmission_front")]
+    matrices = _matrices(bsdf)[FUNCTIONS.index(name)]
     return MatrixTable([tuple(part.reciprocal() for part in matrices)])
 
 

@@ -21,6 +21,7 @@ from clerestory.engine.mirrors import Mirrors, is_mirror, reflected
 from clerestory.engine.points import Points
 from clerestory.engine.portals import Portals
 from clerestory.engine.sky_light import SkyLight
+from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.walk import offset, passed, towards
 
 # Share of directions aimed at portals where these fill a good part of the view, and
@@ -42,6 +43,7 @@ class LitScene:
     sky: SkyLight
     portals: Portals
     mirrors: Mirrors
+    lobes: SunLobes
 
 
 @dataclass
@@ -125,13 +127,25 @@ def at_surface(model: LoweredScene, si, context, depth, active, portals) -> Vert
     return Vertex(si.p, leave, scatter, *portals)
 
 
-def sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
-    """Return the light of the suns that a vertex scatters, aimed at directly."""
-    if lit.sky.suns == 0:
-        return mi.Color3f(0)
-    u, v = draw.number(sampling.CONNECT_U), draw.number(sampling.CONNECT_V)
-    pick = draw.other(0) if lit.sky.suns > 1 else mi.Float(0)
-    direction, pdf, radiance = lit.sky.aim(pick, u, v)
+@dataclass
+class SunAim:
+    """A direction to a sun, its density, and the radiance there."""
+
+    direction: mi.Vector3f
+    pdf: mi.Float
+    radiance: mi.Color3f
+
+    @classmethod
+    def of(cls, lit: LitScene, draw: Draw) -> "SunAim":
+        """Return an aim at one of the suns."""
+        u, v = draw.number(sampling.CONNECT_U), draw.number(sampling.CONNECT_V)
+        pick = draw.other(0) if lit.sky.suns > 1 else mi.Float(0)
+        return cls(*lit.sky.aim(pick, u, v))
+
+
+def sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, active):
+    """Return the light of a sun that a vertex scatters, aimed at directly."""
+    direction, pdf, radiance = sun.direction, sun.pdf, sun.radiance
     value, own = vertex.scatter(direction)
     lit_up = active & (dr.max(value) > 0)
     mixed = vertex.mixture(lit, direction, own, lit_up)
@@ -140,9 +154,48 @@ def sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
 
 
+def sunlight_by_lobes(lit: LitScene, vertex: Vertex, sun: SunAim, draw: Draw, active):
+    """Return the light of a sun that a window scatters to a vertex along a lobe.
+
+    Paths that go on to that window by chance share it: see `share_of_lobes`.
+    """
+    u, v, pick = draw.other(8), draw.other(9), mi.Float(0)
+    if len(lit.lobes.groups) > 1:
+        pick = draw.other(10)
+    direction = lit.lobes.draw(pick, sun.direction, u, v)
+    value, own = vertex.scatter(direction)
+    lit_up = active & (dr.max(value) > 0)
+    pdf = lit.lobes.pdf(direction, sun.direction)
+    pdf += vertex.mixture(lit, direction, own, lit_up)
+    ray = mi.Ray3f(vertex.leave(direction, lit_up), direction)
+    hit = lit.model.scene.ray_intersect_preliminary(ray, active=lit_up)
+    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, lit_up)
+    lit_up &= hit.is_valid()
+    shape = dr.reinterpret_array(mi.UInt32, si.shape)
+    lit_up &= dr.gather(mi.Bool, lit.model.layer_of_shape, shape, lit_up)
+    si.sh_frame = mi.Frame3f(si.n)
+    si.wi = si.to_local(-direction)
+    straight = materials.lamp_context()
+    window = at_surface(lit.model, si, straight, 0, lit_up, (mi.Float(0), mi.Float(1)))
+    light = sunlight(lit, window, sun, lit_up)
+    return dr.select(lit_up & (pdf > 0), value * light / pdf, 0)
+
+
+def share_of_lobes(lit: LitScene, sun: SunAim, direction, pdf, shared):
+    """Return the share of a sun's light that a path keeps which met a window by chance.
+
+    Parameters
+    ----------
+    direction : in which the path came to the window, with the density `pdf`
+    shared : whether the window is one that the vertex before looked for along lobes
+    """
+    density = lit.lobes.pdf(direction, sun.direction)
+    return dr.select(shared, pdf / (pdf + density), 1)
+
+
 def mirrored_sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     """Return the light of the suns by way of plane mirrors that a vertex scatters."""
-    if lit.sky.suns == 0 or lit.mirrors.count == 0:
+    if lit.mirrors.count == 0:
         return mi.Color3f(0)
     sun, pdf, radiance = lit.sky.aim(draw.other(4), draw.other(5), draw.other(6))
     normal, chance = lit.mirrors.choose(draw.other(7))
@@ -189,9 +242,13 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
 
     aimed, worth = aims(lit, position, mi.Bool(True))
     vertex = Vertex(position, lambda d, a: position, scatter, aimed, worth)
-    light = sunlight(lit, vertex, draw, mi.Bool(True))
-    light += mirrored_sunlight(lit, vertex, draw, mi.Bool(True))
-    light += lamplight(lit, vertex, draw, mi.Bool(True))
+    light = lamplight(lit, vertex, draw, mi.Bool(True))
+    if lit.sky.suns:
+        sun = SunAim.of(lit, draw)
+        light += sunlight(lit, vertex, sun, mi.Bool(True))
+        light += mirrored_sunlight(lit, vertex, draw, mi.Bool(True))
+        if lit.lobes.groups:
+            light += sunlight_by_lobes(lit, vertex, sun, draw, mi.Bool(True))
     u, v = draw.number(sampling.DIRECTION_U), draw.number(sampling.DIRECTION_V)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     direction = mi.Frame3f(normal).to_world(local)
@@ -241,6 +298,7 @@ def look(
     vertex = mi.UInt32(1)  # vertices so far, the start included
     # Mirrors since a vertex at which suns were aimed at; 2: more, or something else
     relay = dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2))
+    looked = mi.Bool(pdf > 0)  # whether the last vertex looked along lobes of suns
 
     while active:
         hit = scene.ray_intersect_preliminary(ray, active=active)
@@ -291,8 +349,16 @@ def look(
 
         # Aim at suns and lamps
         near = works & smooth & (segment <= segments)
-        gained = sunlight(lit, place, draw, near) + lamplight(lit, place, draw, near)
-        gained += mirrored_sunlight(lit, place, draw, near)
+        gained = lamplight(lit, place, draw, near)
+        matt = near & opaque & (segment < segments)
+        if dr.hint(lit.sky.suns > 0, mode="scalar"):
+            sun = SunAim.of(lit, draw)
+            direct = sunlight(lit, place, sun, near)
+            if dr.hint(len(lit.lobes.groups) > 0, mode="scalar"):
+                shared = looked & dr.gather(mi.Bool, model.layer_of_shape, shape, near)
+                direct *= share_of_lobes(lit, sun, ray.d, pdf, shared)
+                gained += sunlight_by_lobes(lit, place, sun, draw, matt)
+            gained += direct + mirrored_sunlight(lit, place, draw, near)
         light += dr.select(near, weight * gained, 0)
 
         # Go on along the material's proposal, or towards a portal
@@ -316,8 +382,8 @@ def look(
         kept = dr.select(spread & ~delta, both, factor / (1 - aimed))
         weight *= dr.select(ignored, 1, kept)
         direction = dr.select(ignored, ray.d, direction)
-        matt = dr.select(to_portal, flags, kind)
-        diffuse = ~null & ~delta & mi.has_flag(matt, mi.BSDFFlags.Diffuse)
+        scattered = dr.select(to_portal, flags, kind)
+        diffuse = ~null & ~delta & mi.has_flag(scattered, mi.BSDFFlags.Diffuse)
         origin = dr.select(null, origin, si.p)
         leave = offset(model, si, direction, active)
         through = ~null & (dr.dot(direction, si.n) * cosine < 0)
@@ -326,6 +392,7 @@ def look(
         density = dr.select(spread, mixed, sample.pdf)
         pdf = dr.select(null, pdf, dr.select(delta, 0, density))
         sharp &= null | delta
+        looked = matt & ~null & ~delta
         if dr.hint(lit.mirrors.count > 0, mode="scalar"):
             known = lit.mirrors.holds(si.n, works & delta & is_mirror(bsdf))
             once = dr.select(known & (relay == 0), mi.UInt32(1), mi.UInt32(2))

@@ -22,7 +22,7 @@ from clerestory.scene.tessellate import Mesh, meshes
 from clerestory.scene.window import Window
 
 # Shapes that are windows or lamps carry these names and their number.
-_WINDOW, _LAMP, _PROXY = "window", "lamp", "proxy"
+_WINDOW, _LAMP, _PROXY, _LAYER = "window", "lamp", "proxy", "layer"
 
 
 @dataclass
@@ -42,6 +42,7 @@ class LoweredScene:
     lamp_of_shape : by Mitsuba's shape number: 1 + lamp, or 0
     thickness_of_shape : by Mitsuba's shape number, for BSDFs that stand for geometry
         behind (positive) or before them: how far it reaches [m]; 0 for all others
+    layer_of_shape : by Mitsuba's shape number: whether it is a BSDF without thickness
     """
 
     scene: mi.Scene
@@ -54,6 +55,7 @@ class LoweredScene:
     lamps: Lamps
     lamp_of_shape: mi.UInt32
     thickness_of_shape: mi.Float
+    layer_of_shape: mi.Bool
     proxies: bool
 
 
@@ -96,6 +98,8 @@ def lower(
         if isinstance(material, BsdfSurface) and material.thickness:
             name = f"{_PROXY}{len(thickness)}"
             thickness.append(material.thickness)
+        elif isinstance(material, BsdfSurface):
+            name = f"{_LAYER}{number}"
         content[name] = _mesh(mesh.vertices - origin, mesh.faces, bsdf)
     black = materials.absorber()
     table, shapes = window_shapes(receivers, origin)
@@ -112,6 +116,7 @@ def lower(
     size = int(ids.max()) + 1
     windows, lamps, first_face = np.zeros((3, size), dtype=np.uint32)
     depth = np.zeros(size, dtype=np.float32)
+    layer = np.zeros(size, dtype=bool)
     reach: list[np.ndarray] = []
     panes = False
     for shape_id, shape in zip(ids, lowered.shapes(), strict=True):
@@ -126,6 +131,8 @@ def lower(
             lamps[shape_id] = 1 + number
         elif kind == _PROXY:
             depth[shape_id] = thickness[number]
+        elif kind == _LAYER:
+            layer[shape_id] = True
 
     return LoweredScene(
         scene=lowered,
@@ -138,6 +145,7 @@ def lower(
         lamps=Lamps.of(shining, origin),
         lamp_of_shape=mi.UInt32(lamps),
         thickness_of_shape=mi.Float(depth),
+        layer_of_shape=mi.Bool(layer),
         proxies=bool(thickness),
     )
 

@@ -22,6 +22,7 @@ from clerestory.engine.points import points
 from clerestory.engine.portals import Portals
 from clerestory.engine.seen import seen_surface
 from clerestory.engine.sky_light import SkyLight
+from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.work import Tracer, Unit
 from clerestory.scene.model import Scene
@@ -95,7 +96,9 @@ def light_of(scene: Scene, origin: Float[np.ndarray, "3"]) -> LitScene:
     """Return a scene with all that lights it, around a point."""
     model = lower(scene, origin=origin)
     portals, mirrors = Portals.of(scene, origin), Mirrors.of(scene)
-    return LitScene(model, SkyLight.of(scene), portals, mirrors)
+    return LitScene(
+        model, SkyLight.of(scene), portals, mirrors, SunLobes.of(scene)
+    )
 
 
 def segments_of(bounces: int | None) -> int:

@@ -17,6 +17,11 @@ _DISC_DEG = 12.0
 _EDGE = 512
 
 
+def is_sun(source: DistantSource) -> bool:
+    """Whether a distant source is narrow, and aimed at directly."""
+    return source.angle_deg <= _DISC_DEG
+
+
 @dataclass
 class SkyLight:
     """Everything at infinity, for kernels.
@@ -41,8 +46,8 @@ class SkyLight:
     @classmethod
     def of(cls, scene: Scene) -> "SkyLight":
         """Return the tables of a scene's distant sources."""
-        wide = [s for s in scene.distant if s.angle_deg > _DISC_DEG]
-        narrow = [s for s in scene.distant if s.angle_deg <= _DISC_DEG]
+        wide = [s for s in scene.distant if not is_sun(s)]
+        narrow = [s for s in scene.distant if is_sun(s)]
         # Kernels take no empty tables: without suns, one that is never looked at
         direction = np.array([s.direction for s in narrow] or [[0.0, 0.0, 1.0]])
         radiance = np.array([_at_centre(scene, s) for s in narrow] or [np.zeros(3)])

@@ -1,0 +1,125 @@
+"""Lobes of sunlight behind BSDFs: where to look for sun that a window scatters.
+
+A blind or a film sends the light of the sun into few directions. They are known
+before any path is: drawn from the BSDF for the sun's own direction, they are looked
+back along from a place in the room. Places that a lobe meets find it at once, where
+aiming at points of the window seldom does.
+
+The directions do not ask which window they meet, so their density is that of all
+windows' lobes together, on every window.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from clerestory.bsdf.scattering import Function
+from clerestory.engine.bsdf_file import Table, forward_table
+from clerestory.engine.sky_light import is_sun
+from clerestory.scene.flatness import area_vectors
+from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
+
+# Windows of different BSDFs or orientations beyond the largest only cost time.
+MOST = 4
+
+# Sines below this are no frame: the up vector lies along the normal.
+_UPRIGHT = 1e-6
+
+# Where light goes that comes from behind a surface, and from before it.
+_SIDES: dict[int, Function] = {1: "transmission_front", -1: "transmission_back"}
+
+
+@dataclass
+class Lobes:
+    """Lobes of the windows of one BSDF and one orientation.
+
+    Attributes
+    ----------
+    table : the BSDF, drawn from for light that comes from the sun
+    frame : of the layer; its normal is that of the surfaces
+    side : 1 where the sun shines on the back of the surfaces, -1 on the front
+    chance : of drawing from these
+    """
+
+    table: Table
+    frame: mi.Frame3f
+    side: int
+    chance: float
+
+    def draw(self, sun, u, v):
+        """Return a direction to look along for the light of a sun."""
+        disc, _, _ = self.table.sample(mi.UInt32(0), self.frame.to_local(sun), u, v)
+        height = dr.safe_sqrt(1 - dr.squared_norm(disc))
+        return -self.frame.to_world(mi.Vector3f(disc.x, disc.y, self.side * height))
+
+    def pdf(self, direction, sun):
+        """Return the density of looking along a direction [1/sr]."""
+        leaving, incident = self.frame.to_local(-direction), self.frame.to_local(sun)
+        _, density = self.table.evaluate(mi.UInt32(0), leaving, incident)
+        met = (leaving.z * self.side > 0) & (incident.z * self.side < 0)
+        return dr.select(met, density * dr.abs(leaving.z), 0)
+
+
+@dataclass
+class SunLobes:
+    """Lobes of all windows of a scene."""
+
+    groups: list[Lobes]
+
+    @classmethod
+    def of(cls, scene: Scene) -> "SunLobes":
+        """Return the lobes of the largest windows on which a sun can shine."""
+        found: dict[tuple, float] = {}
+        suns = np.array([s.direction for s in scene.distant if is_sun(s)])
+        for surface in scene.surfaces:
+            material = scene.materials[surface.material]
+            if isinstance(surface, Polygon) and is_layer(material):
+                corners = surface.vertices
+                vector = area_vectors(corners, np.array([0, len(corners)]))[0]
+                area = float(np.linalg.norm(vector))
+                normal = tuple(np.round(vector / area, 5))
+                for side in (1, -1):
+                    shone = np.any(suns.reshape(-1, 3) @ vector * side < 0)
+                    if shone and material.bsdf.has(_SIDES[side]):
+                        key = (surface.material, side, normal)
+                        found[key] = found.get(key, 0) + area
+        largest = sorted(found, key=lambda key: -found[key])[:MOST]
+        total = sum(found[key] for key in largest)
+        return cls([_lobes(scene, *key, found[key] / total) for key in largest])
+
+    def draw(self, pick, sun, u, v):
+        """Return a direction to look along for the light of a sun."""
+        direction = self.groups[0].draw(sun, u, v)
+        before = self.groups[0].chance
+        for lobes in self.groups[1:]:
+            chosen = pick >= before
+            direction = dr.select(chosen, lobes.draw(sun, u, v), direction)
+            before += lobes.chance
+        return direction
+
+    def pdf(self, direction, sun):
+        """Return the density of looking along a direction [1/sr]."""
+        return sum(
+            (lobes.chance * lobes.pdf(direction, sun) for lobes in self.groups),
+            start=mi.Float(0),
+        )
+
+
+def is_layer(material: Material) -> bool:
+    """Whether a material is a BSDF itself, not a proxy for geometry."""
+    return isinstance(material, BsdfSurface) and material.thickness == 0
+
+
+def _lobes(scene: Scene, name: str, side: int, normal: tuple, chance: float) -> Lobes:
+    material = scene.materials[name]
+    up = mi.Vector3f(*[float(c) for c in material.up @ material.transform])
+    facing = dr.normalize(mi.Vector3f(*[float(c) for c in normal]))
+    right = dr.cross(up, facing)
+    length = dr.norm(right)
+    right *= dr.select(length > _UPRIGHT, 1 / length, 0)
+    frame = mi.Frame3f(right, dr.cross(facing, right), facing)
+    dr.make_opaque(frame)
+    return Lobes(forward_table(material.bsdf, _SIDES[side]), frame, side, chance)
+
