@@ -339,7 +339,7 @@ def look(
         si.wi = si.to_local(-ray.d)
         bsdf = si.bsdf()
         works = active & ~ignored
-        flags = bsdf.flags()
+        flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, works)
         smooth = mi.has_flag(flags, mi.BSDFFlags.Smooth)
         opaque = ~mi.has_flag(flags, mi.BSDFFlags.Null)
         opaque &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
@@ -367,15 +367,21 @@ def look(
         v = draw.number(sampling.DIRECTION_V)
         to_portal = chance < aimed
         lobe = dr.clip((chance - aimed) / (1 - aimed), 0, 0.9999999)
-        sample, factor = bsdf.sample(context, si, lobe, mi.Point2f(u, v), works)
-        direction = si.to_world(sample.wo)
         if dr.hint(lit.portals.count > 0, mode="scalar"):
             there = lit.portals.aim(si.p, worth, u, v)
-            direction = dr.select(to_portal, there, direction)
+            value, own, sample, factor = bsdf.eval_pdf_sample(
+                context, si, si.to_local(there), lobe, mi.Point2f(u, v), works
+            )
+            direction = dr.select(to_portal, there, si.to_world(sample.wo))
+            value = dr.select(to_portal, value, factor * sample.pdf)
+            own = dr.select(to_portal, own, sample.pdf)
+        else:
+            sample, factor = bsdf.sample(context, si, lobe, mi.Point2f(u, v), works)
+            direction = si.to_world(sample.wo)
+            value, own = factor * sample.pdf, sample.pdf
         kind = sample.sampled_type
         null = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Null) | ignored
         delta = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Delta) & ~null
-        value, own = bsdf.eval_pdf(context, si, si.to_local(direction), works)
         mixed = place.mixture(lit, direction, own, works & (aimed > 0))
         both = dr.select(mixed > 0, value / mixed, 0)
         spread = aimed > 0

@@ -43,6 +43,7 @@ class LoweredScene:
     thickness_of_shape : by Mitsuba's shape number, for BSDFs that stand for geometry
         behind (positive) or before them: how far it reaches [m]; 0 for all others
     layer_of_shape : by Mitsuba's shape number: whether it is a BSDF without thickness
+    flags_of_shape : by Mitsuba's shape number: the flags of its material
     """
 
     scene: mi.Scene
@@ -56,6 +57,7 @@ class LoweredScene:
     lamp_of_shape: mi.UInt32
     thickness_of_shape: mi.Float
     layer_of_shape: mi.Bool
+    flags_of_shape: mi.UInt32
     proxies: bool
 
 
@@ -117,11 +119,13 @@ def lower(
     windows, lamps, first_face = np.zeros((3, size), dtype=np.uint32)
     depth = np.zeros(size, dtype=np.float32)
     layer = np.zeros(size, dtype=bool)
+    flags = np.zeros(size, dtype=np.uint32)
     reach: list[np.ndarray] = []
     panes = False
     for shape_id, shape in zip(ids, lowered.shapes(), strict=True):
         first_face[shape_id] = sum(len(faces) for faces in reach)
         reach.append(_reach(shape))
+        flags[shape_id] = shape.bsdf().flags()
         panes |= mi.has_flag(shape.bsdf().flags(), mi.BSDFFlags.Null)
         kind = shape.id().rstrip("0123456789")
         number = int(shape.id()[len(kind) :] or 0)
@@ -146,6 +150,7 @@ def lower(
         lamp_of_shape=mi.UInt32(lamps),
         thickness_of_shape=mi.Float(depth),
         layer_of_shape=mi.Bool(layer),
+        flags_of_shape=mi.UInt32(flags),
         proxies=bool(thickness),
     )
 

@@ -96,9 +96,7 @@ def light_of(scene: Scene, origin: Float[np.ndarray, "3"]) -> LitScene:
     """Return a scene with all that lights it, around a point."""
     model = lower(scene, origin=origin)
     portals, mirrors = Portals.of(scene, origin), Mirrors.of(scene)
-    return LitScene(
-        model, SkyLight.of(scene), portals, mirrors, SunLobes.of(scene)
-    )
+    return LitScene(model, SkyLight.of(scene), portals, mirrors, SunLobes.of(scene))
 
 
 def segments_of(bounces: int | None) -> int:

@@ -14,15 +14,23 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+from jaxtyping import Float
 
 from clerestory.bsdf.scattering import Function
+from clerestory.engine import points as sampling
 from clerestory.engine.bsdf_file import Table, forward_table
+from clerestory.engine.points import points
 from clerestory.engine.sky_light import is_sun
 from clerestory.scene.flatness import area_vectors
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
 
 # Windows of different BSDFs or orientations beyond the largest only cost time.
 MOST = 4
+
+# Lobes are worth their rays where they are, on average over their own directions, so
+# many times denser than even scattering; found by this many of them.
+_NARROW = 4.0
+_TRIED = 1024
 
 # Sines below this are no frame: the up vector lies along the normal.
 _UPRIGHT = 1e-6
@@ -61,6 +69,26 @@ class Lobes:
         met = (leaving.z * self.side > 0) & (incident.z * self.side < 0)
         return dr.select(met, density * dr.abs(leaving.z), 0)
 
+    def concentration(self, suns: Float[np.ndarray, "sun 3"]) -> float:
+        """Return how much denser than even scattering the lobes are, at most."""
+        normal = np.array(self.frame.n).ravel()
+        shining = suns[(suns @ normal) * self.side < 0]
+        point = points(0, _TRIED)
+        u, v = (
+            sampling.coordinate(
+                point, mi.UInt32(0), dr.arange(mi.UInt32, _TRIED), mi.UInt32(0), purpose
+            )
+            for purpose in (sampling.DIRECTION_U, sampling.DIRECTION_V)
+        )
+        found = 0.0
+        for direction in shining[:MOST]:
+            sun = mi.Vector3f(*[float(c) for c in direction])
+            along = self.draw(sun, u, v)
+            cosine = dr.maximum(dr.abs(dr.dot(along, self.frame.n)), 1e-6)
+            density = dr.mean(self.pdf(along, sun) / cosine) * dr.pi
+            found = max(found, float(density[0]))
+        return found
+
 
 @dataclass
 class SunLobes:
@@ -72,7 +100,9 @@ class SunLobes:
     def of(cls, scene: Scene) -> "SunLobes":
         """Return the lobes of the largest windows on which a sun can shine."""
         found: dict[tuple, float] = {}
-        suns = np.array([s.direction for s in scene.distant if is_sun(s)])
+        suns = np.array([s.direction for s in scene.distant if is_sun(s)]).reshape(
+            -1, 3
+        )
         for surface in scene.surfaces:
             material = scene.materials[surface.material]
             if isinstance(surface, Polygon) and is_layer(material):
@@ -81,13 +111,17 @@ class SunLobes:
                 area = float(np.linalg.norm(vector))
                 normal = tuple(np.round(vector / area, 5))
                 for side in (1, -1):
-                    shone = np.any(suns.reshape(-1, 3) @ vector * side < 0)
+                    shone = np.any(suns @ vector * side < 0)
                     if shone and material.bsdf.has(_SIDES[side]):
                         key = (surface.material, side, normal)
                         found[key] = found.get(key, 0) + area
-        largest = sorted(found, key=lambda key: -found[key])[:MOST]
+        made = {key: _lobes(scene, *key) for key in sorted(found, key=found.get)}
+        narrow = [key for key in made if made[key].concentration(suns) >= _NARROW]
+        largest = narrow[-MOST:]
         total = sum(found[key] for key in largest)
-        return cls([_lobes(scene, *key, found[key] / total) for key in largest])
+        for key in largest:
+            made[key].chance = found[key] / total
+        return cls([made[key] for key in largest])
 
     def draw(self, pick, sun, u, v):
         """Return a direction to look along for the light of a sun."""
@@ -112,7 +146,7 @@ def is_layer(material: Material) -> bool:
     return isinstance(material, BsdfSurface) and material.thickness == 0
 
 
-def _lobes(scene: Scene, name: str, side: int, normal: tuple, chance: float) -> Lobes:
+def _lobes(scene: Scene, name: str, side: int, normal: tuple) -> Lobes:
     material = scene.materials[name]
     up = mi.Vector3f(*[float(c) for c in material.up @ material.transform])
     facing = dr.normalize(mi.Vector3f(*[float(c) for c in normal]))
@@ -121,5 +155,4 @@ def _lobes(scene: Scene, name: str, side: int, normal: tuple, chance: float) -> 
     right *= dr.select(length > _UPRIGHT, 1 / length, 0)
     frame = mi.Frame3f(right, dr.cross(facing, right), facing)
     dr.make_opaque(frame)
-    return Lobes(forward_table(material.bsdf, _SIDES[side]), frame, side, chance)
-
+    return Lobes(forward_table(material.bsdf, _SIDES[side]), frame, side, 1.0)

@@ -156,20 +156,22 @@ def passed(
         while looking:
             hit = model.scene.ray_intersect_preliminary(ray, active=looking)
             blocked = looking & hit.is_valid()
-            si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, blocked)
-            si.sh_frame = mi.Frame3f(si.n)
-            si.wi = si.to_local(-ray.d)
-            shape = dr.reinterpret_array(mi.UInt32, si.shape)
+            shape = dr.reinterpret_array(mi.UInt32, hit.shape)
             proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, blocked) != 0
             role = dr.gather(mi.UInt32, model.lamp_of_shape, shape, blocked)
             lamp = role > 0
             if dr.hint(illums_pass, mode="scalar"):
                 lamp &= ~dr.gather(mi.Bool, model.lamps.veiled, role - 1, lamp)
-            pane = blocked & mi.has_flag(si.bsdf().flags(), mi.BSDFFlags.Null) & ~lamp
+            flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, blocked)
+            pane = mi.has_flag(flags, mi.BSDFFlags.Null) & ~lamp | proxy
+            pane &= blocked
+            si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, pane)
+            si.sh_frame = mi.Frame3f(si.n)
+            si.wi = si.to_local(-ray.d)
             through = si.bsdf().eval_null_transmission(si, pane & ~proxy)
             through = dr.select(proxy, 1, dr.select(pane, through, 0))
             seen = dr.select(blocked, seen * through, seen)
-            pane = blocked & (dr.max(seen) > 0)
+            pane &= dr.max(seen) > 0
             start = offset(model, si, ray.d, pane)
             ray = aim(dr.select(pane, start, ray.o))
             looking &= pane
