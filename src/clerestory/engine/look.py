@@ -24,10 +24,8 @@ from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.walk import offset, passed, towards
 
-# Share of directions aimed at portals where these fill a good part of the view, and
-# what part [sr] is good.
-_AIMED = 0.5
-_GOOD = 0.05
+# Largest share of directions that are aimed at portals.
+_AIMED = 0.35
 
 # Paths below this share of their first weight go on only by Russian roulette.
 _ROULETTE = 0.2
@@ -76,6 +74,7 @@ class Vertex:
     Attributes
     ----------
     point : [m]
+    normal : on the side that light is gathered from
     leave : function that returns the point moved off its surface towards a direction
     scatter : function that returns BSDF × cosine for light straight from a lamp, and
         the pdf of the material's own sampling, for a direction
@@ -84,6 +83,7 @@ class Vertex:
     """
 
     point: mi.Point3f
+    normal: mi.Vector3f
     leave: object
     scatter: object
     aimed: mi.Float
@@ -91,18 +91,18 @@ class Vertex:
 
     def mixture(self, lit: LitScene, direction, own, active):
         """Return the pdf with which the path goes on along a direction."""
-        there = lit.portals.pdf(
-            self.point, direction, self.worth, active & (self.aimed > 0)
-        )
+        aimed = active & (self.aimed > 0)
+        there = lit.portals.pdf(self.point, self.normal, direction, self.worth, aimed)
         return self.aimed * there + (1 - self.aimed) * own
 
 
-def aims(lit: LitScene, point, smooth):
+def aims(lit: LitScene, point, normal, smooth):
     """Return the chance of aiming at portals, and what they are worth."""
     if lit.portals.count == 0:
         return mi.Float(0), mi.Float(1)
-    worth = lit.portals.total(point)
-    return dr.select(smooth, _AIMED * dr.minimum(worth / _GOOD, 1), 0), worth
+    worth = lit.portals.total(point, normal)
+    share = dr.minimum(worth / (worth + dr.pi), _AIMED)
+    return dr.select(smooth, share, 0), worth
 
 
 def at_surface(model: LoweredScene, si, context, depth, active, portals) -> Vertex:
@@ -124,7 +124,8 @@ def at_surface(model: LoweredScene, si, context, depth, active, portals) -> Vert
     def scatter(direction):
         return bsdf.eval_pdf(context, si, si.to_local(direction), active)
 
-    return Vertex(si.p, leave, scatter, *portals)
+    normal = dr.mulsign(si.n, si.wi.z)
+    return Vertex(si.p, normal, leave, scatter, *portals)
 
 
 @dataclass
@@ -240,8 +241,8 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
         cosine = dr.maximum(dr.dot(normal, direction), 0)
         return mi.Color3f(cosine), cosine * dr.inv_pi
 
-    aimed, worth = aims(lit, position, mi.Bool(True))
-    vertex = Vertex(position, lambda d, a: position, scatter, aimed, worth)
+    aimed, worth = aims(lit, position, normal, mi.Bool(True))
+    vertex = Vertex(position, normal, lambda d, a: position, scatter, aimed, worth)
     light = lamplight(lit, vertex, draw, mi.Bool(True))
     if lit.sky.suns:
         sun = SunAim.of(lit, draw)
@@ -254,7 +255,7 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
     direction = mi.Frame3f(normal).to_world(local)
     if lit.portals.count:
         aim = draw.number(sampling.LOBE) < aimed
-        there = lit.portals.aim(position, worth, u, v)
+        there = lit.portals.aim(position, normal, worth, u, v)
         direction = dr.select(aim, there, direction)
     value, own = scatter(direction)
     pdf = vertex.mixture(lit, direction, own, mi.Bool(True))
@@ -344,7 +345,8 @@ def look(
         opaque = ~mi.has_flag(flags, mi.BSDFFlags.Null)
         opaque &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
         draw = Draw(points, seed, index, vertex)
-        aimed, worth = aims(lit, si.p, works & smooth & opaque)
+        facing = dr.mulsign(si.n, cosine)
+        aimed, worth = aims(lit, si.p, facing, works & smooth & opaque)
         place = at_surface(model, si, straight, depth, works, (aimed, worth))
 
         # Aim at suns and lamps
@@ -368,7 +370,7 @@ def look(
         to_portal = chance < aimed
         lobe = dr.clip((chance - aimed) / (1 - aimed), 0, 0.9999999)
         if dr.hint(lit.portals.count > 0, mode="scalar"):
-            there = lit.portals.aim(si.p, worth, u, v)
+            there = lit.portals.aim(si.p, facing, worth, u, v)
             value, own, sample, factor = bsdf.eval_pdf_sample(
                 context, si, si.to_local(there), lobe, mi.Point2f(u, v), works
             )

@@ -19,10 +19,11 @@ from clerestory.engine.look import Draw, LitScene, gather_at_sensor, look
 from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
 from clerestory.engine.points import points
-from clerestory.engine.portals import Portals
+from clerestory.engine.portals import Portals, window_rectangles
 from clerestory.engine.seen import seen_surface
 from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.sun_lobes import SunLobes
+from clerestory.engine.sun_patches import LOOKING, with_sun_patches
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.work import Tracer, Unit
 from clerestory.scene.model import Scene
@@ -36,7 +37,9 @@ def prepare_picture(job: PictureJob) -> Tracer:
     """Return what traces the radiance of a view's pixels, or their irradiance."""
     rays = PixelRays.of(job.view, job.columns, job.rows)
     origin = np.asarray(job.view.position, dtype=float)
-    lit, limit = light_of(job.scene, origin), segments_of(job.bounces)
+    limit = segments_of(job.bounces)
+    paths = _some_seen(rays, job.columns * job.rows, origin)
+    lit = light_of(job.scene, origin, paths)
 
     def irradiance(draw: Draw, row):
         # The first numbers of the sequence go to the surface, not to the pixel
@@ -73,9 +76,10 @@ def prepare_picture(job: PictureJob) -> Tracer:
 def prepare_irradiance(job: IrradianceJob) -> Tracer:
     """Return what traces the irradiance of sensors."""
     origin = np.mean(job.sensors.position, axis=0)
-    lit = light_of(job.scene, origin)
     position = vectors(mi.Point3f, job.sensors.position - origin)
     normal = vectors(mi.Vector3f, job.sensors.direction)
+    count = len(job.sensors.position)
+    lit = light_of(job.scene, origin, _some_gathered(position, normal, count))
     # Radiance counts a sensor's own gather as a bounce
     limit = (1 << 30) if job.bounces is None else job.bounces
 
@@ -92,11 +96,58 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
     return tracer_of(gathered, job.seed, job.batches)
 
 
-def light_of(scene: Scene, origin: Float[np.ndarray, "3"]) -> LitScene:
-    """Return a scene with all that lights it, around a point."""
+def light_of(
+    scene: Scene,
+    origin: Float[np.ndarray, "3"],
+    paths: Callable[[], mi.Ray3f] | None = None,
+) -> LitScene:
+    """Return a scene with all that lights it, around a point.
+
+    Parameters
+    ----------
+    paths : function that returns first segments of paths, along which places are
+        looked for that the sun shines on
+    """
     model = lower(scene, origin=origin)
-    portals, mirrors = Portals.of(scene, origin), Mirrors.of(scene)
-    return LitScene(model, SkyLight.of(scene), portals, mirrors, SunLobes.of(scene))
+    windows = window_rectangles(scene, origin)
+    lit = LitScene(
+        model=model,
+        sky=SkyLight.of(scene),
+        portals=Portals.of(windows),
+        mirrors=Mirrors.of(scene),
+        lobes=SunLobes.of(scene),
+    )
+    return lit if paths is None else with_sun_patches(lit, windows, paths)
+
+
+def _first_points(count: int):
+    # Numbers of the first segments that look for sun: row, and place within it
+    index = dr.arange(mi.UInt32, LOOKING)
+    sequence, seed = points(0, LOOKING), mi.UInt32(1)
+    purposes = (sampling.LOBE, sampling.DIRECTION_U, sampling.DIRECTION_V)
+    pick, u, v = (
+        sampling.coordinate(sequence, seed, index, mi.UInt32(0), purpose)
+        for purpose in purposes
+    )
+    return dr.minimum(mi.UInt32(pick * count), count - 1), u, v
+
+
+def _some_seen(rays: "PixelRays", count: int, origin: Float[np.ndarray, "3"]):
+    def paths() -> mi.Ray3f:
+        ray, _ = rays.through(*_first_points(count), origin)
+        return ray
+
+    return paths
+
+
+def _some_gathered(position: mi.Point3f, normal: mi.Vector3f, count: int):
+    def paths() -> mi.Ray3f:
+        row, u, v = _first_points(count)
+        local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
+        upwards = mi.Frame3f(dr.gather(mi.Vector3f, normal, row))
+        return mi.Ray3f(dr.gather(mi.Point3f, position, row), upwards.to_world(local))
+
+    return paths
 
 
 def segments_of(bounces: int | None) -> int:

@@ -4,7 +4,9 @@ Light comes through few places: panes, blinds, skylights. Directions towards the
 proposed beside those of the materials; every proposal's density is known for every
 direction, so both together stay unbiased whatever the rectangles leave out.
 
-Rectangles are aimed at by the solid angle they subtend (see `windows`).
+Windows are aimed at by the solid angle they subtend (see `windows`). Places that the
+sun shines on directly join them as small bright patches (see `sun_patches`), aimed at
+by their area.
 """
 
 from dataclasses import dataclass
@@ -12,9 +14,9 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
-from clerestory.engine.upload import vectors
+from clerestory.engine.upload import some, vectors
 from clerestory.engine.windows import RectangleView
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
 
@@ -24,7 +26,36 @@ MOST = 12
 # Polygons smaller than this share of the largest are no place to aim at.
 _SMALLEST = 1e-3
 
+# Radiance of a window compared with the mean from all directions, where it is unknown.
+_TYPICAL = 20.0
+
 _TRANSMITTING = (Glass, BsdfSurface, Illum, Trans)
+
+
+@dataclass
+class Rectangles:
+    """Rectangles as plain values.
+
+    Attributes
+    ----------
+    corner, edge_u, edge_v : of each [m]
+    """
+
+    corner: Float[np.ndarray, "n 3"]
+    edge_u: Float[np.ndarray, "n 3"]
+    edge_v: Float[np.ndarray, "n 3"]
+
+    @classmethod
+    def none(cls) -> "Rectangles":
+        """Return no rectangles."""
+        return cls(*np.zeros((3, 0, 3)))
+
+    def __len__(self) -> int:
+        return len(self.corner)
+
+    def some(self, chosen: Bool[np.ndarray, " n"]) -> "Rectangles":
+        """Return the chosen rectangles."""
+        return Rectangles(self.corner[chosen], self.edge_u[chosen], self.edge_v[chosen])
 
 
 @dataclass
@@ -34,80 +65,98 @@ class Portals:
     Attributes
     ----------
     count : of rectangles
+    windows : how many of them are windows; the others are patches with one side
     corner, edge_u, edge_v : of each [m]
+    brightness : radiance of each, compared with the mean from all directions
     """
 
     count: int
+    windows: int
     corner: mi.Point3f
     edge_u: mi.Vector3f
     edge_v: mi.Vector3f
+    brightness: mi.Float
 
     @classmethod
-    def of(cls, scene: Scene, origin: Float[np.ndarray, "3"]) -> "Portals":
-        """Return the rectangles around the largest transmitting polygons."""
-        found = [
-            _rectangle(surface.vertices)
-            for surface in scene.surfaces
-            if isinstance(surface, Polygon)
-            and isinstance(scene.materials[surface.material], _TRANSMITTING)
-        ]
-        area = [np.linalg.norm(np.cross(u, v)) for _, u, v in found]
-        largest = sorted(range(len(found)), key=lambda i: -area[i])[:MOST]
-        kept = [found[i] for i in largest if area[i] >= _SMALLEST * max(area)]
-        count = len(kept)
-        # Without portals, one that is never aimed at
-        kept = kept or [(np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))]
-        corner = np.array([c for c, _, _ in kept]) - origin
+    def of(
+        cls,
+        windows: Rectangles,
+        patches: Rectangles | None = None,
+        brightness: Float[np.ndarray, " n"] | None = None,
+    ) -> "Portals":
+        """Return windows and patches, of typical brightness unless said otherwise."""
+        kinds = [windows] if patches is None else [windows, patches]
+        count = sum(len(kind) for kind in kinds)
+        corner, edge_u, edge_v = (
+            np.concatenate([getattr(kind, name) for kind in kinds])
+            for name in ("corner", "edge_u", "edge_v")
+        )
+        if brightness is None:
+            brightness = np.full(count, _TYPICAL)
         portals = cls(
             count,
+            len(windows),
             vectors(mi.Point3f, corner),
-            vectors(mi.Vector3f, np.array([u for _, u, _ in kept])),
-            vectors(mi.Vector3f, np.array([v for _, _, v in kept])),
+            vectors(mi.Vector3f, edge_u),
+            vectors(mi.Vector3f, edge_v),
+            mi.Float(some(brightness.astype(np.float32))),
         )
-        dr.make_opaque(portals.corner, portals.edge_u, portals.edge_v)
+        dr.make_opaque(
+            portals.corner, portals.edge_u, portals.edge_v, portals.brightness
+        )
         return portals
 
     def _view(self, number, origin) -> RectangleView:
         corner = dr.gather(mi.Point3f, self.corner, number) - origin
         edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
         edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-        return RectangleView.of(corner, edge_u, edge_v, mi.Bool(True))
+        return RectangleView.of(corner, edge_u, edge_v, number < self.windows)
 
-    def _worth(self, number, origin):
-        # Roughly the solid angle that a rectangle subtends
+    def _worth(self, number, origin, normal):
+        # Roughly the solid angle that a rectangle subtends, times its brightness;
+        # nothing where it lies behind, or shows its back
         edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
         edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
         middle = dr.gather(mi.Point3f, self.corner, number) + 0.5 * (edge_u + edge_v)
         across = middle - origin
-        area = dr.cross(edge_u, edge_v)
-        distance2 = dr.squared_norm(across) + dr.norm(area)
-        return dr.norm(area) / distance2
+        facing = dr.cross(edge_u, edge_v)
+        area = dr.norm(facing)
+        reach = dr.abs(dr.dot(edge_u, normal)) + dr.abs(dr.dot(edge_v, normal))
+        before = dr.dot(across, normal) + 0.5 * reach > 0
+        before &= (number < self.windows) | (dr.dot(across, facing) < 0)
+        brightness = dr.gather(mi.Float, self.brightness, number)
+        size = area / (dr.squared_norm(across) + area)
+        return dr.select(before, brightness * size, 0)
 
     @dr.syntax
-    def total(self, origin):
+    def total(self, origin, normal):
         """Return what the chances of the rectangles are relative to."""
         total = mi.Float(0)
         number = mi.UInt32(0)
         while number < self.count:
-            total += self._worth(number, origin)
+            total += self._worth(number, origin, normal)
             number += 1
         return total
 
     @dr.syntax
-    def aim(self, origin, total, u, v):
-        """Return a direction to a point of a rectangle."""
+    def aim(self, origin, normal, total, u, v):
+        """Return a direction to a point of a rectangle; only where the total is not 0.
+
+        Parameters
+        ----------
+        normal : of the hemisphere that light is gathered from
+        """
         target = u * total
         before = mi.Float(0)
         worth = mi.Float(1)
         chosen = mi.UInt32(0)
         number = mi.UInt32(0)
         while number < self.count:
-            here = self._worth(number, origin)
-            take = target >= before
+            here = self._worth(number, origin, normal)
+            take = (target >= before) & (here > 0)
             chosen = dr.select(take, number, chosen)
             worth = dr.select(take, here, worth)
-            rest = (target - before) / here
-            u = dr.select(take, rest, u)
+            u = dr.select(take, (target - before) / here, u)
             before += here
             number += 1
         u = dr.clip(u, 0, 0.9999999)
@@ -121,7 +170,7 @@ class Portals:
         return dr.normalize(dr.select(view.usable, wide, flat))
 
     @dr.syntax
-    def pdf(self, origin, direction, total, active):
+    def pdf(self, origin, normal, direction, total, active):
         """Return the density of aiming along a direction [1/sr]."""
         density = mi.Float(0)
         number = mi.UInt32(0)
@@ -129,20 +178,38 @@ class Portals:
             corner = dr.gather(mi.Point3f, self.corner, number) - origin
             edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
             edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-            normal = dr.cross(edge_u, edge_v)
-            along = dr.dot(normal, direction)
-            distance = dr.dot(normal, corner) / dr.select(along == 0, 1, along)
+            facing = dr.cross(edge_u, edge_v)
+            along = dr.dot(facing, direction)
+            distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)
             place = direction * distance - corner
             u = dr.dot(place, edge_u) / dr.squared_norm(edge_u)
             v = dr.dot(place, edge_v) / dr.squared_norm(edge_v)
             hit = (along != 0) & (distance > 0) & (u >= 0) & (u <= 1)
             hit &= (v >= 0) & (v <= 1)
-            view = self._view(number, origin)
-            by_area = dr.square(distance) / dr.maximum(dr.abs(along), 1e-20)
-            here = dr.select(view.usable, 1 / view.solid_angle, by_area)
-            density += dr.select(hit, here * self._worth(number, origin) / total, 0)
+            if hit:
+                by_area = dr.square(distance) / dr.maximum(dr.abs(along), 1e-20)
+                if number < self.windows:
+                    view = self._view(number, origin)
+                    by_area = dr.select(view.usable, 1 / view.solid_angle, by_area)
+                worth = self._worth(number, origin, normal)
+                density += dr.select(total > 0, by_area * worth / total, 0)
             number += 1
         return density
+
+
+def window_rectangles(scene: Scene, origin: Float[np.ndarray, "3"]) -> Rectangles:
+    """Return rectangles around the largest transmitting polygons, from an origin."""
+    found = [
+        _rectangle(surface.vertices)
+        for surface in scene.surfaces
+        if isinstance(surface, Polygon)
+        and isinstance(scene.materials[surface.material], _TRANSMITTING)
+    ]
+    area = [np.linalg.norm(np.cross(u, v)) for _, u, v in found]
+    largest = sorted(range(len(found)), key=lambda i: -area[i])[:MOST]
+    kept = [found[i] for i in largest if area[i] >= _SMALLEST * max(area)]
+    corner, edge_u, edge_v = np.array(kept).reshape(-1, 3, 3).transpose(1, 0, 2)
+    return Rectangles(corner - origin, edge_u, edge_v)
 
 
 def _rectangle(vertices: Float[np.ndarray, "n 3"]):
