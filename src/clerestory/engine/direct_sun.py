@@ -19,8 +19,8 @@ from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import points as sampling
+from clerestory.engine.aims import Draw
 from clerestory.engine.bsdf_file import forward_table
-from clerestory.engine.look import Draw
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.peak import PeakTable
 from clerestory.engine.points import Points, points

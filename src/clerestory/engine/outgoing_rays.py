@@ -10,7 +10,8 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.engine import points as sampling
-from clerestory.engine.look import Draw, look
+from clerestory.engine.aims import Draw
+from clerestory.engine.look import look
 from clerestory.engine.outgoing import OutgoingJob
 from clerestory.engine.pixels import light_of, segments_of, tracer_of
 from clerestory.engine.upload import vectors

@@ -14,8 +14,9 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine import points as sampling
+from clerestory.engine.aims import Draw, LitScene
 from clerestory.engine.lit import IrradianceJob, PictureJob
-from clerestory.engine.look import Draw, LitScene, gather_at_sensor, look
+from clerestory.engine.look import gather_at_sensor, look
 from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
 from clerestory.engine.points import points

@@ -16,7 +16,8 @@ from jaxtyping import Float
 from scipy.ndimage import binary_dilation, label
 
 from clerestory.engine import points as sampling
-from clerestory.engine.look import LitScene, look
+from clerestory.engine.aims import LitScene
+from clerestory.engine.look import look
 from clerestory.engine.points import points
 from clerestory.engine.portals import MOST, Portals, Rectangles
 from clerestory.engine.upload import launching, vectors
@@ -149,11 +150,12 @@ def _sunbeams(lit: LitScene, seen: Visits):
     middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) * _WIDENED / 2
     index, seed = dr.arange(mi.UInt32, _SUNBEAMS), mi.UInt32(2)
     sequence = points(0, _SUNBEAMS)
-    pick, u, v = (
+    a, b, pick, u, v = (
         sampling.coordinate(sequence, seed, index, mi.UInt32(0), purpose)
-        for purpose in (sampling.LOBE, sampling.DIRECTION_U, sampling.DIRECTION_V)
+        for purpose in range(sampling.PER_VERTEX)
     )
-    sun, _, _ = lit.sky.aim(pick, mi.Float(0.5), mi.Float(0.5))
+    # From all of the sun's disc: patches reach as far as the penumbra
+    sun, _, _ = lit.sky.aim(pick, a, b)
     frame = mi.Frame3f(sun)
     disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, v)) * radius
     box = model.scene.bbox()
