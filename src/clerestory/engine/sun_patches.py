@@ -40,10 +40,10 @@ _SELDOM = 0.25
 _FEWEST = 24
 
 # Planes are the same within this slope and distance [m]; a patch is cut up along the
-# empty cells of a grid this fine, and widened by this share of a cell.
+# empty cells of a grid this fine, and widened by so many.
 _SLOPE, _DISTANCE = 0.01, 0.01
 _CELLS = 48
-_MARGIN = 0.5
+_MARGIN = 2.0
 
 # Paths that tell how bright a portal is compared with everything; patches of less than
 # so much are left to chance, and none counts for more than the most.
