@@ -236,8 +236,8 @@ def test_systems_keep_energy_and_reciprocity(device, kind):
             .reciprocal()
             .values,
         )
-        # Values that only a few paths reached have errors of their own size
-        known = (error < 0.2 * (forth.values + turned.values)) & (error > 0)
+        # Values that only a few paths reached have errors that are not known themselves
+        known = (error < 0.1 * (forth.values + turned.values)) & (error > 0)
         score = (forth.values - turned.values)[known] / error[known]
         assert np.sqrt(np.mean(score**2)) < 1.6
         assert abs(diffuse_share(forth) - diffuse_share(back)) < 0.01
@@ -279,8 +279,11 @@ def test_mirrored_patches_are_traced_once(device):
         assert sizes[0] == pytest.approx(sizes[1], rel=0.1)
 
 
-def test_finite_sample_loses_light_at_its_edges(device):
-    """White slats of a small sample lose what an endless blind of the same keeps."""
+def test_white_slats_lose_nothing(device):
+    """All light leaves to one side or the other, of an endless blind and a short one.
+
+    Mirrored patches are traced once and share their paths, so that totals vary.
+    """
     shape = {"slat_width": 0.08, "spacing": 0.08, "tilt_deg": 60, "reflectance": 1.0}
     endless, few = (
         cl.generate_bsdf(
@@ -288,13 +291,10 @@ def test_finite_sample_loses_light_at_its_edges(device):
         )
         for more in ({}, {"slats": 3})
     )
-    kept, lost = (
-        part(b, "transmission_front").direct_hemispherical()
-        + part(b, "reflection_front").direct_hemispherical()
-        for b in (endless, few)
-    )
-    assert kept == pytest.approx(1, abs=0.02)
-    assert np.all(lost <= 1 + 1e-5)
+    for bsdf in (endless, few):
+        total, error = total_of(bsdf, "front")
+        assert np.all(np.abs(total - 1) < 4 * error + 1e-5)
+        assert np.all(error < 0.02)
 
 
 def test_two_bands_are_traced_at_once(device):

@@ -74,20 +74,23 @@ def pane(kind):
 @pytest.mark.parametrize("sun", [False, True], ids=["sky", "sun"])
 @pytest.mark.parametrize("kind", ["glass", "cloth"])
 def test_sensors_read_what_they_read_behind_the_window(device, kind, sun):
-    """Within 2 %, which is for the tables' steps of 5°, and the joint noise.
+    """Within 2 %, which is for the tables' steps, and the joint noise.
 
+    The cloth's highlight about the sun is 6° wide: steps of 5° would blur it by 4 %.
     Bounces are not limited: light of a lamp takes one more than that of a sky, since
     lamps are aimed at from the last surface as well.
     """
     here, window = room(sun=sun), pane(kind)
-    lamps = precompute_illums(here, window, zone=1.6, samples=64, device=device)
+    lamps = precompute_illums(
+        here, window, zone=1.6, rings=36 if sun else 18, samples=64, device=device
+    )
     assert len(lamps.surfaces) == 4
     found, truth = (
-        irradiance(here + panes, SENSORS, samples=1 << 14, device=device)
+        irradiance(here + panes, SENSORS, samples=1 << 17, device=device)
         for panes in (lamps, window)
     )
     error = np.hypot(found.error, truth.error)
-    assert np.all(error < (0.05 if sun else 0.025) * truth.irradiance)
+    assert np.all(error < 0.02 * truth.irradiance)
     difference = np.abs(found.irradiance - truth.irradiance)
     assert np.all(difference < 4 * error + 0.02 * truth.irradiance)
 
