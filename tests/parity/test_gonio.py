@@ -6,12 +6,11 @@ from radiance import run
 
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.fit import condense
+from clerestory.gonio.fit import condense, misplaced_light
 from clerestory.gonio.fitted import fit_measurement
 from clerestory.gonio.measurement import Measurement
 from clerestory.gonio.read import read_measurement
 from clerestory.gonio.tree_export import to_tree
-from clerestory.gonio.fit import misplaced_light
 from goniometer import Goniophotometer, film, pane, rings, write_pabopto
 
 FRONT = np.array([1.0, 1.0, -1.0])

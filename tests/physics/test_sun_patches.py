@@ -52,7 +52,7 @@ def light_of_stripe(position):
 
 
 def test_a_stripe_of_sun_lights_the_room_beside_it(device):
-    """In closed form, with little noise: paths that meet it by chance leave 6 % of noise."""
+    """In closed form, calmly: paths that meet it by chance leave 6 % of noise."""
     places = np.array([[1.5, 0.0, 1.0], [3.0, 1.0, 2.0], [0.5, -1.0, 2.5]])
     sensors = Sensors(places, np.tile([0.0, 0.0, -1.0], (3, 1)))
     found = irradiance(under_a_slot(), sensors, samples=4096, device=device)

@@ -66,7 +66,7 @@ def light_pattern(light: LeavingLight) -> DataPattern:
     --------
     >>> even = LeavingLight(np.eye(3), np.full((9, 18, 3), 2.0))
     >>> pattern = light_pattern(even)
-    >>> pattern.value(np.eye(3), np.eye(3), np.eye(3))[2].round(9).tolist()
+    >>> pattern.value(np.eye(3), np.eye(3), np.eye(3))[2].round(3).tolist()
     [2.0, 2.0, 2.0]
     """
     grey = bool(np.ptp(light.radiance, axis=2).max() == 0)

@@ -1,11 +1,12 @@
-"""Make the BSDFs of the study: the blind behind its glazing, in four tilts.
+r"""Make the BSDFs of the study: the blind behind its glazing, in four tilts.
 
     python studies/crash_course_day/blinds/make_blinds.py [FOLDER]
 
 writes tilt_0.xml, tilt_20.xml, tilt_40.xml and tilt_70.xml, in half a minute on two
 cores; the values are the same in every run on one kind of device. It is what
 
-    clerestory bsdf generate system.rad --periodic --sides front --dim 0 1 0 1.008 -0.15 0
+    clerestory bsdf generate system.rad --periodic --sides front \
+        --dim 0 1 0 1.008 -0.15 0
 
 does with each tilt in system.rad, kept short: transmission from outside, four digits.
 """
