@@ -45,11 +45,6 @@ class Rectangles:
     edge_u: Float[np.ndarray, "n 3"]
     edge_v: Float[np.ndarray, "n 3"]
 
-    @classmethod
-    def none(cls) -> "Rectangles":
-        """Return no rectangles."""
-        return cls(*np.zeros((3, 0, 3)))
-
     def __len__(self) -> int:
         return len(self.corner)
 

@@ -79,13 +79,13 @@ def with_sun_patches(lit: LitScene, windows: Rectangles, paths) -> LitScene:
     windows : portals so far
     paths : function that returns first segments of `LOOKING` paths
     """
-    seen = _visit(lit, paths())
-    if len(seen.point) == 0:
+    if lit.sky.suns == 0:
         return lit
-    patches = Rectangles.none()
-    if lit.sky.suns and seen.sunlit <= _SELDOM:
-        patches = _patches(*_sunbeams(lit, seen), seen)
-    if len(windows) + len(patches) == 0:
+    seen = _visit(lit, paths())
+    if len(seen.point) == 0 or seen.sunlit > _SELDOM:
+        return lit
+    patches = _patches(*_sunbeams(lit, seen), seen)
+    if len(patches) == 0:
         return lit
     trial = replace(lit, portals=Portals.of(windows, patches))
     bright = _brightness(trial, seen)
