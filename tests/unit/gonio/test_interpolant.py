@@ -20,6 +20,7 @@ from clerestory.hemisphere.square import disc_from_square
 from goniometer import film, pane
 
 FRONT = np.array([1.0, 1.0, -1.0])  # light from the sky
+CELL = np.sqrt(np.pi) / 16  # width of a cell of a tree of 2^4 along each axis
 
 
 def hemisphere(count=4000):
@@ -134,19 +135,20 @@ def test_trees_scatter_what_the_interpolant_scatters(name, request):
     assert tree.hemispherical(source) == pytest.approx(
         part.hemispherical(source), rel=0.03
     )
-    # From the middle of incident cells light leaves to the same place on the whole
+    # From the middle of incident cells light leaves as it does there, but for the size of
+    # cells, and to the same place on the whole
     layer = {"pane": pane, "film": film}[name]
     exits = hemisphere()
     for a, b in ((0.53125, 0.53125), (0.59375, 0.34375), (0.28125, 0.46875)):
         x, y = disc_from_square(np.array(a), np.array(b))
         incident = np.array([-x, -y, np.sqrt(1 - x * x - y * y)])
         pairs = np.broadcast_to(incident * FRONT, exits.shape)
+        truth, found = layer(incident), tree.evaluate(pairs, exits)
+        blurred = Lobes(truth.centre, np.hypot(truth.radius, CELL), truth.flux)
+        change = np.abs(found - blurred.evaluate(exits)).mean()
+        assert change * np.pi / 2 < 0.2 * truth.total
         middle = [
-            values @ exits / values.sum()
-            for values in (
-                tree.evaluate(pairs, exits),
-                layer(incident).evaluate(exits),
-            )
+            values @ exits / values.sum() for values in (found, truth.evaluate(exits))
         ]
         assert middle[0] == pytest.approx(middle[1], abs=0.05)
 
