@@ -135,8 +135,8 @@ def test_trees_scatter_what_the_interpolant_scatters(name, request):
     assert tree.hemispherical(source) == pytest.approx(
         part.hemispherical(source), rel=0.03
     )
-    # From the middle of incident cells light leaves as it does there, but for the size of
-    # cells, and to the same place on the whole
+    # From the middle of incident cells light leaves as it does there, but for the size
+    # of cells, and to the same place on the whole
     layer = {"pane": pane, "film": film}[name]
     exits = hemisphere()
     for a, b in ((0.53125, 0.53125), (0.59375, 0.34375), (0.28125, 0.46875)):
