@@ -6,12 +6,17 @@ it: the integral of the surface that is straight between neighbours. Gaps are br
 by their edges; beyond the outermost points the nearest value goes on to the horizon.
 """
 
+import functools
+
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
 # Points on the horizon that carry the nearest measured value.
 _RIM = 240
+
+# Points alike to so many digits are one: all azimuths at the normal.
+_DIGITS = 9
 
 # Points this near to the horizon make further ones unnecessary.
 _AT_RIM = 0.9995
@@ -27,7 +32,16 @@ def integration_weights(
     >>> round(float(integration_weights(points).sum()), 6)
     3.141593
     """
-    disc = direction[:, :2]
+    # Instruments often scan the same pattern again, and its mesh takes long
+    return _weights_of(np.ascontiguousarray(direction[:, :2]).tobytes())
+
+
+@functools.lru_cache(maxsize=4)
+def _weights_of(pattern: bytes) -> Float[np.ndarray, " points"]:
+    every = np.round(np.frombuffer(pattern).reshape(-1, 2), _DIGITS)
+    disc, place, count = np.unique(
+        every, axis=0, return_inverse=True, return_counts=True
+    )
     angle = 2 * np.pi * (np.arange(_RIM) + 0.5) / _RIM
     rim = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     _, nearest = cKDTree(disc).query(rim)
@@ -36,8 +50,10 @@ def integration_weights(
     owner = np.concatenate([np.arange(len(disc)), nearest])
     weight = _thirds(joined, owner, len(disc))
     if not np.any(inside):
-        weight = np.ones(len(disc))
-    return np.asarray(weight * (np.pi / weight.sum()))
+        weight = count.astype(float)
+    weight = (weight / count)[place.ravel()] * (np.pi / weight.sum())
+    weight.setflags(write=False)
+    return np.asarray(weight)
 
 
 def _thirds(

@@ -1,9 +1,15 @@
-"""The same work on many values, in one process or in several."""
+"""The same work on many values, in one process or in several.
+
+Matrices of a scan are small: linear algebra runs in one thread of each process, for
+more threads would only wait for each other.
+"""
 
 import multiprocessing
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import TypeVar
+
+from threadpoolctl import threadpool_limits
 
 Report = Callable[[float, str], None]
 
@@ -43,11 +49,14 @@ def map_in_order(
         report(done / len(values), f"{done} of {len(values)}")
 
     if processes <= 1 or len(values) < _WORTH_IT:
-        for value in values:
-            add(function(value))
+        with threadpool_limits(1):
+            for value in values:
+                add(function(value))
         return results
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(processes, mp_context=context) as pool:
+    with ProcessPoolExecutor(
+        processes, mp_context=context, initializer=threadpool_limits, initargs=(1,)
+    ) as pool:
         for result in pool.map(function, values, chunksize=4):
             add(result)
     return results
