@@ -72,12 +72,17 @@ def results(folder, *, sun_hours):
             "direct_open": (axes, direct),
             "sun_hours": ("sensor", [float(sun_hours), 0.0]),
             "glare_dgp": (("view", "time"), dgp[None]),
+            "sun_reaches": (("opening", "moment"), np.ones((1, 216), dtype=bool)),
+            "room_hours_of_sun": ((), 3.6),
         },
         coords={
             "time": times.astype("datetime64[ns]"),
             "sensor": ["desks.1", "desks.2"],
             "grid": ("sensor", ["desks", "desks"]),
             "view": ["eye"],
+            "opening": ["south"],
+            "moment": np.datetime64("2023-03-21T10:00:30", "ns")
+            + np.arange(216) * np.timedelta64(60, "s"),
         },
         attrs={"title": "year", "step_minutes": 60.0},
     )
@@ -97,3 +102,9 @@ def test_glare_of_views_has_its_level(call, room):
     """DGP 0.5 in 4 % of the hours is no more than EN 17037 lets pass."""
     results(room / "run", sun_hours=1)
     assert "EN 17037 glare              high" in call("metrics", "run").out
+
+
+def test_hours_of_sun_have_their_level(call, room):
+    results(room / "run", sun_hours=1)
+    line = "EN 17037 sunlight           medium (3.6 h of sun on 03-21)"
+    assert line in call("metrics", "run").out

@@ -22,6 +22,7 @@ from clerestory.metrics.en17037 import (
     daylight_hours,
     daylight_provision,
     glare_level,
+    sunlight_level,
 )
 from clerestory.metrics.exposure import light_exposure
 from clerestory.metrics.honeybee import (
@@ -123,7 +124,7 @@ def metrics(
             typer.echo(f"{one.name}: {one.lux.sizes['sensor']} sensors")
             for line in lines:
                 typer.echo(f"  {line}")
-    for line in () if quiet else _views(results, from_hour, to_hour):
+    for line in () if quiet else _rest(results, from_hour, to_hour):
         typer.echo(line)
     if output is not None:
         write_text(output, "\n".join([_HEAD, *rows]) + "\n")
@@ -166,13 +167,23 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
         yield _Grid(name, part["illuminance"], part["standard_error"], direct, step)
 
 
-def _views(path: Path, from_hour: float, to_hour: float) -> Iterator[str]:
-    # Protection from glare of each view that a run judged
+def _rest(path: Path, from_hour: float, to_hour: float) -> Iterator[str]:
+    # What a run tells of its room and of its views
     if path.is_dir() and (path / "grids_info.json").is_file():
         return
     data = read_results(path).data
-    if "glare_dgp" not in data:
-        return
+    if "room_hours_of_sun" in data:
+        hours = float(data["room_hours_of_sun"])
+        day = np.datetime_as_string(data["moment"].values[0], unit="D")[5:]
+        level = LEVELS[sunlight_level(hours)]
+        yield "room"
+        yield f"  {'EN 17037 sunlight':28}{level} ({hours:.1f} h of sun on {day})"
+    if "glare_dgp" in data:
+        yield from _views(data, from_hour, to_hour)
+
+
+def _views(data: xr.Dataset, from_hour: float, to_hour: float) -> Iterator[str]:
+    # Protection from glare of each view that a run judged
     hours = occupied_hours(data["time"].values, from_hour=from_hour, to_hour=to_hour)
     for view in data["view"].values:
         dgp = data["glare_dgp"].sel(view=view).values

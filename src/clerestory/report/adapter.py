@@ -27,6 +27,7 @@ from clerestory.report.layers import window_layers
 from clerestory.report.method_table import method_comparison
 from clerestory.report.moments import view_pictures
 from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.sunlight import sunlight_of
 from clerestory.report.view_glare import view_glare
 from clerestory.report.window_states import rule_words, window_states
 from clerestory.study.results import Results
@@ -91,6 +92,7 @@ def from_results(
         lamps=lamp_zones(data),
         layers=window_layers(data),
         methods=method_comparison(data),
+        sunlight=sunlight_of(data),
     )
 
 

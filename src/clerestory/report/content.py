@@ -18,6 +18,7 @@ from clerestory.report.layers import Layer
 from clerestory.report.method_table import MethodComparison
 from clerestory.report.moments import ViewPictures
 from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.sunlight import Sunlight
 from clerestory.report.view_glare import ViewGlare
 from clerestory.report.window_states import WindowStates
 
@@ -106,6 +107,7 @@ class ReportContent:
     lamps : electric light, zone by zone
     layers : what stands in the windows
     methods : that were compared
+    sunlight : on the day that the study names
 
     Raises
     ------
@@ -136,6 +138,7 @@ class ReportContent:
     lamps: tuple[LampZone, ...] = ()
     layers: tuple[Layer, ...] = ()
     methods: MethodComparison | None = None
+    sunlight: Sunlight | None = None
 
     def __post_init__(self) -> None:
         shape = (len(self.sensors), len(self.times))

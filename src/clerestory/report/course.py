@@ -14,6 +14,7 @@ from clerestory.report.film import Row, film_section
 from clerestory.report.markup import Markup, join
 from clerestory.report.method_table import methods_section
 from clerestory.report.picture_strip import pictures_section
+from clerestory.report.sunlight import sunlight_section
 from clerestory.report.view_glare import (
     COLOURS,
     glare_maps,
@@ -46,7 +47,7 @@ def moment_note(content: ReportContent, view: str, step: int) -> str:
 
 
 def course_sections(content: ReportContent) -> Markup:
-    """Return states, pictures, film, glare and lamps, those that the run has."""
+    """Return states, pictures, film, glare, sun and lamps, those that the run has."""
     times, occupied = content.times, content.occupied
     note = partial(moment_note, content)
     return join(
@@ -54,6 +55,7 @@ def course_sections(content: ReportContent) -> Markup:
         film_section(content.film, times, note=note, rows=film_rows(content)),
         pictures_section(content.pictures, times, note=note),
         glare_section(content.glare, times, occupied=occupied),
+        sunlight_section(content.sunlight),
         lamps_section(content.lamps, times, occupied=occupied),
         equation_section(content.terms, content.sensors, times, occupied=occupied),
         methods_section(content.methods),

@@ -66,6 +66,7 @@ _CONTENTS = (
     ("film", "A day in pictures"),
     ("pictures", "Pictures"),
     ("glare", "Glare"),
+    ("sunlight", "Sunlight"),
     ("lamps", "Electric light"),
     ("equation", "Direct correction"),
     ("methods", "Methods"),

@@ -31,6 +31,7 @@ from clerestory.study.tables import (
     ScheduleTable,
     SensorsTable,
     SkyTable,
+    SunlightTable,
     SunTable,
     Table,
     TraceTable,
@@ -77,6 +78,7 @@ class Study(Table):
     trace: TraceTable = TraceTable()
     schedule: ScheduleTable = ScheduleTable()
     metrics: MetricsTable = MetricsTable()
+    sunlight: SunlightTable | None = Field(None, description="a table [sunlight]")
     output: OutputTable = OutputTable()
 
     @field_validator("window", "sensors", "view", "luminaire", "lighting")
@@ -101,6 +103,14 @@ class Study(Table):
         if self.methods == ["2-phase"] and self.view:
             raise rule_broken(
                 'method "2-phase" makes no pictures; no table [[view]] expected'
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _openings_for_the_sun(self) -> "Study":
+        if self.sunlight and not (self.window or self.sunlight.file):
+            raise rule_broken(
+                "[sunlight] without a window; its openings as a file expected"
             )
         return self
 

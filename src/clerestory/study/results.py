@@ -54,6 +54,8 @@ class Results:
           `dimming` 0…1 and `lighting_power` [W] (zone, time), `lighting_energy` and
           `lighting_energy_error` (zone) [Wh]
         - where views were judged: `glare_…` (view, time), electric light included
+        - where the study asks for sunlight: `sun_reaches` (opening, moment) on its day,
+          `hours_of_sun` (opening) and `room_hours_of_sun` [h]
         - where methods were compared: `illuminance_by_method` (method, sensor, time)
         - attributes `title`, `method`, `target_lux`, `study` (the study as JSON)
     run : facts about the run, as in run.json: `versions`, `seed`, `device`,

@@ -31,6 +31,7 @@ from clerestory.study.lighting import lighting
 from clerestory.study.operation import Operation, operate
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, save_results
+from clerestory.study.sunlight import sunlight
 from clerestory.study.tracing import Skies, study_skies, trace_study
 from clerestory.study.view_tracing import trace_views
 from clerestory.study.views import glare_judge, study_views
@@ -107,7 +108,7 @@ def run_method(
             display=display,
         )
     with log.phase("metrics"):
-        parts = [electric, glare]
+        parts = [electric, glare, sunlight(study, inputs, device=job.device)]
         data = label_results(study, inputs, hourly, parts, evidence, acts)
     with log.phase("write"):
         write_tables(study, Results(data), out)

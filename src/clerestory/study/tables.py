@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
 from clerestory.metrics.autonomy import TARGET_LUX
+from clerestory.metrics.sunlight import FIRST_DAY, LAST_DAY
 from clerestory.sky.station import MeasuredTable
 
 
@@ -238,6 +239,29 @@ class MetricsTable(Table):
     """What the metrics ask for."""
 
     target_lux: float = Field(TARGET_LUX, gt=0)
+
+
+class SunlightTable(Table):
+    """Exposure to sunlight after EN 17037, on one day."""
+
+    day: MonthDay = LAST_DAY
+    lowest_sun_deg: float = Field(10.0, ge=0, le=45)
+    floor: float = 0.0
+    depth: float = Field(0.0, ge=0, le=5)
+    file: InputFile | None = Field(
+        None, description="a Radiance file of openings whose front faces the room"
+    )
+
+    @model_validator(mode="after")
+    def _between_february_and_march(self) -> "SunlightTable":
+        if not FIRST_DAY <= self.day <= LAST_DAY:
+            raise rule_broken(
+                'day "{day}"; one from "{first}" to "{last}" expected',
+                day=self.day,
+                first=FIRST_DAY,
+                last=LAST_DAY,
+            )
+        return self
 
 
 class OutputTable(Table):

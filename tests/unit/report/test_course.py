@@ -7,6 +7,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from lxml import html
 from PIL import Image
 
@@ -278,6 +279,42 @@ def test_methods_are_told_against_the_last(room):
     assert rows[0][3] == "100.0 %"
     assert rows[0][5:] == ["0.0 %"] * 3
     assert rows[-1][3:] == ["0.0 %", "0.0 %", "100.0 %", "100.0 %", "100.0 %"]
+
+
+def test_hours_of_sun_are_bars_on_the_day(room):
+    """Sun from 8:00 to 11:00 in one opening, from 10:30 to 12:00 in the other."""
+    results = room.analytic_results(times=room.year(days=5))
+    minutes = np.arange(1440)
+    first = (minutes >= 480) & (minutes < 660)
+    second = (minutes >= 630) & (minutes < 720)
+    moments = np.datetime64("2023-03-21T00:00:30") + minutes.astype("timedelta64[m]")
+    more = xr.Dataset(
+        {
+            "sun_reaches": (
+                ("opening", "moment"),
+                np.stack([first, second]),
+                {"lowest_sun_deg": 13.0},
+            ),
+            "hours_of_sun": ("opening", [3.0, 1.5]),
+            "room_hours_of_sun": ((), 4.0),
+        },
+        coords={
+            "opening": ["east", "south"],
+            "moment": moments.astype("datetime64[ns]"),
+        },
+    )
+    both = Results(xr.merge([results.data, more]).assign_attrs(results.data.attrs))
+    page = html.document_fromstring(report_page(from_results(both)))
+    section = page.xpath("//section[@id='sunlight']")[0]
+    assert "On 21 March the sun reaches the room for 4 h 00 min: level high" in words(
+        section
+    )
+    bars = section.xpath(".//*[local-name()='rect']")
+    assert [words(bar) for bar in bars] == ["08:00 to 11:00", "10:30 to 12:00"]
+    widths = [float(bar.get("width")) for bar in bars]
+    assert widths[0] == pytest.approx(2 * widths[1], abs=0.2)
+    assert "from 13° above the horizon" in words(section)
+    assert page.xpath("//nav//a[@href='#sunlight']")
 
 
 def test_pictures_and_drawings_say_what_they_show(page):

@@ -280,3 +280,20 @@ def test_seed_and_device_can_be_replaced(study_file):
     assert study.with_trace().trace == study.trace
     assert isinstance(other, Study)
     assert other.facts()["scene"] == study.facts()["scene"]
+
+
+@pytest.mark.parametrize("day", ["01-31", "03-22", "06-21"])
+def test_the_sun_is_followed_between_february_and_the_equinox(study_file, day):
+    text = study_file.read_text()
+    study_file.write_text(f'{text}\n[sunlight]\nday = "{day}"\n')
+    assert f'day "{day}"; one from "02-01" to "03-21" expected' in str(
+        complaint(study_file)
+    )
+
+
+def test_sunlight_needs_openings(study_file):
+    text = study_file.read_text().split("[[window]]")
+    rest = text[1].split("[[sensors]]", 1)[1]
+    first = text[0].replace("3-phase", "2-phase")
+    study_file.write_text(f"{first}[[sensors]]{rest}\n[sunlight]\n")
+    assert "[sunlight] without a window" in str(complaint(study_file))
