@@ -42,6 +42,8 @@ longitude_deg = 15.0
 utc_offset_hours = 1
 [sky]
 rotation_deg = {rotation}
+[trace]
+device = "{device}"
 [sunlight]
 day = "{day}"
 {more}
@@ -60,9 +62,11 @@ def hours(tmp_path, diffuser, device):
         (tmp_path / "desk.pts").write_text("0 2 0.8 0 0 1\n")
         diffuser(tmp_path / "diffuser.xml")
         file = tmp_path / "study.toml"
-        file.write_text(STUDY.format(day=day, rotation=rotation, more=more))
+        file.write_text(
+            STUDY.format(day=day, rotation=rotation, device=device, more=more)
+        )
         study = read_study(file)
-        data = sunlight(study, read_inputs(study), device=device)
+        data = sunlight(study, read_inputs(study))
         return data["hours_of_sun"].values, float(data["room_hours_of_sun"])
 
     return found

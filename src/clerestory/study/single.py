@@ -108,7 +108,7 @@ def run_method(
             display=display,
         )
     with log.phase("metrics"):
-        parts = [electric, glare, sunlight(study, inputs, device=job.device)]
+        parts = [electric, glare, sunlight(study, inputs)]
         data = label_results(study, inputs, hourly, parts, evidence, acts)
     with log.phase("write"):
         write_tables(study, Results(data), out)

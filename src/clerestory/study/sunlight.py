@@ -3,7 +3,6 @@
 import numpy as np
 import xarray as xr
 
-from clerestory.engine.device import Device
 from clerestory.metrics.sunlight import hours_of_sun, reference_point
 from clerestory.phases.sunshine import sunshine
 from clerestory.scene.window import Window, read_windows
@@ -15,7 +14,7 @@ from clerestory.study.tables import SunlightTable
 _STEP_MINUTES = 1
 
 
-def sunlight(study: Study, inputs: Inputs, *, device: Device) -> xr.Dataset:
+def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
     """Return when the sun reaches each opening; empty if the study does not ask.
 
     Returns
@@ -35,6 +34,8 @@ def sunlight(study: Study, inputs: Inputs, *, device: Device) -> xr.Dataset:
     moments, sun = _day(study, table, inputs)
     high = sun.altitude >= np.radians(table.lowest_sun_deg)
     reached = np.zeros((len(points), len(moments)), dtype=bool)
+    # Not worth a cluster, whose devices may be others
+    device = "auto" if study.trace.cluster else study.trace.device
     seen = sunshine(inputs.scene, points, sun.directions()[high], device=device)
     reached[:, high] = seen & (_inwards(windows) @ sun.directions()[high].T < 0)
     each, room = hours_of_sun(reached, step_minutes=_STEP_MINUTES)
