@@ -145,10 +145,12 @@ def long_trees(samples: int) -> np.ndarray:
     slab = engine.lower_slab(system.scene, system.area.slab(), periodic=False)
     grid = engine.Grid(4, HALVINGS, HALVINGS)
     rows = np.arange(grid.incidents)
-    sums = engine.trace_block(
+    found = engine.trace_block(
         slab, grid, 0, [(rows, 0, samples)], back=True, segments=BOUNCES + 1, seed=99
     )
-    value = sums[..., 0] / (samples * np.pi / 4**HALVINGS)
+    value = np.zeros((2, grid.cells))
+    for part, scores in zip(value, found, strict=True):
+        part[scores.cell] = scores.sums[:, 0] / (samples * np.pi / 4**HALVINGS)
     bits = value.reshape(2, *(2,) * (4 * HALVINGS))
     order = [
         1 + 4 * level + (3 - dimension)

@@ -370,18 +370,19 @@ def counted(system, halvings, device, *, samples):
     slab = engine.lower_slab(system.scene, area.slab(), periodic=area.periodic)
     grid = engine.Grid(4, halvings, min(halvings, 4))
     rows = np.arange(grid.incidents)
-    which = incident_part(np.arange(grid.cells), rank=4, levels=grid.block)
-    light = np.empty((1 << halvings, 1 << halvings))
+    light = np.zeros((1 << halvings, 1 << halvings))
     for block in range(grid.blocks):
         start = {"back": True, "segments": 1 << 30, "seed": 9}
-        sums = engine.trace_block(slab, grid, block, [(rows, 0, samples)], **start)
-        share = np.bincount(which, sums[..., 0].sum(axis=0)) / samples
+        found = engine.trace_block(slab, grid, block, [(rows, 0, samples)], **start)
         number = block * grid.incidents + rows
         one, other = (
             sum((n >> bit) & (1 << bit) for bit in range(halvings))
             for n in (number, number >> 1)
         )
-        light[one, other] = share
+        for score in found:
+            which = incident_part(score.cell, rank=4, levels=grid.block)
+            sums = np.bincount(which, score.sums[:, 0], minlength=len(rows))
+            light[one, other] += sums / samples
     return light.ravel()
 
 

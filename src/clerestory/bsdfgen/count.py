@@ -9,16 +9,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Int64
 
 from clerestory.bsdfgen.branches import incident_part
 from clerestory.bsdfgen.effort import TraceEffort
-from clerestory.bsdfgen.keep_light import IncidentLight, keep_light
+from clerestory.bsdfgen.keep_light import IncidentLight
 from clerestory.bsdfgen.refine import (
     Cells,
     Light,
     chosen_cells,
-    coarser_light,
+    climbed,
     finest_light,
 )
 
@@ -35,17 +35,17 @@ _MOST = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
-class BlockCells:
-    """The cells of one block for one function.
+class Part:
+    """What was counted of one function in one block.
 
     Attributes
     ----------
-    roots : the nodes that the block consists of
-    cells : below them
+    finest : light of the finest cells
+    incident : light in all from each incident cell
     """
 
-    roots: Light
-    cells: Cells
+    finest: Light
+    incident: IncidentLight
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +54,13 @@ class Counted:
 
     Attributes
     ----------
-    transmission, reflection : cells
+    transmission, reflection : light by its way out
     paths : traced
     reached : whether the error aimed at was reached
     """
 
-    transmission: BlockCells
-    reflection: BlockCells
+    transmission: Part
+    reflection: Part
     paths: int
     reached: bool
 
@@ -89,12 +89,8 @@ class Counter:
         half = self.grid.rank == 3 and self.grid.depth > 0
         self._rows = np.arange(self.grid.incidents >> int(half))
         self._paths = np.zeros(self.grid.incidents, dtype=np.int64)
-        shape = 2, self.grid.cells, len(self.weights) + 1
-        self._sums = np.zeros(shape)
-        levels = np.arange(self.grid.cells)
-        self._incident = incident_part(
-            levels, rank=self.grid.rank, levels=self.grid.block
-        )
+        nothing = np.zeros(0, dtype=np.int64), np.zeros((0, len(self.weights) + 1))
+        self._scores = [nothing, nothing]
 
     def count(self, effort: TraceEffort) -> Counted:
         """Trace until the samples are spent or the error is reached."""
@@ -102,22 +98,21 @@ class Counter:
         first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
         self._trace(np.full(len(self._rows), first), effort)
         while True:
-            found = self._cells(self._sums[0]), self._cells(self._sums[1])
-            risk = self._risk(found[0].cells) + self._risk(found[1].cells)
+            parts = [self._part(number) for number in range(2)]
+            risks = [self._risk(self._cells(part)) for part in parts]
+            risk = risks[0] + risks[1]
             spent = self._paths[self._rows]
             if goal is not None:
                 more = goal * len(self._rows) - int(spent.sum())
                 done = more < len(self._rows) / 4
             else:
-                ratio = self._ratio(found, risk, float(effort.relative_error or 1))
+                ratio = self._ratio(parts, risk, float(effort.relative_error or 1))
                 more = int(spent.sum() * np.clip(ratio**2 - 1, 0.25, 8))
                 done = ratio <= 1
             extra = _shared(risk * spent, more)
             short = not done and spent.max() >= _MOST
             if done or short or not extra.any():
-                both = zip(found, self._sums, strict=True)
-                passed, back = (self._kept(*one) for one in both)
-                return Counted(passed, back, int(spent.sum()), not short)
+                return Counted(parts[0], parts[1], int(spent.sum()), not short)
             self._trace(extra, effort)
 
     def _trace(self, extra: Int[np.ndarray, " row"], effort: TraceEffort) -> None:
@@ -128,7 +123,7 @@ class Counter:
             for first, number in np.unique(np.stack([have, extra], axis=1), axis=0)
             if number > 0
         ]
-        self._sums += self.engine.trace_block(
+        found = self.engine.trace_block(
             self.slab,
             self.grid,
             self.block,
@@ -137,44 +132,40 @@ class Counter:
             segments=(1 << 30) if effort.bounces is None else effort.bounces + 1,
             seed=effort.seed,
         )
+        self._scores = [
+            _merged(*old, new.cell, new.sums)
+            for old, new in zip(self._scores, found, strict=True)
+        ]
         self._paths[self._rows] += extra
 
-    def _cells(self, sums: Float[np.ndarray, "cell more"]) -> BlockCells:
+    def _part(self, number: int) -> Part:
+        # What the scores of a function say so far
         grid = self.grid
+        place, sums = self._scores[number]
+        incident = incident_part(place, rank=grid.rank, levels=grid.block)
         exit_size = np.pi / 4**grid.depth
-        paths = np.maximum(self._paths, 1)[self._incident]
+        every = np.maximum(self._paths, 1)
+        paths = every[incident]
         mean = sums[:, :-1] / (paths * exit_size)[:, None]
         luminous = sums[:, :-1] @ self.weights
         noise = np.maximum(sums[:, -1] - luminous**2 / paths, 0)
         noise /= (paths * exit_size) ** 2
-        if grid.rank == 3 and grid.depth > 0:
-            _fill_other_half(mean, noise)
-        levels = [finest_light(mean, noise, self.weights)]
-        width = 1 << grid.rank
-        for height in range(1, grid.block + 1):
-            cells = width**height
-            levels.append(
-                coarser_light(levels[-1], self.weights, width=width, cells=cells)
-            )
-        levels.reverse()
-        if grid.rank == 3 and grid.depth > 0:
-            _empty_other_half(levels)
-        return BlockCells(levels[0], chosen_cells(levels, rank=grid.rank))
 
-    def _kept(
-        self, found: BlockCells, sums: Float[np.ndarray, "cell more"]
-    ) -> BlockCells:
         # All that leaves a path is about 0 to 1 in all: its variance is s (1 - s), or
         # what roulette adds where nothing is lost
-        luminous = sums[:, :-1] @ self.weights
-        total = np.bincount(self._incident, luminous, minlength=self.grid.incidents)
-        paths = np.maximum(self._paths, 1)
-        share = total / paths
-        light = IncidentLight(share, share * np.maximum(1 - share, _ROULETTE) / paths)
-        cells = keep_light(
-            found.cells, light, self.weights, rank=self.grid.rank, depth=self.grid.depth
+        share = np.bincount(incident, luminous, minlength=grid.incidents) / every
+        variance = share * np.maximum(1 - share, _ROULETTE) / every
+        return Part(
+            finest_light(place, mean, noise, self.weights),
+            IncidentLight(share, variance),
         )
-        return BlockCells(found.roots, cells)
+
+    def _cells(self, part: Part) -> Cells:
+        # Cells of the block, each root for itself
+        grid = self.grid
+        levels = climbed(part.finest, self.weights, rank=grid.rank, levels=grid.block)
+        roots = 1 << 2 * (grid.depth - grid.block)
+        return chosen_cells(levels, rank=grid.rank, roots=roots)
 
     def _risk(self, cells: Cells) -> Float[np.ndarray, " row"]:
         # Expected square of the errors, summed over the finest cells of each row
@@ -192,15 +183,13 @@ class Counter:
         return risk[self._rows]
 
     def _ratio(
-        self,
-        found: tuple[BlockCells, ...],
-        risk: Float[np.ndarray, " row"],
-        aim: float,
+        self, parts: list[Part], risk: Float[np.ndarray, " row"], aim: float
     ) -> float:
         # How many times the error aimed at remains
         finest = len(self._rows) << 2 * self.grid.depth
         error = np.sqrt(risk.sum() / (2 * finest))
-        mean = float(np.mean([part.roots.mean @ self.weights for part in found]))
+        total = sum(float((p.finest.mean @ self.weights).sum()) for p in parts)
+        mean = total / (2 * finest)
         return float(error / (aim * mean)) if mean > 0 else 0.0
 
 
@@ -215,20 +204,15 @@ def _shared(cost: Float[np.ndarray, " row"], more: int) -> Int[np.ndarray, " row
     return np.where(wanted < least, 0, np.exp2(power)).astype(int)
 
 
-def _fill_other_half(
-    mean: Float[np.ndarray, "cell channel"], noise: Float[np.ndarray, " cell"]
-) -> None:
-    # The upper half of a rank 3 tree repeats the lower one while cells are chosen
-    eighth = len(mean) // 8
-    for branch in range(1, 8, 2):
-        upper = slice(branch * eighth, (branch + 1) * eighth)
-        lower = slice((branch - 1) * eighth, branch * eighth)
-        mean[upper], noise[upper] = mean[lower], noise[lower]
-
-
-def _empty_other_half(levels: list[Light]) -> None:
-    # It is never looked up: one cell of nothing for each of its branches
-    levels[0].split[:] = True
-    levels[1].split[1::2] = False
-    levels[1].mean[1::2] = 0
-    levels[1].noise[1::2] = 0
+def _merged(
+    place: Int64[np.ndarray, " old"],
+    sums: Float[np.ndarray, "old channel"],
+    more: Int64[np.ndarray, " new"],
+    added: Float[np.ndarray, "new channel"],
+) -> tuple[Int64[np.ndarray, " cell"], Float[np.ndarray, "cell channel"]]:
+    # Sums by ascending place
+    every = np.union1d(place, more)
+    total = np.zeros((len(every), sums.shape[1]))
+    total[np.searchsorted(every, place)] = sums
+    total[np.searchsorted(every, more)] += added
+    return every, total

@@ -6,6 +6,11 @@ where the light in all changes from cell to cell: single values stay as good as 
 can be, sums over all leaving cells do not. The light in all is known far better than
 any single value, so it is brought back: where it changes, joined cells are cut, and
 share their value in proportion to it.
+
+A change is looked for at all scales, from single incident cells to halves of a joined
+one: over many cells light is known better than in one. The brightest joined cells are
+cut, as many as can take the change without being changed much themselves; wide cells
+then take what their incident cells have in common, and smaller ones what is left.
 """
 
 from dataclasses import dataclass
@@ -16,14 +21,21 @@ from jaxtyping import Bool, Float, Int
 from clerestory.bsdfgen.branches import incident_part
 from clerestory.bsdfgen.refine import Cells
 
-# Joined cells are cut where the light from one of their incident cells would else be
-# off by more than this share of all that comes, if they are a sixteenth of the square
-# of directions wide; twice as much at half the width, for what is moved within them
-# stays there. It must be more than so many standard errors, of which an
-# upper bound is known.
-_TOLERANCE = 0.01
-_SPAN = 4
-_SURE = 0.5
+# Joined cells are cut where the light from a part of their incident cells would else be
+# off by more than this share of all that comes, for parts of a thirty-second of the
+# square of directions and wider; twice as much at half the width, for what is moved
+# there stays in the neighbourhood. It must be more than so many standard errors too, of
+# which an upper bound is known.
+_TOLERANCE = 0.004
+_SPAN = 5
+_SURE = 0.3
+
+# Cells that take a change hold so many times as much light, at least.
+_STRETCH = 3.0
+
+# Cells that have less than half of the light are changed by this share at most: what
+# is left for them may be the noise of the others.
+_CHANGE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,54 +80,144 @@ def keep_light(
     >>> kept.value[:4, 0].round(3).tolist()
     [0.1, 0.3, 0.1, 0.3]
     """
-    luminous = cells.value @ weights * np.pi / 4.0**depth
-    scale, together = _scales(cells, luminous, light, rank=rank)
-    unsure = _SURE * np.sqrt(light.variance)
-    cut, joined = cells, cells.height > 0
+    tally = _Tally(light.share, weights, rank, depth)
+    joined = cells.height > 0
+    scale, together = tally.scales(cells, joined)
+    cut = cells
     for height in range(int(cells.height.max(initial=0)), 0, -1):
         wide = 1 << (rank - 2) * height
-        limit = np.maximum(_TOLERANCE * 2.0 ** (depth - height - _SPAN), unsure)
-        mean = np.repeat(scale.reshape(-1, wide).mean(axis=1), wide)
-        off = np.abs(scale - mean) * together > limit
-        apart = off.reshape(-1, wide).any(axis=1)
-        incident = _incident(cut, rank=rank, count=len(scale))
-        split = (cut.height == height) & joined & apart[incident // wide]
+        moved = _moved(
+            scale, together, light.variance, height, bits=rank - 2, depth=depth
+        )
+        finer = _means(tally.light(cut, joined & (cut.height < height)), wide)
+        need = np.minimum(_STRETCH * moved, _means(together, wide)) - finer
+        split = tally.brightest(cut, joined & (cut.height == height), need * wide)
         cut, joined = _cut(cut, joined, split, rank=rank)
-    return _scaled(cut, joined, scale, rank=rank)
+    return tally.scaled(cut, joined)
 
 
-def _incident(cells: Cells, *, rank: int, count: int) -> Int[np.ndarray, " cell"]:
-    # Number of the first finest incident cell of each cell
-    bits = rank - 2
-    levels = (count.bit_length() - 1) // bits
-    found = np.zeros(len(cells.place), dtype=int)
-    for height in np.unique(cells.height):
-        of = cells.height == height
-        number = incident_part(cells.place[of], rank=rank, levels=levels - height)
-        found[of] = number << bits * height
-    return found
-
-
-def _scales(
-    cells: Cells,
-    luminous: Float[np.ndarray, " cell"],
-    light: IncidentLight,
+def _moved(
+    scale: Float[np.ndarray, " incident"],
+    together: Float[np.ndarray, " incident"],
+    variance: Float[np.ndarray, " incident"],
+    height: int,
     *,
-    rank: int,
-) -> tuple[Float[np.ndarray, " incident"], Float[np.ndarray, " incident"]]:
-    # What joined cells are to be multiplied by, and the light that they have
-    count, bits = len(light.share), rank - 2
-    first = _incident(cells, rank=rank, count=count)
-    alone, together = np.zeros((2, count))
-    for height in np.unique(cells.height):
-        of = cells.height == height
-        sums = np.bincount(first[of], luminous[of] * 4.0**height, minlength=count)
-        target = alone if height == 0 else together
-        wide = 1 << bits * int(height)
-        target += np.repeat(sums.reshape(-1, wide).sum(axis=1), wide)
-    known = together > 0
-    left = np.maximum(light.share - alone, 0)
-    return np.where(known, left / np.where(known, together, 1), 1), together
+    bits: int,
+    depth: int,
+) -> Float[np.ndarray, " block"]:
+    # Most light that cells of a height and one scale would move between their parts,
+    # where it is more than what is allowed, and known
+    wide = 1 << bits * height
+    off = (scale - np.repeat(_means(scale, wide), wide)) * together
+    most = np.zeros(len(scale) // wide)
+    for part in range(height):
+        few = 1 << bits * part
+        unsure = _SURE * np.sqrt(_means(variance, few) / few)
+        limit = _TOLERANCE * max(1.0, 2.0 ** (depth - part - _SPAN))
+        moved = np.abs(_means(off, few))
+        moved[moved <= np.maximum(limit, unsure)] = 0
+        most = np.maximum(most, moved.reshape(len(most), -1).max(axis=1))
+    return most
+
+
+def _means(
+    values: Float[np.ndarray, " incident"], wide: int
+) -> Float[np.ndarray, " part"]:
+    return np.asarray(values.reshape(-1, wide).mean(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class _Tally:
+    # Sums of the light of cells by their incident cells
+    share: Float[np.ndarray, " incident"]
+    weights: Float[np.ndarray, " channel"]
+    rank: int
+    depth: int
+
+    def light(
+        self, cells: Cells, of: Bool[np.ndarray, " cell"]
+    ) -> Float[np.ndarray, " incident"]:
+        """Share of the light that some cells have from each incident cell."""
+        total = np.zeros(len(self.share))
+        for height in np.unique(cells.height[of]):
+            wide = 1 << (self.rank - 2) * int(height)
+            which = np.flatnonzero(of & (cells.height == height))
+            block = self.block(cells, which, int(height))
+            light = self.luminous(cells, which) * 4.0**height
+            total += np.repeat(np.bincount(block, light, len(total) // wide), wide)
+        return total
+
+    def luminous(
+        self, cells: Cells, which: Int[np.ndarray, " some"]
+    ) -> Float[np.ndarray, " some"]:
+        """Share of the light in one finest leaving cell of some cells."""
+        value = cells.value[which] @ self.weights
+        return np.asarray(value * np.pi / 4.0**self.depth)
+
+    def block(
+        self, cells: Cells, which: Int[np.ndarray, " some"], height: int
+    ) -> Int[np.ndarray, " some"]:
+        """Number of the incident cell of some cells of a height."""
+        levels = self.depth - height
+        return incident_part(cells.place[which], rank=self.rank, levels=levels)
+
+    def scales(
+        self, cells: Cells, joined: Bool[np.ndarray, " cell"]
+    ) -> tuple[Float[np.ndarray, " incident"], Float[np.ndarray, " incident"]]:
+        """What joined cells are to be multiplied by, and the light that they have."""
+        together = self.light(cells, joined)
+        left = np.maximum(self.share - self.light(cells, ~joined), 0)
+        known = together > 0
+        return np.where(known, left / np.where(known, together, 1), 1), together
+
+    def brightest(
+        self,
+        cells: Cells,
+        of: Bool[np.ndarray, " cell"],
+        need: Float[np.ndarray, " block"],
+    ) -> Bool[np.ndarray, " cell"]:
+        """Brightest cells of one height that have as much light as each block needs."""
+        found = np.zeros(len(of), dtype=bool)
+        which = np.flatnonzero(of)
+        if not len(which):
+            return found
+        height = int(cells.height[which[0]])
+        block = self.block(cells, which, height)
+        light = self.luminous(cells, which) * 4.0**height
+        light *= 1 << (self.rank - 2) * height
+        order = np.lexsort((-light, block))
+        block, light = block[order], light[order]
+        before = np.cumsum(light) - light
+        first = np.searchsorted(block, np.arange(len(need)))
+        start = before[np.minimum(first, len(before) - 1)]
+        found[which[order]] = before - start[block] < need[block]
+        return found
+
+    def scaled(self, cells: Cells, joined: Bool[np.ndarray, " cell"]) -> Cells:
+        """Scale joined cells: wide ones by what is common, smaller ones by the rest."""
+        alone = self.light(cells, ~joined)
+        left = np.maximum(self.share - alone, 0)
+        factor = np.ones(len(joined))
+        rest = every = self.light(cells, joined)
+        for height in np.unique(cells.height[joined])[::-1]:
+            of = joined & (cells.height == height)
+            which = np.flatnonzero(of)
+            wide = 1 << (self.rank - 2) * int(height)
+            target, have = _means(left, wide), _means(rest, wide)
+            ratio = np.where(have > 0, target / np.where(have > 0, have, 1), 1)
+            few = have < _means(every, wide) / 2
+            ratio[few] = np.clip(ratio[few], 1 - _CHANGE, 1 + _CHANGE)
+            own = self.light(cells, of)
+            factor[which] = ratio[self.block(cells, which, int(height))]
+            left = np.maximum(left - own * np.repeat(ratio, wide), 0)
+            rest = rest - own
+        return Cells(
+            cells.slots,
+            cells.value * factor[:, None],
+            cells.noise * factor**2,
+            cells.place,
+            cells.height,
+        )
 
 
 def _cut(
@@ -152,24 +254,3 @@ def _cut(
         grown(cells.height, cells.height[repeated] - 1),
     )
     return made, grown(joined, joined[repeated])
-
-
-def _scaled(
-    cells: Cells,
-    joined: Bool[np.ndarray, " cell"],
-    scale: Float[np.ndarray, " incident"],
-    *,
-    rank: int,
-) -> Cells:
-    # Multiply each joined cell by the mean over its incident cells
-    first = _incident(cells, rank=rank, count=len(scale))
-    wide = 1 << (rank - 2) * cells.height
-    before = np.concatenate([[0.0], np.cumsum(scale)])
-    mean = np.where(joined, (before[first + wide] - before[first]) / wide, 1)
-    return Cells(
-        cells.slots,
-        cells.value * mean[:, None],
-        cells.noise * mean**2,
-        cells.place,
-        cells.height,
-    )

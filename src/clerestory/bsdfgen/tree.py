@@ -1,31 +1,23 @@
-"""Tensor trees of a traced system, block by block, joined to whole trees."""
+"""Tensor trees of a traced system, counted block by block, then cut as a whole."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int32
+from jaxtyping import Float
 
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_combine import bits_of
 from clerestory.bsdfgen.bands import band_values, chromaticity
 from clerestory.bsdfgen.branches import joined
-from clerestory.bsdfgen.count import BlockCells, Counter
-from clerestory.bsdfgen.refine import Light, chosen_cells, coarser_light
+from clerestory.bsdfgen.count import Counter, Part
+from clerestory.bsdfgen.keep_light import IncidentLight, keep_light
+from clerestory.bsdfgen.refine import Cells, Light, chosen_cells, climbed
 from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
 from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.scene.model import Scene
 
 # Most finest cells in a block of a rank 4 tree, for both functions and all channels.
 _MOST_SUMS = 1 << 24
-
-
-@dataclass(frozen=True, eq=False)
-class _Structure:
-    # A tree whose values are still numbers of cells
-    slots: Int32[np.ndarray, " slot"]
-    value: Float[np.ndarray, "cell channel"]
-    noise: Float[np.ndarray, " cell"]
 
 
 def trace_trees(
@@ -57,9 +49,9 @@ def trace_trees(
         side = "back" if back else "front"
         for kind in ("transmission", "reflection"):
             blocks = [getattr(part, kind) for part in found]
-            structure = _joined(blocks, weights, grid)
+            cells = _chosen(blocks, weights, grid)
             name: Any = f"{kind}_{side}"
-            made = _trees(structure, grid, request)
+            made = _trees(cells, grid, request)
             functions |= {(band, name): tree for band, tree in made.items()}
     if effort.progress is not None:
         effort.progress(1.0, "done")
@@ -76,65 +68,47 @@ def _block(rank: int, depth: int, channels: int) -> int:
     return within
 
 
-def _joined(
-    blocks: list[BlockCells],
-    weights: Float[np.ndarray, " channel"],
-    grid: Any,
-) -> _Structure:
-    # Put the blocks below the levels above them, whose cells may join whole blocks
-    rank, levels = grid.rank, grid.depth - grid.block
-    roots = len(blocks[0].roots.mean)
-    block, root = np.divmod(np.arange(len(blocks) * roots), roots)
-    place = joined(block, root, rank=rank, levels=levels)
-    parts = {
-        name: np.concatenate([getattr(b.roots, name) for b in blocks])
-        for name in ("mean", "noise", "cost", "split")
-    }
-    order = np.argsort(place)
-    lowest = Light(**{name: part[order] for name, part in parts.items()})
-    above = [lowest]
-    for height in range(1, levels + 1):
-        cells = 1 << rank * (grid.block + height)
-        up = coarser_light(above[-1], weights, width=1 << rank, cells=cells)
-        up.split[above[-1].split.reshape(-1, 1 << rank).any(axis=1)] = True
-        above.append(up)
-    unsplit = Light(lowest.mean, lowest.noise, lowest.cost, np.zeros_like(lowest.split))
-    top = chosen_cells([*above[:0:-1], unsplit], rank=rank)
-
-    # Number slots and cells of all blocks after those of the top
-    slots, value, noise = [top.slots.copy()], [top.value], [top.noise]
-    size, count = len(top.slots), len(top.value)
-    entry = []
-    for part in blocks:
-        codes = part.cells.slots
-        moved = np.where(codes < 0, ~(~codes - roots + size), codes + count)
-        entry.append(moved[:roots])
-        slots.append(moved[roots:].astype(np.int32))
-        value.append(part.cells.value)
-        noise.append(part.cells.noise)
-        size += len(codes) - roots
-        count += len(part.cells.value)
-
-    # Lead from the top into the blocks
-    ends = np.flatnonzero(top.slots >= 0)
-    cell = top.slots[ends]
-    inner = top.height[cell] == 0
-    source = order[top.place[cell[inner]]]
-    slots[0][ends[inner]] = np.concatenate(entry)[source]
-    return _Structure(
-        np.concatenate(slots), np.concatenate(value), np.concatenate(noise)
+def _chosen(
+    blocks: list[Part], weights: Float[np.ndarray, " channel"], grid: Any
+) -> Cells:
+    # Cells of the whole tree, of which blocks have counted their parts
+    rank, depth = grid.rank, grid.depth
+    levels = climbed(_whole(blocks, grid), weights, rank=rank, levels=depth)
+    cells = chosen_cells(levels, rank=rank)
+    light = IncidentLight(
+        np.concatenate([part.incident.share for part in blocks]),
+        np.concatenate([part.incident.variance for part in blocks]),
     )
+    return keep_light(cells, light, weights, rank=rank, depth=depth)
 
 
-def _trees(
-    structure: _Structure, grid: Any, request: TraceRequest
-) -> dict[str, ScatteringTree]:
+def _whole(blocks: list[Part], grid: Any) -> Light:
+    # Give the finest cells their places in the whole tree
+    if len(blocks) == 1:
+        return blocks[0].finest
+    inner = grid.rank * grid.block
+    places = []
+    for number, part in enumerate(blocks):
+        root, inside = np.divmod(part.finest.place, 1 << inner)
+        block = np.full_like(root, number)
+        above = joined(block, root, rank=grid.rank, levels=grid.depth - grid.block)
+        places.append(above << inner | inside)
+    place = np.concatenate(places)
+    order = np.argsort(place, kind="stable")
+    rest = (
+        np.concatenate([getattr(part.finest, name) for part in blocks])[order]
+        for name in ("mean", "noise", "cost", "split")
+    )
+    return Light(place[order], *rest)
+
+
+def _trees(cells: Cells, grid: Any, request: TraceRequest) -> dict[str, ScatteringTree]:
     # Values of each band on the same cells; errors are those of the luminous value
-    channels = structure.value.T
+    channels = cells.value.T
     weights = LUMINANCE_WEIGHTS if len(channels) == 3 else (1.0, 0.0, 0.0)
     luminous = band_values(channels, weights)
     relative = np.divide(
-        np.sqrt(structure.noise),
+        np.sqrt(cells.noise),
         luminous,
         out=np.zeros_like(luminous),
         where=luminous > 0,
@@ -143,9 +117,9 @@ def _trees(
     def tree(
         value: Float[np.ndarray, " cell"], error: ScatteringTree | None
     ) -> ScatteringTree:
-        inner = structure.slots < 0
-        cell = np.where(inner, 0, structure.slots)
-        slots = np.where(inner, structure.slots, bits_of(value)[cell])
+        inner = cells.slots < 0
+        cell = np.where(inner, 0, cells.slots)
+        slots = np.where(inner, cells.slots, bits_of(value)[cell])
         return ScatteringTree(slots.astype(np.int32), grid.rank, grid.depth, error)
 
     made = {}

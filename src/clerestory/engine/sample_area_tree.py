@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Int64
 
 from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.engine.estimate import FIXED_POINT
@@ -21,7 +21,7 @@ from clerestory.engine.starts import Lanes, lanes
 from clerestory.engine.walk import Target
 from clerestory.errors import DeviceError
 
-__all__ = ["Grid", "lower_slab", "trace_block"]
+__all__ = ["Grid", "Scores", "lower_slab", "trace_block"]
 
 # Keeps the sample points apart from those of other traces made with the same seed.
 _SALT = 0x2545F491
@@ -59,6 +59,20 @@ class Grid:
     def blocks(self) -> int:
         """Number of blocks."""
         return 1 << ((self.rank - 2) * (self.depth - self.block))
+
+
+@dataclass
+class Scores:
+    """Sums of the light in the finest cells that some light reached.
+
+    Attributes
+    ----------
+    cell : number within the block, ascending
+    sums : of each channel; the last one has squares of luminances
+    """
+
+    cell: Int64[np.ndarray, " score"]
+    sums: Float[np.ndarray, "score channel"]
 
 
 @dataclass
@@ -132,7 +146,7 @@ def trace_block(
     back: bool,
     segments: int,
     seed: int,
-) -> Float[np.ndarray, "function cell channel"]:
+) -> tuple[Scores, Scores]:
     """Return sums of the light of paths from some incident cells of a block.
 
     Parameters
@@ -144,7 +158,7 @@ def trace_block(
 
     Returns
     -------
-    sums for transmission and reflection; the last channel has squares of luminances
+    sums of transmission, and of reflection
     """
     channels = 1 if slab.grey else 3
     target = Target(None, None, dr.zeros(mi.UInt64), 2 * grid.cells, channels + 1)
@@ -164,12 +178,31 @@ def trace_block(
         receiver = _Cells(grid, target, incident, behind, turn)
         follow(slab, receiver, sequence, paths, ray, limit)
         dr.eval(target.sums)
-    sums = target.sums.numpy()
-    if sums[-1]:
+    return _scores(target, grid)
+
+
+def _scores(target: Target, grid: Grid) -> tuple[Scores, Scores]:
+    # What was scored, without the cells that no light reached
+    cell = dr.arange(mi.UInt32, target.columns)
+    first = cell * target.channels
+    parts = [
+        dr.gather(mi.UInt64, target.sums, first + channel)
+        for channel in range(target.channels)
+    ]
+    lit = dr.compress(sum(parts[1:], parts[0]) > 0)
+    taken = [dr.gather(mi.UInt64, part, lit).numpy() for part in parts]
+    heavy = dr.gather(mi.UInt64, target.sums, dr.width(target.sums) - 1)[0]
+    if heavy:
         raise DeviceError(
-            f"{sums[-1]} paths carry more than a path can: a fault of the tracer"
+            f"{heavy} paths carry more than a path can: a fault of the tracer"
         )
-    return (sums[:-1] / FIXED_POINT).reshape(2, grid.cells, channels + 1)
+    number = lit.numpy().astype(np.int64)
+    sums = np.stack(taken, axis=1) / FIXED_POINT
+    middle = int(np.searchsorted(number, grid.cells))
+    return (
+        Scores(number[:middle], sums[:middle]),
+        Scores(number[middle:] - grid.cells, sums[middle:]),
+    )
 
 
 def _launches(groups):

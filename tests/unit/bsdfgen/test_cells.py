@@ -6,17 +6,16 @@ import pytest
 from clerestory.bsdf.tree_table import look_up
 from clerestory.bsdfgen.branches import incident_part, joined
 from clerestory.bsdfgen.keep_light import IncidentLight, keep_light
-from clerestory.bsdfgen.refine import chosen_cells, coarser_light, finest_light
+from clerestory.bsdfgen.refine import chosen_cells, climbed, finest_light
 
 WHOLE = np.array([1.0])
 
 
 def levels(value, noise, rank, depth):
-    found = [finest_light(value[:, None], noise, WHOLE)]
-    for height in range(1, depth + 1):
-        cells = 1 << rank * height
-        found.append(coarser_light(found[-1], WHOLE, width=1 << rank, cells=cells))
-    return found[::-1]
+    """Levels above cells of which those that hold nothing are left out."""
+    lit = np.flatnonzero(value > 0)
+    finest = finest_light(lit, value[lit, None], noise[lit], WHOLE)
+    return climbed(finest, WHOLE, rank=rank, levels=depth)
 
 
 def expanded(cells, rank, depth):
@@ -145,6 +144,6 @@ def test_light_that_is_hardly_known_cuts_nothing():
     incident, count, value, noise = steep_block()
     cells = chosen_cells(levels(value, noise, 4, 3), rank=4)
     share = np.bincount(incident, count) / 200
-    vague = IncidentLight(share, np.full(64, 1.0))
+    vague = IncidentLight(share, np.full(64, 100.0))
     kept = keep_light(cells, vague, WHOLE, rank=4, depth=3)
     assert np.array_equal(kept.slots, cells.slots)
