@@ -227,7 +227,7 @@ def _scan(incident, light, rng):
 def _spots(light):
     # Places with at least 0.3 % of the light within 1.5°, brightest first
     left, tree, found = light.flux.copy(), cKDTree(light.direction), []
-    while len(found) < 100:
+    while len(left) and len(found) < 100:
         chosen = np.argsort(left)[-50:]
         near = tree.query_ball_point(light.direction[chosen], np.radians(1.5))
         shares = [left[k].sum() for k in near]
@@ -250,16 +250,22 @@ def drawn(lobes):
 
 def compare(found, truth):
     """Error of the flux, angle between the brightest beams [°], ghosts."""
-    middles, _ = beams(truth)
-    turn = ghost = 0.0
-    if len(middles):
-        ends = (beam(light, middles[0]) for light in (truth, found))
-        turn = float(np.degrees(angle_between(*ends)))
+    turns = turned_by(found, truth)
+    ghost = 0.0
+    if len(turns):
         real, seen = (_within_3_degrees(light) for light in (truth, found))
         lit = cKDTree(_cells()[real > 0.02 * real.max()])
         away = lit.query(_cells())[0] > np.radians(4.0)
         ghost = float((seen - real)[away].max(initial=0) / real.max())
+    turn = float(turns[0]) if len(turns) else 0.0
     return found.total - truth.total, turn, ghost
+
+
+def turned_by(found, truth):
+    """Angle from each beam of the truth to what is found there, brightest first [°]."""
+    middles, _ = beams(truth)
+    ends = [(beam(truth, middle), beam(found, middle)) for middle in middles]
+    return np.array([float(np.degrees(angle_between(*pair))) for pair in ends])
 
 
 def _within_3_degrees(light):

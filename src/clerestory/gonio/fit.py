@@ -6,6 +6,8 @@ photons. Where there are no data, as in the shadow of the detector, fluxes keep 
 the mean of their cell says. At the end all fluxes are scaled to the measured total.
 """
 
+import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +19,7 @@ from clerestory.errors import InputError
 from clerestory.gonio.integration import integration_weights
 from clerestory.gonio.lobes import LEAST_RADIUS, MOST_RADIUS, Lobes
 from clerestory.gonio.measurement import Scan
+from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.quadtree import Quadtree
 
 # Means of neighbouring points that stand for the points themselves in a fit.
@@ -34,6 +37,10 @@ _RADIUS_OVER_WIDTH = 0.6
 
 # Fits that misplace more of the light than this get twice as many lobes.
 _MISPLACED = 0.05
+
+# Scans that scatter less than this share of the brightest are dark, which is written
+# as this flux.
+_DARK, _NO_LIGHT = 1e-3, 1e-9
 
 # Weight of the mean of a cell against the values themselves.
 _PRIOR = 1e-2
@@ -120,6 +127,38 @@ def total_flux(scan: Scan) -> float:
     return float(scan.values @ integration_weights(scan.leaving))
 
 
+def fit_scans(
+    scans: Sequence[Scan],
+    *,
+    options: FitOptions = DEFAULT,
+    processes: int = 1,
+    report: Report = silent,
+) -> list[Lobes]:
+    """Return the lobes of every scan.
+
+    A scan that finds next to none of the light of the brightest is dark, as behind a
+    film that turns all light back.
+
+    Raises
+    ------
+    InputError : a scan, or all, scatter no light in all
+    """
+    most = max(total_flux(scan) for scan in scans)
+    return map_in_order(
+        functools.partial(_fitted_or_dark, options=options, least=_DARK * most),
+        scans,
+        processes=processes,
+        report=report,
+    )
+
+
+def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
+    if abs(total_flux(scan)) < least:
+        up = np.array([[0.0, 0.0, 1.0]])
+        return Lobes(up, np.full(1, MOST_RADIUS), np.full(1, _NO_LIGHT))
+    return fit_lobes(scan, options)
+
+
 def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
     """Return the lobes of a scan; their flux is that of the scan.
 
@@ -141,15 +180,17 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
 
 
 def misplaced_light(points: Points, predicted: Float[np.ndarray, " points"]) -> float:
-    """Share of measured light that a prediction puts elsewhere.
+    """Share of measured light that a prediction puts elsewhere; 1 where it is dark.
 
     Parameters
     ----------
     points : of a scan, condensed
     predicted : BSDF at the points [1/sr]
     """
+    if points.flux <= 0:
+        return 1.0
     moved = points.weight @ np.abs(predicted - points.value) / 2
-    return float(moved / max(points.flux, 1e-300))
+    return float(moved / points.flux)
 
 
 def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:

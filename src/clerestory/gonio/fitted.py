@@ -1,6 +1,5 @@
 """From a measurement to its interpolant: fit every scan, mesh, plan transport."""
 
-import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -8,11 +7,11 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product import Product
 from clerestory.bsdf.scattering import Function, ScatteringFunction
 from clerestory.errors import InputError
-from clerestory.gonio.fit import DEFAULT, FitOptions, fit_lobes
+from clerestory.gonio.fit import DEFAULT, FitOptions, fit_scans
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.measurement import Measurement
 from clerestory.gonio.nodes import connect
-from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.parallel import Report, silent
 from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
 
 
@@ -59,9 +58,9 @@ def fit_measurement(
     """
     if symmetry is None:
         symmetry = measurement.claimed or deduce_symmetry(measurement.incidents)
-    fits = map_in_order(
-        functools.partial(fit_lobes, options=options),
+    fits = fit_scans(
         measurement.scans,
+        options=options,
         processes=processes,
         report=progress("fit lobes"),
     )

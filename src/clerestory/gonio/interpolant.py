@@ -18,17 +18,16 @@ from clerestory.bsdf.scattering import ScatteringFunction
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.gonio.angles import straight_on, upright
 from clerestory.gonio.continuation import with_continuations
-from clerestory.gonio.displacement import (
+from clerestory.gonio.displacement import corner_shares, displace
+from clerestory.gonio.flux import Flux, flux_surface
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.mesh import Place, flat_weights, locate
+from clerestory.gonio.nodes import Network, about_normal, turned
+from clerestory.gonio.particles import (
     Particles,
-    corner_shares,
-    displace,
     edge_particles,
     triangle_particles,
 )
-from clerestory.gonio.flux import Flux, flux_surface
-from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.mesh import Place, locate
-from clerestory.gonio.nodes import Network, about_normal, turned
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.tree_export import to_tree
@@ -214,17 +213,18 @@ class Interpolant(ScatteringFunction):
         on_edge = bool(place.on_edge[k])
         corner = (mesh.edges if on_edge else mesh.triangles)[number]
         shares = np.array([(1 - s) * (1 - t), s * (1 - t), t])
-        fluxes = np.array([lobes[v].total for v in corner])
+        fluxes = np.array([self.network.lobes[v].total for v in corner])
         if np.isfinite(total):
             shares[: len(corner)] = corner_shares(shares[: len(corner)], fluxes, total)
         parts = lobes[corner[0]], lobes[corner[1]], lobes[corner[-1]]
         particles = self._travelling(on_edge, number)
-        found = displace(particles, parts, s=s, t=t, shares=shares)
+        weights, middle = flat_weights(mesh.vertices[corner], place.found[k])
+        found = displace(particles, parts, s=s, t=t, shares=shares, weights=weights)
         if np.isfinite(total) and found.total > 0:
             scale = total / found.total
             found = Lobes(found.centre, found.radius, found.flux * scale)
         if on_edge:
-            found = _shifted(found, place.found[k], wanted, self.follow)
+            found = _shifted(found, middle, wanted, self.follow)
         return found
 
     def _travelling(self, on_edge: bool, number: int) -> Particles:
@@ -277,12 +277,12 @@ def _followed(network: Network) -> float:
 
 def _shifted(
     lobes: Lobes,
-    found: Float[np.ndarray, "3"],
+    found: Float[np.ndarray, "2"],
     wanted: Float[np.ndarray, "3"],
     follow: float,
 ) -> Lobes:
     # Move the centres with the incident direction, in the disc, up to its rim
-    turn = straight_on(wanted - found)[:2] * follow
+    turn = (found - wanted[:2]) * follow
     if np.hypot(*turn) < 1e-9:
         return lobes
     disc = lobes.centre[:, :2] + turn

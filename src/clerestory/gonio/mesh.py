@@ -124,6 +124,27 @@ def locate(mesh: Mesh, direction: Float[np.ndarray, "directions 3"]) -> Place:
     return Place(simplex.astype(int), outside, s, t, found)
 
 
+def flat_weights(
+    corners: Float[np.ndarray, "corners 3"], direction: Float[np.ndarray, "3"]
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "2"]]:
+    """Weights of corners in the disc below the hemisphere, and the place they give.
+
+    In a triangle that is the place of the direction itself; of an edge the nearest.
+
+    >>> corners = from_degrees(np.array([0.0, 90]), np.array([0.0, 0]))
+    >>> weights, place = flat_weights(corners, from_degrees(30.0, 0.0))
+    >>> weights.round(6).tolist(), place.round(6).tolist()
+    ([0.5, 0.5, 0.0], [0.5, 0.0])
+    """
+    disc = corners[:, :2]
+    sides = (disc[1:] - disc[0]).T
+    wanted = direction[:2] - disc[0]
+    share, *_ = np.linalg.lstsq(sides, wanted, rcond=_THINNEST)
+    weights = np.zeros(3)
+    weights[0], weights[1 : len(corners)] = 1 - share.sum(), share
+    return weights, weights[: len(corners)] @ disc
+
+
 def _in_triangles(
     mesh: Mesh, direction: Float[np.ndarray, "directions 3"]
 ) -> tuple[

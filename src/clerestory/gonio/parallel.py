@@ -4,6 +4,7 @@ Matrices of a scan are small: linear algebra runs in one thread of each process,
 more threads would only wait for each other.
 """
 
+import functools
 import multiprocessing
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -48,15 +49,19 @@ def map_in_order(
         done = len(results)
         report(done / len(values), f"{done} of {len(values)}")
 
+    alone = functools.partial(_alone, function)
     if processes <= 1 or len(values) < _WORTH_IT:
-        with threadpool_limits(1):
-            for value in values:
-                add(function(value))
+        for value in values:
+            add(alone(value))
         return results
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(
-        processes, mp_context=context, initializer=threadpool_limits, initargs=(1,)
-    ) as pool:
-        for result in pool.map(function, values, chunksize=4):
+    with ProcessPoolExecutor(processes, mp_context=context) as pool:
+        for result in pool.map(alone, values, chunksize=4):
             add(result)
     return results
+
+
+def _alone(function: Callable[[_Value], _Result], value: _Value) -> _Result:
+    # Libraries are loaded by now; a limit set when a process starts would miss them
+    with threadpool_limits(1):
+        return function(value)

@@ -6,7 +6,6 @@ twice as far as they are in use, so the errors are on the safe side; where a sca
 at the rim, they are those of extrapolation.
 """
 
-import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -20,7 +19,7 @@ from clerestory.gonio.fit import (
     DEFAULT,
     FitOptions,
     condense,
-    fit_lobes,
+    fit_scans,
     misplaced_light,
     total_flux,
 )
@@ -29,7 +28,7 @@ from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.measurement import Measurement, Scan
 from clerestory.gonio.mesh import locate
 from clerestory.gonio.nodes import Network, connect
-from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.parallel import Report, silent
 from clerestory.gonio.symmetry import Symmetry, deduce_symmetry, fold
 
 # Fewest scans of which one can be left out.
@@ -119,9 +118,9 @@ def cross_validate(
         )
     if symmetry is None:
         symmetry = measurement.claimed or deduce_symmetry(measurement.incidents)
-    fits = map_in_order(
-        functools.partial(fit_lobes, options=options),
+    fits = fit_scans(
         scans,
+        options=options,
         processes=processes,
         report=progress("fit lobes"),
     )

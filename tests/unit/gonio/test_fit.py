@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info
 
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.fit import FitOptions, fit_lobes
+from clerestory.gonio.fit import FitOptions, fit_lobes, fit_scans
 from clerestory.gonio.measurement import Scan
+from clerestory.gonio.parallel import map_in_order
 from clerestory.gonio.quadtree import Quadtree
 from goniometer import Goniophotometer, film, pane
 
@@ -94,3 +96,29 @@ def test_options_that_make_no_fit_are_refused():
     for wrong in ({"lobes": 3}, {"smoothing": 0.0}, {"smoothing": 9.0}):
         with pytest.raises(InputError, match="smoothing"):
             FitOptions(**wrong)
+
+
+def test_a_scan_that_is_dark_beside_others_is_fitted_as_dark():
+    """A film turns all light back from some directions; noise is all that is left."""
+    rng = np.random.default_rng(6)
+    bright = Goniophotometer(points=400).scan(film, from_degrees(20.0, 30.0), rng)
+    noise = 1e-5 * rng.normal(size=len(bright.values))
+    dark = Scan(from_degrees(70.0, 30.0), bright.leaving, noise)
+    fits = fit_scans([bright, dark])
+    assert fits[0].total > 0.5
+    assert 0 < fits[1].total < 1e-6
+    less = np.where(np.arange(len(noise)) == 0, 1e-3, noise - 0.1)
+    taken = Scan(from_degrees(70.0, 30.0), bright.leaving, less)
+    with pytest.raises(InputError, match="blank"):
+        fit_scans([bright, taken])
+
+
+def test_linear_algebra_runs_in_one_thread():
+    (threads,) = map_in_order(_threads, [0])
+    assert set(threads) <= {1}
+    many = map_in_order(_threads, list(range(16)), processes=2)
+    assert {threads for pools in many for threads in pools} <= {1}
+
+
+def _threads(_number):
+    return [pool["num_threads"] for pool in threadpool_info()]

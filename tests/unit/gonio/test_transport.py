@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.displacement import (
-    displace,
-    edge_particles,
-    triangle_particles,
-)
+from clerestory.gonio.continuation import with_continuations
+from clerestory.gonio.displacement import displace
 from clerestory.gonio.earth_mover import earth_mover
+from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.nodes import connect
+from clerestory.gonio.particles import edge_particles, triangle_particles
 from clerestory.gonio.transport import plan_transport
 
 
@@ -136,3 +136,40 @@ def test_earth_movers_distance_of_a_shifted_lobe_is_the_shift():
         )
         assert np.degrees(earth_mover(one, other)) == pytest.approx(shift, abs=1.5)
     assert earth_mover(one, one) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_light_that_one_corner_alone_has_is_there_in_its_triangles():
+    """A beam that only one scan shows is whole at that scan, from every side."""
+    sources = from_degrees(
+        np.array([0.0, 20, 20, 20, 20]), np.array([0.0, 0, 90, 180, 270])
+    )
+    one = cluster(20, 0.4)
+    for shown in range(len(sources)):
+        fits = [
+            together(one, cluster(60, 0.3, seed=4)) if k == shown else one
+            for k in range(len(sources))
+        ]
+        network = with_continuations(connect(sources, fits, "none"), follow=0.0)
+        for number, corners in enumerate(network.mesh.triangles):
+            flux = triangle_particles(*network.plans_of(number)).flux.sum(axis=0)
+            truth = [fits[v].total for v in corners]
+            assert flux == pytest.approx([*truth, truth[2]], rel=1e-6)
+
+
+def test_a_beam_that_is_shifted_in_the_disc_is_met_everywhere():
+    """A grating adds a constant to the tangential components of direction."""
+
+    def shifted(incident):
+        disc = np.array([0.25, -0.1]) - incident[:2]
+        centre = np.array([[*disc, np.sqrt(1 - disc @ disc)]])
+        return Lobes(centre, np.full(1, 0.03), np.full(1, 0.5))
+
+    theta, phi = np.meshgrid([15.0, 30, 45], 45.0 * np.arange(8))
+    sources = from_degrees(theta.ravel(), phi.ravel())
+    fits = [shifted(source) for source in sources]
+    grating = Interpolant(connect(sources, fits, "none"), "none")
+    for theta, phi in ((5.0, 20.0), (22.0, 70.0), (37.0, 200.0), (43.0, 300.0)):
+        source = from_degrees(theta, phi)
+        found = grating.lobes(source)
+        middle = found.flux @ found.centre / found.total
+        assert middle[:2] == pytest.approx(shifted(source).centre[0, :2], abs=1e-6)

@@ -1,0 +1,169 @@
+"""Light under way: what travels along an edge of the mesh, and within a triangle.
+
+A particle joins a lobe of each corner. It has as much light at every corner as the
+plans say, so corners are the fits themselves and edges look alike from both of their
+triangles. Within a triangle light first goes along the edge from A to B, then towards
+C: the part that belongs to A by the plan from A to C, the part that belongs to B by
+that from B to C. Light that only C has comes from where the plans to C say.
+
+References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward,
+M. Kurt, N. Bonneel, MAM 2014, for the step into triangles.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.gonio.transport import Plan
+
+# Light of a triangle in its smallest particles that is given to the others.
+_SMALL_CHANGE = 2e-3
+
+_Light = dict[int, Float[np.ndarray, " particles"]]
+
+
+@dataclass(frozen=True, eq=False)
+class Particles:
+    """Light that travels within a triangle, or along an edge.
+
+    Attributes
+    ----------
+    corner : lobe of each corner that a particle comes from or goes to; -1 for none
+    flux : of each particle at A, at B, and at C for what belongs to A and to B
+    """
+
+    corner: Int[np.ndarray, "particles 3"]
+    flux: Float[np.ndarray, "particles 4"]
+
+
+def edge_particles(plan: Plan) -> Particles:
+    """Return the particles of the plan from A to B."""
+    fading, rising = np.flatnonzero(plan.fading), np.flatnonzero(plan.rising)
+    return _joined(
+        [
+            _particles(
+                (plan.source, plan.target, None), {0: plan.sent, 1: plan.received}
+            ),
+            _particles((fading, None, None), {0: plan.fading[fading]}),
+            _particles((None, rising, None), {1: plan.rising[rising]}),
+        ]
+    )
+
+
+def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
+    """Return the particles of a triangle from the plans of its edges."""
+    edge = edge_particles(a_to_b)
+    i, j, _ = edge.corner.T
+    of_a, of_b = np.flatnonzero(edge.flux[:, 0]), np.flatnonzero(edge.flux[:, 1])
+    return _without_change(
+        _joined(
+            [
+                *_onwards(i[of_a], j[of_a], edge.flux[of_a, 0], a_to_c, own=0),
+                *_onwards(j[of_b], i[of_b], edge.flux[of_b, 1], b_to_c, own=1),
+                _only_at_c(a_to_c, b_to_c, i[of_a], own=0),
+                _only_at_c(b_to_c, a_to_c, j[of_b], own=1),
+            ]
+        )
+    )
+
+
+def _onwards(
+    mine: Int[np.ndarray, " moves"],
+    theirs: Int[np.ndarray, " moves"],
+    flux: Float[np.ndarray, " moves"],
+    plan: Plan,
+    *,
+    own: int,
+) -> list[Particles]:
+    """Light that belongs to one end of the edge A–B, on its way to C.
+
+    Parameters
+    ----------
+    mine, theirs, flux : lobes at this end and the other, and light at this end
+    own : 0 for A, 1 for B
+    """
+    share = flux / np.bincount(mine, flux, len(plan.fading))[mine]
+
+    # Each particle goes wherever the light of its lobe goes
+    by_source = np.argsort(plan.source, kind="stable")
+    start = np.searchsorted(plan.source[by_source], mine)
+    count = np.searchsorted(plan.source[by_source], mine, side="right") - start
+    row = np.repeat(np.arange(len(mine)), count)
+    offset = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    move = by_source[np.repeat(start, count) + offset]
+    light = {
+        own: share[row] * plan.sent[move],
+        2 + own: share[row] * plan.received[move],
+    }
+    stays = np.flatnonzero(plan.fading[mine])
+    rising = np.flatnonzero(plan.rising)
+    return [
+        _particles(_ends(own, mine[row], theirs[row], plan.target[move]), light),
+        _particles(_ends(own, mine[stays], theirs[stays], None), {own: flux[stays]}),
+        _particles((None, None, rising), {2 + own: plan.rising[rising]}),
+    ]
+
+
+def _only_at_c(
+    plan: Plan, other_plan: Plan, mine: Int[np.ndarray, " moves"], *, own: int
+) -> Particles:
+    """Light at C that this end does not have, from where its plan continues it to.
+
+    At the other end it stands where most of it comes from by the plan from there.
+    """
+    late = np.flatnonzero(~np.isin(plan.source, mine) & (plan.received > 0))
+    target = plan.target[late]
+    most = np.full(len(plan.rising), -1)
+    by_light = np.argsort(other_plan.received)
+    most[other_plan.target[by_light]] = other_plan.source[by_light]
+    ends = _ends(own, plan.source[late], most[target], target)
+    return _particles(ends, {2 + own: plan.received[late]})
+
+
+def _ends(
+    own: int,
+    mine: Int[np.ndarray, " particles"],
+    theirs: Int[np.ndarray, " particles"],
+    third: Int[np.ndarray, " particles"] | None,
+) -> tuple[Int[np.ndarray, " particles"] | None, ...]:
+    return (theirs, mine, third) if own else (mine, theirs, third)
+
+
+def _particles(
+    corners: tuple[Int[np.ndarray, " particles"] | None, ...], flux: _Light
+) -> Particles:
+    size = len(next(iter(flux.values())))
+    none = np.full(size, -1)
+    table = np.zeros((size, 4))
+    for column, values in flux.items():
+        table[:, column] = values
+    corner = np.stack([none if part is None else part for part in corners], axis=-1)
+    return Particles(corner, table)
+
+
+def _joined(parts: list[Particles]) -> Particles:
+    return Particles(
+        np.concatenate([part.corner for part in parts]),
+        np.concatenate([part.flux for part in parts]),
+    )
+
+
+def _without_change(particles: Particles) -> Particles:
+    # Join those of the same lobes; leave out the smallest, whose light the others get
+    corner, which = np.unique(particles.corner, axis=0, return_inverse=True)
+    flux = np.stack(
+        [
+            np.bincount(which.ravel(), column, len(corner))
+            for column in particles.flux.T
+        ],
+        axis=-1,
+    )
+    whole = flux.sum(axis=0)
+    size = np.max(flux / np.maximum(whole, 1e-300), axis=1)
+    order = np.argsort(size)
+    keep = np.ones(len(order), dtype=bool)
+    keep[order[np.cumsum(size[order]) < _SMALL_CHANGE]] = False
+    left = flux[keep].sum(axis=0)
+    scale = np.divide(whole, left, out=np.ones(4), where=left > 0)
+    return Particles(corner[keep], flux[keep] * scale)
