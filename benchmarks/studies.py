@@ -1,35 +1,46 @@
 """A picture of each study of the gallery, and its figures: docs/studies.md.
 
     python benchmarks/studies.py [--only NAME]… [--samples N] [--resolution N]
+        [--results DIR]
 
-Each study is run as it stands, by `clerestory run`, and once more for one moment with a
-camera added. Pictures go to docs/studies/, tone-mapped.
+Each study is run as it stands, by `clerestory run`. Its picture is traced at one moment
+with the BSDFs of the states that the run chose, smoothed for the eye by Open Image
+Denoise, and written to docs/studies/.
 """
 
 import argparse
 import datetime
 import json
+import resource
 import subprocess
 import sys
 import tempfile
-import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from duel import stamp
 
 import clerestory as cl
+from clerestory.image.denoise import denoise
 from clerestory.image.display import to_srgb, write_display
-from clerestory.image.human_vision import human_vision
+from clerestory.image.tone import filmic, key_luminance
 from clerestory.phases.render import render
+from clerestory.scene.composite import BsdfSurface
 from clerestory.scene.sky import sky_at
-from clerestory.study.results import read_results
+from clerestory.scene.surface import Polygon
+from clerestory.study.config import read_study
+from clerestory.study.inputs import Inputs, read_inputs
+from clerestory.study.results import Results, read_results
 
 ROOT = Path(__file__).parents[1]
 STUDIES, PAGE = ROOT / "studies", ROOT / "docs" / "studies.md"
 PICTURES = ROOT / "docs" / "studies"
 KEPT = PICTURES / "figures.json"
+
+# White of the pictures, as a share of what suits a photograph: rooms of light walls
+BRIGHTER = 0.5
 
 
 @dataclass(frozen=True)
@@ -71,52 +82,44 @@ SHOWN = (
 )  # fmt: skip
 
 
-def picture(shown: Shown, resolution: int, samples: int) -> None:
-    """Trace the picture of a study and write it for the page."""
-    folder = STUDIES / shown.name
-    text = (folder / "study.toml").read_text()
-    tables = tomllib.loads(text)
-    if tables["method"] == "2-phase":
-        seen = outdoors(folder, tables, shown, resolution, samples)
-    else:
-        seen = indoors(folder, text, shown, resolution, samples)
-    display = to_srgb(human_vision(seen, colour_loss=False))
+def picture(shown: Shown, results: Results, resolution: int, samples: int) -> None:
+    """Trace the picture of a study at its moment and write it for the page."""
+    study = read_study(STUDIES / shown.name / "study.toml")
+    inputs = read_inputs(study)
+    year = int(str(inputs.weather.times[0])[:4])
+    moment = datetime.datetime.fromisoformat(f"{year}-{shown.moment}")
+    scene = inputs.scene + panes(inputs, results, np.datetime64(moment))
+    view = cl.read_view(study.folder / shown.view)
+    columns, rows = view.size_for(resolution)
+    made = render(
+        scene + sky_at(inputs.weather, moment),
+        view,
+        columns=columns,
+        rows=rows,
+        samples=samples,
+        seed=1,
+    )
+    smooth = denoise(made.picture)
+    display = to_srgb(filmic(smooth, white=BRIGHTER * key_luminance(smooth)))
     write_display(display, PICTURES / f"{shown.name}.jpg")
 
 
-def indoors(
-    folder: Path, text: str, shown: Shown, resolution: int, samples: int
-) -> cl.Picture:
-    """Return the picture through the study's own windows."""
-    with tempfile.TemporaryDirectory() as out:
-        study = folder / "picture.toml"
-        view = f'\n[[view]]\nfile = "{shown.view}"\nresolution = {resolution}\n'
-        view += f"samples = {samples}\n"
-        view += f'pictures = ["{shown.moment}"]\n'
-        only = f'[weather]\nmoments = ["{shown.moment}"]\n'
-        quick = text.replace("relative_error = 0.02", "samples = 512")
-        study.write_text(quick.replace("[weather]\n", only) + view)
-        try:
-            run(study, Path(out))
-        finally:
-            study.unlink()
-        (file,) = Path(out, "pictures").glob("*.hdr")
-        return cl.read_picture(file)
-
-
-def outdoors(
-    folder: Path, tables: dict[str, Any], shown: Shown, resolution: int, samples: int
-) -> cl.Picture:
-    """Return a picture of the scene as it stands, under the sky of the moment."""
-    files = [folder / name for name in tables["scene"]["files"]]
-    weather = cl.read_weather(folder / tables["weather"]["file"])
-    year = int(str(weather.times[0])[:4])
-    moment = datetime.datetime.fromisoformat(f"{year}-{shown.moment}")
-    scene = cl.read_rad(*files) + sky_at(weather, moment)
-    view = cl.read_view(folder / shown.view)
-    columns, rows = view.size_for(resolution)
-    made = render(scene, view, columns=columns, rows=rows, samples=samples, seed=1)
-    return made.picture
+def panes(inputs: Inputs, results: Results, moment: np.datetime64) -> cl.Scene:
+    """Return the windows as surfaces with the BSDFs of the states of a moment."""
+    materials: dict[str, BsdfSurface] = {}
+    surfaces: list[Polygon] = []
+    for number, group in enumerate(inputs.groups):
+        state = 0
+        if "state" in results.data:
+            state = int(results.data["state"][number].sel(time=moment))
+        frame = group.inner.frame
+        materials[group.name] = BsdfSurface(
+            group.name, group.states[state].fine, 0.0, frame.up, peak=True
+        )
+        surfaces += [
+            replace(pane, material=group.name) for pane in group.inner.polygons
+        ]
+    return cl.Scene(materials, tuple(surfaces))
 
 
 def run(study: Path, out: Path) -> None:
@@ -126,18 +129,42 @@ def run(study: Path, out: Path) -> None:
     subprocess.run(command, check=True)
 
 
-def figures(shown: Shown, folder: Path | None) -> dict[str, Any]:
-    """Return what the page says of a study, run now or found in a folder of runs."""
-    with tempfile.TemporaryDirectory() as name:
-        out = Path(name) if folder is None else folder / shown.name
-        if folder is None:
-            run(STUDIES / shown.name / "study.toml", out)
-        data = read_results(out).data
+def finished(shown: Shown, folder: Path) -> tuple[Results, float | None]:
+    """Return the results of a study, run now if they are not in a folder of runs.
+
+    The second value is the processor time of a run made now [s].
+
+    Raises
+    ------
+    subprocess.CalledProcessError : the run failed
+    """
+    out = folder / shown.name
+    if (out / "results.nc").is_file():
+        return read_results(out), None
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    run(STUDIES / shown.name / "study.toml", out)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    took = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return read_results(out), took
+
+
+def figures(results: Results, processor: float | None) -> dict[str, Any]:
+    """Return what the page says of a study."""
+    data = results.data
     return {
         "sensors": int(data.sizes["sensor"]),
         "mean": float(data["mean_illuminance"].mean()),
+        "error": float(data["mean_illuminance_error"].mean()),
         "autonomy": float(data["daylight_autonomy"].mean()),
+        "autonomy_error": float(data["daylight_autonomy_error"].mean()),
         "useful": float(data["useful"].mean()),
+        "hourly": float(
+            next(iter(results.run["median_relative_error_of_mean"].values()))
+        ),
+        "processor": processor,
+        "sun": float(data["room_hours_of_sun"])
+        if "room_hours_of_sun" in data
+        else None,
     }
 
 
@@ -153,6 +180,7 @@ def page(found: dict[str, dict[str, Any]]) -> str:
         "`studies/crash_course_day`, is a day as a film.",
         "",
         f"Figures and pictures by `benchmarks/studies.py`, {stamp()}.",
+        "± is one standard error, the run's own.",
         "",
     ]
     for shown in SHOWN:
@@ -171,33 +199,48 @@ def page(found: dict[str, dict[str, Any]]) -> str:
             lines += [f"![{title}](studies/{shown.name}.jpg)", ""]
         one = found.get(shown.name)
         if one is not None:
-            lines += [
-                f"{one['sensors']} sensors: mean {one['mean']:.0f} lux, daylight"
-                f" autonomy {100 * one['autonomy']:.0f} %, useful illuminance in"
-                f" {100 * one['useful']:.0f} % of the hours from 8 to 18.",
-                "",
-            ]
+            lines += [*words_of(one), ""]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def words_of(one: dict[str, Any]) -> list[str]:
+    """Return the figures of a study in sentences."""
+    lines = [
+        f"{one['sensors']} sensors: {one['mean']:.0f} ± {one['error']:.0f} lux on"
+        f" average, daylight autonomy {100 * one['autonomy']:.1f} ±"
+        f" {100 * one['autonomy_error']:.1f} %, useful illuminance in"
+        f" {100 * one['useful']:.0f} % of the hours from 8 to 18.",
+    ]
+    if one["sun"] is not None:
+        lines.append(f"EN 17037: {one['sun']:.1f} h of sun on 21 March.")
+    if one["processor"] is not None:
+        lines.append(f"The run took {one['processor']:.0f} s of processor time.")
+    return lines
 
 
 def main() -> None:
     """Run the studies asked for and write the page of all that were ever run."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", action="append", default=[])
-    parser.add_argument("--samples", type=int, default=1024)
-    parser.add_argument("--resolution", type=int, default=480)
-    parser.add_argument("--results", type=Path, help="folder of finished runs, by name")
+    parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--resolution", type=int, default=720)
+    parser.add_argument("--results", type=Path, help="folder that keeps the runs")
     parser.add_argument("--skip-pictures", action="store_true")
     words = parser.parse_args()
     PICTURES.mkdir(exist_ok=True)
     found = json.loads(KEPT.read_text()) if KEPT.is_file() else {}
-    for shown in SHOWN:
-        if words.only and shown.name not in words.only:
-            continue
-        if not words.skip_pictures:
-            picture(shown, words.resolution, words.samples)
-        found[shown.name] = figures(shown, words.results)
-        KEPT.write_text(json.dumps(found, indent=1) + "\n")
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = words.results or Path(scratch)
+        for shown in SHOWN:
+            if words.only and shown.name not in words.only:
+                continue
+            results, took = finished(shown, folder)
+            if not words.skip_pictures:
+                picture(shown, results, words.resolution, words.samples)
+            if took is None:
+                took = found.get(shown.name, {}).get("processor")
+            found[shown.name] = figures(results, took)
+            KEPT.write_text(json.dumps(found, indent=1) + "\n")
     PAGE.write_text(page(found))
 
 
