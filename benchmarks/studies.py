@@ -222,8 +222,8 @@ def main() -> None:
     """Run the studies asked for and write the page of all that were ever run."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", action="append", default=[])
-    parser.add_argument("--samples", type=int, default=256)
-    parser.add_argument("--resolution", type=int, default=720)
+    parser.add_argument("--samples", type=int, default=64)
+    parser.add_argument("--resolution", type=int, default=640)
     parser.add_argument("--results", type=Path, help="folder that keeps the runs")
     parser.add_argument("--skip-pictures", action="store_true")
     words = parser.parse_args()
