@@ -4,11 +4,11 @@
         [--windows 40] [--states 5] [--samples 1024] [--folder DIR] [--write FILE]
     python benchmarks/large_model.py sweep [--write FILE]
 
-`run` makes the hall of given size and simulates its year: view matrices on disk, a
-daylight matrix for each window, states that change by the hour, results on disk.
-`sweep` runs smaller halls in processes of their own, one size at a time growing, and
-plots how seconds and memory grow. The files of a run take 2.9 kB for each sensor and
-window, and 70 kB of results for each sensor.
+`run` writes the hall as a study of its own, with an OBJ file of the triangles, and runs
+it as `clerestory run` does: a year with shades that close by the sun on each facade, to
+results.nc and report.html. `sweep` runs smaller halls in processes of their own, one
+size at a time growing, and plots how seconds and memory grow. The files of a run take
+2.9 kB for each sensor and window, and 140 kB of hours for each sensor.
 """
 
 import argparse
@@ -19,8 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
 
@@ -30,18 +29,15 @@ from matplotlib.ticker import MaxNLocator
 
 import clerestory as cl
 from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.directions import Frame
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.stored_views import BATCHES, store_views
-from clerestory.phases.streamed import (
-    Opening,
-    leaving_light,
-    pooled,
-    stream_illuminance,
-)
-from clerestory.phases.trace import daylight_matrix
-from clerestory.scene.model import Plastic, Polygon, TriangleMesh
+from clerestory.report.page import write_report
+from clerestory.scene.model import Polygon, TriangleMesh
+from clerestory.study.config import read_study
 from clerestory.study.demo import write_demo
+from clerestory.study.plan import plan_study
+from clerestory.study.run import run_study
 
 # The hall [m], its sensors' height, and the least distance of sensors to walls
 LENGTH, DEPTH, HEIGHT = 200.0, 60.0, 10.0
@@ -49,23 +45,45 @@ DESK, EDGE = 0.8, 1.0
 SILL, HEAD, POST = 0.5, 8.5, 0.5
 
 
+# Stages of a run, by how the display of its phases begins
+STAGES = {
+    "view": "views",
+    "daylight": "daylight, sky, states",
+    "multiply": "product, metrics, files",
+}
+
+
 @dataclass
 class Log:
     """Seconds of the clock and of the processors, and most memory, by stage."""
 
     stages: dict[str, dict[str, float]] = field(default_factory=dict)
+    name: str = "read"
+    begin: float = field(default_factory=time.perf_counter)
+    used: float = field(default_factory=time.process_time)
 
-    @contextmanager
-    def stage(self, name: str):
-        """Measure a stage."""
-        begin, used = time.perf_counter(), time.process_time()
-        yield
-        self.stages[name] = {
-            "seconds": time.perf_counter() - begin,
-            "cpu": time.process_time() - used,
-            "peak_gb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+    def enter(self, name: str) -> None:
+        """End the stage and begin another; the same one goes on."""
+        if name == self.name:
+            return
+        self.stages[self.name] = {
+            "seconds": time.perf_counter() - self.begin,
+            "cpu": time.process_time() - self.used,
+            "peak_gb": peak_gb(),
         }
-        print(f"{name}: {json.dumps(self.stages[name])}", flush=True)
+        print(f"{self.name}: {json.dumps(self.stages[self.name])}", flush=True)
+        self.begin, self.used = time.perf_counter(), time.process_time()
+        self.name = name
+
+    def display(self, phase: str):
+        """Begin the stage of a phase of the run."""
+        self.enter(STAGES[phase.split()[0]])
+        return lambda _share, _note: None
+
+
+def peak_gb() -> float:
+    """Return the most memory that the process has had [GB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
 
 
 def quad(corners: list, name: str) -> Polygon:
@@ -163,51 +181,97 @@ def sensors_of(count: int) -> cl.Sensors:
     return cl.Sensors(position, np.tile([0.0, 0.0, 1.0], (len(grid), 1)))
 
 
+def write_study(options: argparse.Namespace, folder: Path) -> Path:
+    """Write the hall as a study and return its file."""
+    walls, windows = facade(options.windows)
+    write_obj(space_frame(int(options.triangles)), folder / "frame.obj")
+    lines = ["void plastic grey 0 0 5 0.5 0.5 0.5 0 0"]
+    lines += [polygon_text("grey", n, p) for n, p in enumerate((*shell(), *walls))]
+    lines += ["grey mesh frame 1 frame.obj 0 0"]
+    (folder / "hall.rad").write_text("\n".join(lines) + "\n")
+    lines = ["#@rfluxmtx h=kf u=Z"]
+    for window in windows:
+        lines += [f"void glow {window.name} 0 0 4 1 1 1 0"]
+        lines += [polygon_text(window.name, 1, p) for p in window.polygons]
+    (folder / "windows.rad").write_text("\n".join(lines) + "\n")
+    sensors = sensors_of(int(options.sensors))
+    places = np.column_stack([sensors.position, sensors.direction])
+    np.savetxt(folder / "desks.pts", places, fmt="%.4f")
+    tables = ""
+    for number, t in enumerate(np.linspace(0.6, 0.05, options.states)):
+        write_bsdf(folder / f"state{number}.xml", lambertian(t, klems("full")))
+        tables += f'[[window.state]]\nname = "{number}"\nbsdf = "state{number}.xml"\n'
+    if options.states > 1:
+        levels = np.linspace(0, 400, options.states)[1:].tolist()
+        tables += f'[window.control]\nrule = "threshold"\nclose_above = {levels}\n'
+    else:
+        tables = 'bsdf = "state0.xml"\n'
+    write_demo(folder / "demo")
+    weather = options.weather or next(folder.glob("demo/*.CSV"))
+    (folder / "study.toml").write_text(f"""title = "Hall"
+method = "3-phase"
+[scene]
+files = ["hall.rad"]
+[[window]]
+name = "facade"
+file = "windows.rad"
+{tables}
+[[sensors]]
+file = "desks.pts"
+[weather]
+file = "{weather.resolve()}"
+[sky]
+subdivision = {options.subdivision}
+[trace]
+samples = {options.samples}
+memory_gb = {options.memory_gb}
+device = "{options.device}"
+[output]
+csv = false
+""")
+    return folder / "study.toml"
+
+
+def polygon_text(material: str, number: int, polygon: Polygon) -> str:
+    """Return a polygon as Radiance writes it."""
+    numbers = " ".join(f"{x:.9g}" for x in polygon.vertices.ravel())
+    name = f"{material}.{polygon.name}.{number}"
+    return f"{material} polygon {name} 0 0 {polygon.vertices.size} {numbers}"
+
+
+def write_obj(mesh: TriangleMesh, path: Path) -> None:
+    """Write a mesh as an OBJ file."""
+    with path.open("w") as file:
+        file.write("usemtl grey\n")
+        for form, rows in (("v %.6g %.6g %.6g\n", mesh.vertices),
+                           ("f %d %d %d\n", mesh.faces + 1)):  # fmt: skip
+            for first in range(0, len(rows), 100_000):
+                part = rows[first : first + 100_000]
+                file.write(form * len(part) % tuple(part.ravel().tolist()))
+
+
 def simulate(options: argparse.Namespace, folder: Path) -> Log:
-    """Simulate the year of a hall."""
-    log, begin = Log(), time.perf_counter()
-    with log.stage("scene"):
-        walls, windows = facade(options.windows)
-        grey = Plastic("grey", np.full(3, 0.5))
-        mesh = space_frame(int(options.triangles))
-        scene = cl.Scene({"grey": grey}, (*shell(), *walls, mesh))
-        sensors = sensors_of(int(options.sensors))
-    with log.stage("sky"):
-        write_demo(folder / "demo")
-        weather = cl.read_weather(options.weather or next(folder.glob("demo/*.CSV")))
-        sky = cl.sky_matrix(weather, subdivision=options.subdivision)
-    with log.stage("views"):
-        views = store_views(
-            folder / "views.h5", scene, windows, sensors=sensors,
-            samples=options.samples, seed=1, device=options.device,
-        )  # fmt: skip
-    with log.stage("daylight"):
-        layers = [
-            lambertian(t, klems("full")).transmission_matrix()
-            for t in np.linspace(0.6, 0.05, options.states)
-        ]
-        openings = []
-        for number, window in enumerate(windows):
-            daylight = daylight_matrix(
-                scene, window, subdivision=options.subdivision,
-                samples=options.daylight_samples, seed=2 + number,
-                device=options.device,
-            )  # fmt: skip
-            few = pooled(daylight, BATCHES).astype(np.float32)
-            daylight = replace(daylight, components=few)
-            openings.append(Opening(tuple(layers), daylight))
-    with log.stage("leaving light"):
-        hours = np.arange(len(sky.times))
-        states = [(hours // 2 + n) % options.states for n in range(len(windows))]
-        leaving = leaving_light(openings, sky, states, channels=views.channels)
-    with log.stage("product"):
-        stream_illuminance(folder / "illuminance.nc", views, leaving, sky)
+    """Simulate the year of a hall, after a plan of it."""
+    study, out = read_study(write_study(options, folder)), folder / "results"
+    plan = plan_study(study, out=out) if options.plan else None
+    log, begin, used = Log(), time.perf_counter(), time.process_time()
+    results = run_study(study, out=out, display=log.display)
+    log.enter("report")
+    write_report(results, out / "report.html")
+    log.enter("")
+    files = [f for f in out.rglob("*") if f.is_file()]
+    seconds = results.run["seconds"]
     log.stages["total"] = {
         "seconds": time.perf_counter() - begin,
-        "cpu": time.process_time(),
-        "peak_gb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
-        "disk_gb": sum(f.stat().st_size for f in folder.iterdir()) / 1e9,
+        "cpu": time.process_time() - used,
+        "peak_gb": peak_gb(),
+        "disk_gb": sum(f.stat().st_size for f in files) / 1e9,
+        "trace": seconds["trace"],
     }
+    if plan is not None:
+        log.stages["plan"] = {
+            "seconds": plan.seconds, "memory": plan.memory, "disk": plan.disk,
+        }  # fmt: skip
     print(json.dumps(log.stages["total"]), flush=True)
     return log
 
@@ -231,8 +295,8 @@ def in_a_process(sizes: dict[str, int], options: argparse.Namespace) -> dict:
     """Return the stages of a run in a process of its own."""
     words = [f"--{name}={size}" for name, size in sizes.items()]
     words += [f"--samples={options.samples}", f"--device={options.device}"]
-    words += [f"--daylight-samples={options.daylight_samples}"]
     words += [f"--subdivision={options.subdivision}"]
+    words += [f"--memory-gb={options.memory_gb}"]
     if options.weather:
         words.append(f"--weather={options.weather}")
     print(" ".join(words), flush=True)
@@ -251,7 +315,7 @@ def plot(found: dict[str, list[tuple[float, dict]]], path: Path) -> None:
     figure, axes = plt.subplots(
         2, len(found), figsize=(12, 5.5), sharey="row", layout="constrained"
     )
-    stages = ("views", "daylight", "leaving light", "product", "total")
+    stages = ("read", *STAGES.values(), "report", "total")
     for column, (name, runs) in enumerate(found.items()):
         sizes = [size for size, _ in runs]
         for stage in stages:
@@ -285,6 +349,8 @@ def table(stages: dict[str, dict]) -> str:
     lines = ["| stage | seconds | processor seconds | most memory so far [GB] |"]
     lines.append("|---|---|---|---|")
     for name, stage in stages.items():
+        if name == "plan":
+            continue
         figures = (
             f"{stage['seconds']:.1f} | {stage['cpu']:.1f} | {stage['peak_gb']:.2f}"
         )
@@ -292,15 +358,29 @@ def table(stages: dict[str, dict]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def plan_text(stages: dict[str, dict]) -> str:
+    """Return how the plan compares with what the run took."""
+    if "plan" not in stages:
+        return ""
+    plan, total = stages["plan"], stages["total"]
+    return (
+        f"\n`--plan` foresaw and the run took: {plan['seconds']:.0f} s and"
+        f" {total['trace']:.0f} s to trace, ratio"
+        f" {plan['seconds'] / total['trace']:.2f};"
+        f" {plan['memory'] / 1e9:.1f} GB and {total['peak_gb']:.1f} GB of memory;"
+        f" {plan['disk'] / 1e9:.1f} GB and {total['disk_gb']:.1f} GB of disk.\n"
+    )
+
+
 def growth_table(found: dict[str, list[tuple[float, dict]]]) -> str:
     """Return seconds and memory at each size as a table."""
     lines = [
-        "| growing | size | processor seconds | of them views, product | memory [GB] |"
+        "| growing | size | processor s | views, daylight, product | memory [GB] |"
     ]
     lines.append("|---|---|---|---|---|")
     for name, runs in found.items():
         for size, run in runs:
-            parts = f"{run['views']['cpu']:.1f}, {run['product']['cpu']:.1f}"
+            parts = ", ".join(f"{run[s]['cpu']:.1f}" for s in STAGES.values())
             total = run["total"]
             lines.append(
                 f"| {name} | {size:,} | {total['cpu']:.1f} | {parts}"
@@ -318,7 +398,8 @@ def main() -> None:
     parser.add_argument("--windows", type=int, default=40)
     parser.add_argument("--states", type=int, default=5)
     parser.add_argument("--samples", type=int, default=1024)
-    parser.add_argument("--daylight-samples", type=int, default=8192)
+    parser.add_argument("--memory-gb", type=float, default=0.1, help="of the study")
+    parser.add_argument("--plan", action="store_true", help="compare with --plan")
     parser.add_argument("--subdivision", type=int, default=4)
     parser.add_argument("--weather", type=Path)
     parser.add_argument("--device", default="auto")
@@ -338,6 +419,7 @@ def main() -> None:
         )
         text = head(what) + table(log.stages)
         text += f"\nFiles: {log.stages['total']['disk_gb']:.1f} GB.\n"
+        text += plan_text(log.stages)
     else:
         found = sweep(options)
         text = head("Growth with the size of a model") + growth_table(found)

@@ -21,13 +21,25 @@ def replace_file(path: str | Path) -> Iterator[BinaryIO]:
     ------
     OutputError : the folder is missing or cannot be written
     """
+    with replace_path(path) as temporary, temporary.open("wb") as stream:
+        yield cast(BinaryIO, stream)
+
+
+@contextmanager
+def replace_path(path: str | Path) -> Iterator[Path]:
+    """Yield an empty file that becomes `path` as `replace_file` does.
+
+    Raises
+    ------
+    OutputError : the folder is missing or cannot be written
+    """
     path = Path(path)
     temporary = None
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        os.close(handle)
         temporary = Path(name)
-        with os.fdopen(handle, "wb") as stream:
-            yield cast(BinaryIO, stream)
+        yield temporary
         # mkstemp makes private files; a result has the permissions of any other file
         umask = os.umask(0)
         os.umask(umask)

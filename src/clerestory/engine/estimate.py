@@ -168,7 +168,11 @@ def estimate(job: MatrixJob, effort: Effort) -> Estimate:
     """Trace block after block of rows, each to its end."""
     if not effort.executor.accepts(job, effort.goal):
         return _blank(job, effort)
-    blocks = list(estimate_blocks(job, effort))
+    whole = job.shape[0]
+    blocks = [
+        estimate_rows(job, rows, _part_of_progress(effort, rows, whole))
+        for rows in row_blocks(job)
+    ]
     kept = [b.components for b in blocks if b.components is not None]
     return Estimate(
         np.concatenate([block.values for block in blocks], axis=1),
@@ -178,18 +182,27 @@ def estimate(job: MatrixJob, effort: Effort) -> Estimate:
     )
 
 
-def estimate_blocks(job: MatrixJob, effort: Effort) -> Iterator[Estimate]:
-    """Yield the estimates of consecutive blocks of rows, one at a time in memory."""
+def row_blocks(job: MatrixJob) -> list[slice]:
+    """Return the blocks of rows that are traced and judged together, in order."""
     rows = job.shape[0]
     most = max(1, min(rows, _SUMS // row_bytes(job)))
     block = rows if job.together else most
-    for first in range(0, rows, block):
-        numbers = np.arange(first, min(rows, first + block))
-        progress = _share_of_progress(
-            effort.progress, first / rows, len(numbers) / rows
-        )
-        sums, good = _trace_rows(job, numbers, replace(effort, progress=progress))
-        yield _estimated(sums, good, effort)
+    return [slice(n, min(rows, n + block)) for n in range(0, rows, block)]
+
+
+def estimate_rows(job: MatrixJob, rows: slice, effort: Effort) -> Estimate:
+    """Trace one of the blocks of `row_blocks` to its end.
+
+    What it returns is the same to the bit whether other blocks are traced or not.
+    """
+    sums, reached = _trace_rows(job, np.arange(rows.start, rows.stop), effort)
+    return _estimated(sums, reached, effort)
+
+
+def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
+    size = rows.stop - rows.start
+    part = _share_of_progress(effort.progress, rows.start / whole, size / whole)
+    return replace(effort, progress=part)
 
 
 def _blank(job: MatrixJob, effort: Effort) -> Estimate:

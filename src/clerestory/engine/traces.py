@@ -8,7 +8,6 @@ Nothing here needs a compute device: the jobs are plain values, and what traces 
 lies in `launches` and `view_pixels`.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -22,7 +21,6 @@ from clerestory.engine.estimate import (
     Sums,
     all_or_none,
     estimate,
-    estimate_blocks,
     trial_rows,
     variance,
 )
@@ -206,16 +204,14 @@ def trace_view(
     The relative error of a row is that of the irradiance [W/m²] under windows of
     uniform radiance; every row goes on until it reaches it.
     """
-    job = ViewJob(scene, windows, sensors, *_walk(effort))
-    return estimate(job, effort)
+    return estimate(view_job(scene, windows, sensors, effort), effort)
 
 
-def trace_view_blocks(
+def view_job(
     scene: Scene, windows: tuple[Window, ...], sensors: Sensors, effort: Effort
-) -> Iterator[Estimate]:
-    """Yield what `trace_view` returns by consecutive blocks of sensors."""
-    job = ViewJob(scene, windows, sensors, *_walk(effort))
-    return estimate_blocks(job, effort)
+) -> ViewJob:
+    """Return the job of `trace_view`, to be traced block by block of sensors."""
+    return ViewJob(scene, windows, sensors, *_walk(effort))
 
 
 def trace_coefficients(

@@ -9,6 +9,7 @@ go on with the same bits.
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -24,7 +25,30 @@ __all__ = ["MatrixStore", "Store", "fingerprint"]
 _DIGITS = 32
 
 
-class Store(Protocol):
+def block_names(name: str, count: int) -> list[str]:
+    """Return names of the blocks of a matrix, numbered from 1.
+
+    >>> block_names("views", 2)
+    ['views-0001', 'views-0002']
+    """
+    return [f"{name}-{number:04d}" for number in range(1, count + 1)]
+
+
+class BlockStore(Protocol):
+    """Where matrices larger than memory are found again."""
+
+    def blocks(
+        self,
+        name: str,
+        fingerprint: str,
+        rows: Sequence[slice],
+        make: Callable[[slice], TransferMatrix],
+        /,
+    ) -> tuple[Path, ...]:
+        """Keep a matrix, a file for each block of rows; return the files."""
+
+
+class Store(BlockStore, Protocol):
     """Where matrices are found again; a folder, or a plan that only takes note."""
 
     def path(self, name: str, fingerprint: str) -> Path:
@@ -107,6 +131,25 @@ class MatrixStore:
                 write_netcdf(path, made[name])
                 kept[name] = read_netcdf(path)
         return {name: matrix for name, matrix in kept.items() if matrix is not None}
+
+    def blocks(
+        self,
+        name: str,
+        fingerprint: str,
+        rows: Sequence[slice],
+        make: Callable[[slice], TransferMatrix],
+    ) -> tuple[Path, ...]:
+        """Keep a matrix larger than memory; return the file of each block of rows.
+
+        Parameters
+        ----------
+        rows : of the blocks, in order
+        make : traces one of them; called when it is not there or is damaged
+        """
+        names = block_names(name, len(rows))
+        for block, part in zip(names, rows, strict=True):
+            self.matrix(block, fingerprint, partial(make, part))
+        return tuple(self.path(block, fingerprint) for block in names)
 
     def _read(self, path: Path) -> TransferMatrix | None:
         # None when the matrix is not there, or is there and not to be trusted

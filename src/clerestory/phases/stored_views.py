@@ -1,42 +1,37 @@
-"""View matrices larger than memory: traced block by block into a file.
+"""View matrices larger than memory: kept block by block of sensors.
 
-The file is HDF5 with `values` (channel, sensor, column) and `components` (component,
-channel, sensor, column), single precision, in chunks of some sensors with all columns.
-Columns are the patches of all windows, window by window. Sensors come and go in blocks;
-no more than one block of them is ever in memory.
+A file holds the rows of some sensors, all windows side by side, in single precision.
+No more than one block is ever in memory, and each is kept as soon as it is traced, so
+that a run that was killed goes on with the next one. Sixteen batches are traced, as
+everywhere; their deviations are pooled into four error components.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import h5py
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, Int
 
 from clerestory.engine.device import Device
-from clerestory.engine.estimate import Estimate
-from clerestory.engine.traces import trace_view_blocks
+from clerestory.engine.estimate import Effort, estimate_rows, row_blocks
+from clerestory.engine.traces import ViewJob, view_job
 from clerestory.engine.work import Executor
-from clerestory.errors import InputError
-from clerestory.files import replace_file
+from clerestory.matrix.axis import sensor_axis, unknown_axis
+from clerestory.matrix.netcdf import read_netcdf
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.pooled import FEW, pooled
+from clerestory.phases.store import BlockStore
 from clerestory.phases.trace import (
     Progress,
     matrix_effort,
     require_distinct,
+    require_sensors,
     warn_if_short,
 )
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
-
-# Independent estimates of a coefficient: fewer than elsewhere, for memory and disk
-BATCHES = 4
-
-# Sensors of a chunk
-_CHUNK = 64
-
-_FORMAT = "Clerestory view matrices 1"
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,52 +43,81 @@ class ViewBlock:
     components: Float32[np.ndarray, "component channel row column"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StoredViews:
-    """View matrices in a file.
+    """View matrices in files.
 
     Attributes
     ----------
-    path : of the file
-    channels, sensors, columns : shape of the matrices of all windows side by side
-
-    Raises
-    ------
-    InputError : not such a file
+    files : of the blocks of sensors
+    rows : numbers of the sensors in each
     """
 
-    path: Path
-    channels: int
-    sensors: int
-    columns: int
+    files: tuple[Path, ...]
+    rows: tuple[slice, ...]
 
-    @classmethod
-    def read(cls, path: str | Path) -> "StoredViews":
-        """Return the view matrices in a file that `store_views` wrote."""
-        try:
-            with h5py.File(path, "r") as file:
-                if file.attrs.get("format") != _FORMAT:
-                    raise InputError(f"a file of the format {_FORMAT!r}", file=path)
-                return cls(Path(path), *file["values"].shape)
-        except (OSError, KeyError, TypeError) as error:
-            raise InputError(
-                "damaged or missing; view matrices expected", file=path
-            ) from error
+    @property
+    def sensors(self) -> int:
+        """How many sensors there are."""
+        return int(self.rows[-1].stop)
 
-    def blocks(self, size: int) -> Iterator[ViewBlock]:
-        """Yield blocks of at most so many sensors, in order."""
-        with h5py.File(self.path, "r") as file:
-            values, components = file["values"], file["components"]
-            for first in range(0, self.sensors, size):
-                rows = slice(first, min(first + size, self.sensors))
-                yield ViewBlock(rows, values[:, rows], components[:, :, rows])
+    def channels(self) -> int:
+        """Return how many there are: one where the room is grey, else three.
+
+        Raises
+        ------
+        InputError : a file is damaged
+        """
+        return len(read_netcdf(self.files[0]).values)
+
+    def blocks(self, most: int) -> Iterator[ViewBlock]:
+        """Yield blocks of at most so many sensors, in order.
+
+        Raises
+        ------
+        InputError : a file is damaged
+        """
+        for file, rows in zip(self.files, self.rows, strict=True):
+            matrix = read_netcdf(file)
+            values, components = matrix.values, matrix.components
+            if components is None:
+                components = np.zeros((FEW, *values.shape), np.float32)
+            for first in range(0, values.shape[1], most):
+                part = slice(first, min(first + most, values.shape[1]))
+                place = slice(rows.start + part.start, rows.start + part.stop)
+                yield ViewBlock(place, values[:, part], components[:, :, part])
+
+    def of(
+        self, sensors: Int[np.ndarray, " row"]
+    ) -> Float32[np.ndarray, "channel row column"]:
+        """Return the coefficients of some sensors, without their errors.
+
+        Parameters
+        ----------
+        sensors : their numbers, in growing order
+        """
+        parts = [
+            block.values[:, chosen - block.rows.start]
+            for block in self.blocks(self.sensors)
+            for chosen in [_within(sensors, block.rows)]
+            if len(chosen)
+        ]
+        return np.concatenate(parts, axis=1)
+
+
+def _within(
+    numbers: Int[np.ndarray, " row"], rows: slice
+) -> Int[np.ndarray, " chosen"]:
+    return np.asarray(numbers[(numbers >= rows.start) & (numbers < rows.stop)])
 
 
 def store_views(
-    path: str | Path,
+    store: BlockStore,
     scene: Scene,
     windows: Sequence[Window],
     *,
+    name: str,
+    key: str,
     sensors: Sensors,
     samples: int | None = None,
     relative_error: float | None = None,
@@ -103,16 +127,21 @@ def store_views(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> StoredViews:
-    """Trace the view matrices of all windows into a file; see `view_matrices`.
+    """Trace the view matrices of all windows into files; see `view_matrices`.
 
-    The file appears whole or not at all.
+    Parameters
+    ----------
+    store : where the blocks are kept, and found again
+    name, key : of the matrices in the store; the key is a fingerprint of all that
+        they depend on
 
     Raises
     ------
     InputError : samples and relative_error both given, or a number out of range
-    OutputError : the file cannot be written
+    OutputError : a file cannot be written
     """
     require_distinct(windows)
+    require_sensors(sensors, bounces)
     effort = matrix_effort(
         samples=samples,
         relative_error=relative_error,
@@ -120,37 +149,55 @@ def store_views(
         seed=seed,
         device=device,
         executor=executor,
-        progress=progress,
-        batches=BATCHES,
+        progress=None,
     )
-    columns = sum(len(window.partition) for window in windows)
-    blocks = trace_view_blocks(scene, tuple(windows), sensors, effort)
-    with replace_file(path) as stream, h5py.File(stream, "w") as file:
-        file.attrs["format"] = _FORMAT
-        _write(file, blocks, (len(sensors), columns), relative_error)
-    return StoredViews.read(path)
+    job = view_job(scene, tuple(windows), sensors, effort)
+    rows = tuple(row_blocks(job))
+    make = _block_maker(job, effort, progress)
+    return StoredViews(store.blocks(name, key, rows, make), rows)
 
 
-def _write(
-    file: h5py.File,
-    blocks: Iterator[Estimate],
-    shape: tuple[int, int],
-    relative_error: float | None,
-) -> None:
-    sensors, columns = shape
-    values = components = None
-    first = 0
-    for block in blocks:
-        channels, rows, _ = block.values.shape
-        if values is None or components is None:
-            whole = (channels, sensors, columns)
-            chunk = (channels, min(_CHUNK, sensors), columns)
-            values = file.create_dataset("values", whole, "f4", chunks=chunk)
-            components = file.create_dataset(
-                "components", (BATCHES, *whole), "f4", chunks=(1, *chunk)
-            )
-        place = slice(first, first + rows)
-        values[:, place] = block.values
-        components[:, :, place] = block.components
-        first = place.stop
-        warn_if_short(block, f"view matrices up to sensor {first}", relative_error)
+def _block_maker(
+    job: ViewJob, effort: Effort, progress: Progress | None
+) -> Callable[[slice], TransferMatrix]:
+    def make(rows: slice) -> TransferMatrix:
+        # A plan asks for all rows at once, and takes no memory
+        if not effort.executor.accepts(job, effort.goal):
+            return _blank(job, rows)
+        told = replace(effort, progress=_progress(progress, rows, job.receivers))
+        block = estimate_rows(job, rows, told)
+        what = f"view matrices of sensors {rows.start + 1} to {rows.stop}"
+        warn_if_short(block, what, effort.relative_error)
+        few = pooled(block.components, FEW)
+        return _matrix(block.values.astype(np.float32), few)
+
+    return make
+
+
+def _blank(job: ViewJob, rows: slice) -> TransferMatrix:
+    _, _, columns, channels = job.shape
+    shape = channels, rows.stop - rows.start, columns
+    nothing = np.float32(0)
+    return _matrix(
+        np.broadcast_to(nothing, shape),
+        np.broadcast_to(nothing, (FEW, *shape)),
+    )
+
+
+def _matrix(
+    values: Float32[np.ndarray, "channel row column"],
+    components: Float32[np.ndarray, "component channel row column"],
+) -> TransferMatrix:
+    _, rows, columns = values.shape
+    return TransferMatrix(values, sensor_axis(rows), unknown_axis(columns), components)
+
+
+def _progress(progress: Progress | None, rows: slice, whole: int) -> Progress | None:
+    if progress is None:
+        return None
+
+    def told(share: float, note: str) -> None:
+        done = rows.start + share * (rows.stop - rows.start)
+        progress(done / whole, f"{rows.start:,} of {whole:,} sensors, {note}")
+
+    return told

@@ -21,16 +21,20 @@ from jaxtyping import Float, Float32, Int
 
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import MatrixError
-from clerestory.files import replace_file
+from clerestory.files import replace_path
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.pooled import FEW, pooled
 from clerestory.phases.shaded import States
-from clerestory.phases.stored_views import BATCHES, StoredViews, ViewBlock
+from clerestory.phases.stored_views import StoredViews, ViewBlock
 from clerestory.phases.trace import Progress
 from clerestory.sky.matrix import SkyMatrix
 from clerestory.sky.product import fold, lit_steps, product_blocks
 
 # Sensors multiplied at a time: 5800 patches with their components take 119 MB
 _SENSORS = 1024
+
+# Sensors and steps of a chunk of the results
+_CHUNK = 256, 730
 
 _WEIGHTS = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
 
@@ -82,13 +86,11 @@ def leaving_light(
     steps = lit_steps(sky.diffuse, sky.sun)
     patches = sum(o.transmissions[0].rows.size for o in openings)
     values = np.zeros((channels, patches, len(steps)), np.float32)
-    components = np.zeros((BATCHES, *values.shape), np.float32)
+    components = np.zeros((FEW, *values.shape), np.float32)
     first = 0
     for opening, state in zip(openings, states, strict=True):
         place = slice(first, first + opening.transmissions[0].rows.size)
-        layers = np.concatenate(
-            [opening.daylight.values[None], pooled(opening.daylight, BATCHES)]
-        )
+        layers = _layers(opening.daylight)
         # One channel carries all weights; three carry one each
         for channel, weight in enumerate(_weights(channels)):
             arrived = _arrived(layers, weight, sky, steps)
@@ -96,6 +98,15 @@ def leaving_light(
             values[channel, place], components[:, channel, place] = left[0], left[1:]
         first = place.stop
     return Leaving(steps, values, components)
+
+
+def _layers(daylight: TransferMatrix) -> Float32[np.ndarray, "layer colour outer sky"]:
+    # D and its error components
+    values = daylight.values.astype(np.float32)
+    if daylight.components is None:
+        none = np.zeros((FEW, *values.shape), np.float32)
+        return np.concatenate([values[None], none])
+    return np.concatenate([values[None], pooled(daylight.components, FEW)])
 
 
 def _weights(channels: int) -> Float[np.ndarray, "channel 3"]:
@@ -144,29 +155,6 @@ def _left(
     return found
 
 
-def pooled(
-    matrix: TransferMatrix, count: int
-) -> Float[np.ndarray, "component channel row column"]:
-    """Return a matrix's error components, batches pooled into fewer.
-
-    A mean of batches is a batch as well: the expected variance stays what it is.
-
-    Raises
-    ------
-    MatrixError : as many batches cannot be pooled evenly
-    """
-    components = matrix.components
-    if components is None:
-        return np.zeros((count, *matrix.values.shape), np.float32)
-    batches = len(components)
-    if batches % count:
-        raise MatrixError(f"{batches} error components; a multiple of {count} expected")
-    each = batches // count
-    groups = components.reshape(count, each, *components.shape[1:]).sum(axis=1)
-    scale = np.sqrt(batches * (batches - 1) / (count * (count - 1))) / each
-    return np.asarray(groups * np.float32(scale))
-
-
 def stream_illuminance(
     path: str | Path,
     views: StoredViews,
@@ -188,29 +176,36 @@ def stream_illuminance(
     MatrixError : views and windows do not fit
     OutputError : the file cannot be written
     """
-    if leaving.values.shape[:2] != (views.channels, views.columns):
-        raise MatrixError(
-            f"light of {leaving.values.shape[1]} patches in {len(leaving.values)}"
-            f" channels; {views.columns} in {views.channels} expected"
-        )
-    with replace_file(path) as stream, h5netcdf.File(stream, "w") as file:
+    with replace_path(path) as made, h5netcdf.File(made, "w") as file:
         times = np.asarray(sky.times, "datetime64[ns]").astype(np.int64)
         file.dimensions = {"sensor": views.sensors, "time": len(times)}
         clock = file.create_variable("time", ("time",), data=times)
         clock.attrs["units"] = "nanoseconds since 1970-01-01 00:00:00"
         names = ("illuminance", "standard_error")
         lux, error = (
-            _variable(file, name, views.sensors, len(times)) for name in names
+            hourly_variable(file, name, views.sensors, len(times)) for name in names
         )
+        lux.attrs["units"] = error.attrs["units"] = "lux"
+        error.attrs["long_name"] = "standard error of the illuminance"
         light = [leaving.values, *(leaving.values + n for n in leaving.components)]
         columns = [_rows(each) for each in light]
         for block in views.blocks(_SENSORS):
+            _require_fit(block, leaving)
             night = np.zeros((2, block.rows.stop - block.rows.start, len(times)), "f4")
             night[:, :, leaving.steps] = received(block, columns)
             lux[block.rows], error[block.rows] = night
             if progress is not None:
                 done = block.rows.stop
                 progress(done / views.sensors, f"{done} of {views.sensors} sensors")
+
+
+def _require_fit(block: ViewBlock, leaving: Leaving) -> None:
+    channels, _, columns = block.values.shape
+    if leaving.values.shape[:2] != (channels, columns):
+        raise MatrixError(
+            f"light of {leaving.values.shape[1]} patches in {len(leaving.values)}"
+            f" channels; {columns} in {channels} expected"
+        )
 
 
 def received(
@@ -239,11 +234,12 @@ def _rows(values: Float32[np.ndarray, "channel patch step"]) -> np.ndarray:
     return values.reshape(-1, values.shape[-1])
 
 
-def _variable(
+def hourly_variable(
     file: h5netcdf.File, name: str, sensors: int, steps: int
 ) -> h5netcdf.Variable:
-    variable = file.create_variable(
-        name, ("sensor", "time"), "f4", chunks=(min(64, sensors), steps)
-    )
-    variable.attrs["units"] = "lux"
-    return variable
+    """Return a new variable over (sensor, time) of a file that has these dimensions.
+
+    Its chunks serve readers of some sensors and of some steps alike.
+    """
+    chunks = min(_CHUNK[0], sensors), min(_CHUNK[1], steps)
+    return file.create_variable(name, ("sensor", "time"), "f4", chunks=chunks)

@@ -296,13 +296,23 @@ def require_distinct(windows: Sequence[Window]) -> None:
         )
 
 
-def _sensor_rows(sensors: Sensors, bounces: int | None) -> Axis:
+def require_sensors(sensors: Sensors, bounces: int | None) -> None:
+    """Refuse no sensors at all, or none that gather any light.
+
+    Raises
+    ------
+    InputError : says which
+    """
     if bounces == 0:
         raise InputError(
             "bounces = 0; the first gather of a sensor counts: 1 or more expected"
         )
     if len(sensors.position) == 0:
         raise InputError("no sensors given; at least one expected")
+
+
+def _sensor_rows(sensors: Sensors, bounces: int | None) -> Axis:
+    require_sensors(sensors, bounces)
     return sensor_axis(len(sensors.position), sensors.names)
 
 

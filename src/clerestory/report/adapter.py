@@ -34,6 +34,9 @@ from clerestory.study.results import Results
 
 _SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
 _STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedule")
+# Sensors that a page shows: each has its place on plans and its figures as text
+_MOST_SENSORS = 5000
+
 # Longer lists of a study are told by their first and last item
 _MOST_ITEMS = 8
 
@@ -54,6 +57,7 @@ def from_results(
     ------
     InputError : the results hold values that are not numbers, or a picture is damaged
     """
+    results = results.thinned(_MOST_SENSORS)
     data, run = results.data, results.run
     study = json.loads(data.attrs.get("study", "{}"))
     occupied = np.asarray(data["occupied"].values, dtype=bool)

@@ -21,7 +21,8 @@ from clerestory.sky.matrix import SkyMatrix
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
-from clerestory.study.tracing import Skies, Tracing
+from clerestory.study.stored import Traced
+from clerestory.study.traced import Skies
 
 # Daylight glare probability of some steps, the worst of the views named, given states
 Judge = Callable[
@@ -40,7 +41,7 @@ class Evidence:
 
     study: Study
     inputs: Inputs
-    tracing: Tracing
+    tracing: Traced
     skies: Skies
     judge: Judge
     _kept: dict[tuple[str, int], np.ndarray] = field(default_factory=dict)
@@ -139,7 +140,7 @@ class Evidence:
     ) -> Float[np.ndarray, "sensor time"]:
         """Illuminance of a grid straight from the sun through one window [lux]."""
         part = self.tracing.reduced([group], self.inputs.rows(grid))
-        return part.direct_illuminance(self.skies, state)
+        return np.asarray(part.direct_illuminance(self.skies, state).values)
 
 
 def _silent(_phase: str) -> Callable[[float, str], None]:

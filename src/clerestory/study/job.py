@@ -1,15 +1,16 @@
 """What every matrix of a study needs: scene, seeds, effort, and where it is kept."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from clerestory import __version__
 from clerestory.engine.work import Executor, Local
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.store import Store
+from clerestory.phases.store import Store, block_names
 from clerestory.phases.trace import Progress
 from clerestory.scene.model import Scene
 from clerestory.study.config import Study
@@ -35,6 +36,7 @@ class Job:
     found : whether each matrix was found in the store, by its file's name; grows
         while the study is traced
     executor : does the work; it changes no bit of the results
+    scratch : folder for hourly results that memory does not hold
     """
 
     study: Study
@@ -43,6 +45,7 @@ class Job:
     display: Display
     found: dict[str, bool] = field(default_factory=dict)
     executor: Executor = field(default_factory=Local)
+    scratch: Path = Path()
 
     @property
     def scene(self) -> Scene:
@@ -90,3 +93,15 @@ class Job:
             file = self.store.path(name, key).name
             self.found.setdefault(file, self.store.holds(name, key))
         return self.store.matrices(names, key, make)
+
+    def blocks(
+        self,
+        name: str,
+        key: str,
+        rows: Sequence[slice],
+        make: Callable[[slice], TransferMatrix],
+    ) -> tuple[Path, ...]:
+        """Return the files of a matrix larger than memory, kept or just made."""
+        kept = [self.store.holds(n, key) for n in block_names(name, len(rows))]
+        self.found.setdefault(self.store.path(name, key).name, all(kept))
+        return self.store.blocks(name, key, rows, make)

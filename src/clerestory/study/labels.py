@@ -16,6 +16,9 @@ from clerestory.study.inputs import Inputs
 from clerestory.study.operation import Operation
 from clerestory.study.results import sensor_names
 
+# Sensors whose metrics are taken at a time: a year of them takes 140 MB
+_SENSORS = 4096
+
 
 def sensor_labels(inputs: Inputs) -> list[str]:
     """Names of all sensors of a study."""
@@ -57,7 +60,7 @@ def label_results(
     data = xr.merge(
         [
             labelled.assign(occupied=("time", hours)),
-            sensor_metrics(labelled, hours, target_lux=study.metrics.target_lux),
+            _metrics(labelled, hours, target_lux=study.metrics.target_lux),
             room_drawing(inputs.scene),
             window_drawing([group.inner for group in inputs.groups]),
             layer_drawing(inputs.groups),
@@ -79,6 +82,31 @@ def label_results(
         step_minutes=inputs.weather.step_minutes,
         rotation_deg=study.sky.rotation_deg,
         study=study.to_json(),
+    )
+
+
+def _metrics(
+    hourly: xr.Dataset, hours: Bool[np.ndarray, " time"], *, target_lux: float
+) -> xr.Dataset:
+    # Some sensors at a time: hourly results may lie in a file
+    parts = [
+        sensor_metrics(
+            hourly.isel(sensor=slice(first, first + _SENSORS)).load(),
+            hours,
+            target_lux=target_lux,
+        )
+        for first in range(0, hourly.sizes["sensor"], _SENSORS)
+    ]
+    if len(parts) == 1:
+        return parts[0]
+    return xr.concat(
+        parts,
+        "sensor",
+        data_vars="minimal",
+        coords="minimal",
+        compat="override",
+        join="exact",
+        combine_attrs="override",
     )
 
 
@@ -130,9 +158,8 @@ def _direct_sun(evidence: Evidence, hours: Bool[np.ndarray, " time"]) -> xr.Data
         return xr.Dataset()
     steps = len(evidence.times)
     opened = [np.zeros(steps, dtype=np.int64) for _ in evidence.inputs.groups]
-    lux = tracing.direct_illuminance(evidence.skies, opened).astype(np.float32)
-    axes = ("sensor", "time")
-    sun = xr.DataArray(lux, dims=axes, attrs={"units": "lux"})
+    lux = tracing.direct_illuminance(evidence.skies, opened)
+    sun = lux.drop_vars(["sensor", "time"])
     found = xr.Dataset({"direct_open": sun}, coords={"time": evidence.times})
     if tracing.suns is None:
         return found  # spread over patches, too dim to count hours above a limit

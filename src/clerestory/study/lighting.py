@@ -43,14 +43,15 @@ def lighting(
     if not lamps.zones:
         return xr.Dataset()
     full = lamps.illuminance()
-    daylight, error = hourly["illuminance"].values, hourly["standard_error"].values
-    output = np.zeros((len(lamps.zones), daylight.shape[1]))
+    daylight = [hourly["illuminance"][chosen].values for chosen in rows]
+    error = [hourly["standard_error"][chosen].values for chosen in rows]
+    output = np.zeros((len(lamps.zones), hourly.sizes["time"]))
     uses: list[LightingUse] = []
     for _ in range(1 if len(lamps.zones) == 1 else _ROUNDS):
         uses = []
         for number, (zone, chosen) in enumerate(zip(lamps.zones, rows, strict=True)):
             others = np.delete(np.arange(len(lamps.zones)), number)
-            seen = daylight[chosen].astype(float)
+            seen = daylight[number].astype(float)
             if zone.table.control != "on-off":
                 seen = seen + full[np.ix_(others, chosen)].T @ output[others]
             own = full[number, chosen]
@@ -58,7 +59,7 @@ def lighting(
                 _governed(zone, own),
                 _reading(zone.table, seen, own),
                 occupied,
-                standard_error=error[chosen].mean(axis=0),
+                standard_error=error[number].mean(axis=0),
                 step_hours=step_hours,
             )
             output[number] = use.output

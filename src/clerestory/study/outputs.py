@@ -4,15 +4,19 @@
 middle, then the illuminance of every sensor [lux].
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from clerestory.control.schedule import StateSchedule, write_schedule
-from clerestory.files import write_text
+from clerestory.files import replace_file, write_text
 from clerestory.study.config import Study
 from clerestory.study.results import Results
+
+# Steps read at a time
+_BLOCK = 730
 
 # Columns of metrics.csv: name in the results, heading, factor
 _METRICS = (
@@ -89,35 +93,44 @@ def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:
     """Write a line for every time step with the illuminance of one grid [lux]."""
     chosen = _grid(results, grid)
     head = ["time", *(str(name) for name in chosen["sensor"].values)]
-    lines = [",".join(_quoted(text) for text in head)]
-    rows = chosen["illuminance"].values.T.tolist()
     form = ",%.1f" * chosen.sizes["sensor"]
-    moments = chosen["time"].values.astype("datetime64[m]")
-    lines += [
-        str(moment).replace("T", " ") + form % tuple(row)
-        for moment, row in zip(moments, rows, strict=True)
-    ]
-    write_text(path, "\n".join(lines) + "\n")
+    with replace_file(path) as stream:
+        stream.write((",".join(_quoted(text) for text in head) + "\n").encode())
+        for moment, row in _steps(chosen):
+            stamp = str(moment.astype("datetime64[m]")).replace("T", " ")
+            stream.write(f"{stamp}{form % row}\n".encode())
 
 
 def write_ill(results: Results, path: str | Path, *, grid: str) -> None:
     """Write the illuminance of one grid as Daysim does."""
     chosen = _grid(results, grid)
-    seconds = chosen["time"].values.astype("datetime64[s]")
-    days = seconds.astype("datetime64[D]")
-    hours = (seconds - days) / np.timedelta64(3600, "s")
-    rows = chosen["illuminance"].values.T.tolist()
     form = " %.1f" * chosen.sizes["sensor"]
-    lines = []
-    for day, hour, row in zip(days, hours, rows, strict=True):
-        _, month, number = str(day).split("-")
-        lines.append(f"{int(month)} {int(number)} {hour:.3f} {form % tuple(row)}")
-    write_text(path, "\n".join(lines) + "\n")
+    with replace_file(path) as stream:
+        for moment, row in _steps(chosen):
+            second = moment.astype("datetime64[s]")
+            day = second.astype("datetime64[D]")
+            hour = (second - day) / np.timedelta64(3600, "s")
+            _, month, number = str(day).split("-")
+            line = f"{int(month)} {int(number)} {hour:.3f} {form % row}\n"
+            stream.write(line.encode())
+
+
+def _steps(
+    chosen: xr.Dataset,
+) -> Iterator[tuple[np.datetime64, tuple[float, ...]]]:
+    # Every step with the illuminance of all sensors; they may lie in a file
+    moments = chosen["time"].values
+    for first in range(0, len(moments), _BLOCK):
+        block = slice(first, first + _BLOCK)
+        part = chosen["illuminance"].isel(time=block).values
+        for moment, row in zip(moments[block], part.T, strict=True):
+            yield moment, tuple(row.tolist())
 
 
 def _grid(results: Results, grid: str) -> xr.Dataset:
     members = np.flatnonzero(results.data["grid"].values == grid)
-    return results.data.isel(sensor=members)
+    # Grids come one after the other
+    return results.data.isel(sensor=slice(members[0], members[-1] + 1))
 
 
 def _quoted(text: str) -> str:

@@ -11,7 +11,8 @@ from pathlib import Path
 from clerestory.cluster.cluster import executor_at
 from clerestory.engine.foresight import Foreseen, Plan, foresee
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.store import MatrixStore
+from clerestory.phases.pooled import FEW
+from clerestory.phases.store import MatrixStore, block_names
 from clerestory.phases.trace import Progress
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
@@ -45,6 +46,7 @@ class PlannedMatrix:
     bytes : that it takes on disk and in memory, without what labels it
     paths : to be traced for it and for those that are traced with it
     seconds : that this takes, 0 for what is traced along with another
+    stored : whether it lies in files block by block, and is never held whole
     """
 
     file: str
@@ -54,6 +56,7 @@ class PlannedMatrix:
     bytes: int
     paths: int
     seconds: float
+    stored: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,8 @@ class StudyPlan:
     later : what is traced while pictures are made, by paths and seconds
     results : that are written besides [bytes]
     scene : what the scene takes in memory [bytes]
+    streamed : what leaves the windows, held in place of hourly results where these
+        lie in files [bytes]; else 0
     """
 
     device: str
@@ -75,6 +80,7 @@ class StudyPlan:
     later: Foreseen
     results: int
     scene: int
+    streamed: int = 0
 
     @property
     def seconds(self) -> float:
@@ -84,10 +90,11 @@ class StudyPlan:
     @property
     def memory(self) -> float:
         """Most memory of the run [bytes]."""
-        held = sum(m.bytes for m in self.matrices)
+        held = sum(m.bytes for m in self.matrices if not m.stored)
         largest = max((m.bytes for m in self.matrices), default=0)
         sums = min(_SUMS, 6 * largest)
-        return _PROCESS + held + sums + self.scene + self.results
+        hours = self.streamed or self.results
+        return _PROCESS + held + sums + self.scene + hours
 
     @property
     def disk(self) -> int:
@@ -97,11 +104,13 @@ class StudyPlan:
 
 @dataclass(frozen=True, eq=False)
 class _Entry:
-    # Matrices that are traced together, and the numbers of the jobs noted for them
+    # Matrices that are traced together, the share of them that is kept, and the numbers
+    # of the jobs noted for them
     files: tuple[str, ...]
-    kept: bool
+    kept: float
     matrices: tuple[TransferMatrix, ...]
     jobs: range
+    stored: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +146,30 @@ class PlannedStore:
         if not twice:
             jobs = range(first, len(self.plan.noted))
             matrices = tuple(made[name] for name in names)
-            self.entries.append(_Entry(files, kept, matrices, jobs))
+            self.entries.append(_Entry(files, float(kept), matrices, jobs))
         return made
+
+    def blocks(
+        self,
+        name: str,
+        fingerprint: str,
+        rows: Sequence[slice],
+        make: Callable[[slice], TransferMatrix],
+    ) -> tuple[Path, ...]:
+        """Take note of the whole matrix, and of how much of it is kept."""
+        first, whole = len(self.plan.noted), rows[-1].stop
+        matrix = make(slice(0, whole))
+        parts = zip(block_names(name, len(rows)), rows, strict=True)
+        kept = sum(r.stop - r.start for n, r in parts if self.holds(n, fingerprint))
+        files = (self.path(name, fingerprint).name,)
+        twice = any(files == entry.files for entry in self.entries)
+        if kept == whole or twice:
+            del self.plan.noted[first:]
+        if not twice:
+            jobs = range(first, len(self.plan.noted))
+            entry = _Entry(files, kept / whole, (matrix,), jobs, stored=True)
+            self.entries.append(entry)
+        return ()
 
 
 def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
@@ -186,8 +217,10 @@ def _planned(
     found, place = [], store.plan.place
     for entry in store.entries:
         cost = _together([foreseen[number] for number in entry.jobs])
+        left = 1 - entry.kept
+        cost = Foreseen(round(cost.paths * left), cost.seconds * left)
         for file, matrix in zip(entry.files, entry.matrices, strict=True):
-            found.append(_matrix(file, matrix, cost, kept=entry.kept))
+            found.append(_matrix(file, matrix, cost, entry))
             cost = Foreseen(cost.paths, 0.0)
     within = {number for entry in store.entries for number in entry.jobs}
     later = [each for n, each in enumerate(foreseen) if n not in within]
@@ -199,7 +232,16 @@ def _planned(
         later=_together(later),
         results=4 * _VARIABLES * len(inputs.sensors()) * steps,
         scene=_TRIANGLE * _triangles(inputs.scene),
+        streamed=max((_leaving(e, steps) for e in store.entries), default=0),
     )
+
+
+def _leaving(entry: _Entry, steps: int) -> int:
+    # Patches by steps with light, half of all, with each error component and without
+    if not entry.stored:
+        return 0
+    channels, _, patches = entry.matrices[0].values.shape
+    return int(4 * channels * patches * (2 * FEW + 1) * steps // 2)
 
 
 def _together(parts: Sequence[Foreseen]) -> Foreseen:
@@ -207,12 +249,19 @@ def _together(parts: Sequence[Foreseen]) -> Foreseen:
 
 
 def _matrix(
-    file: str, matrix: TransferMatrix, cost: Foreseen, *, kept: bool
+    file: str, matrix: TransferMatrix, cost: Foreseen, entry: _Entry
 ) -> PlannedMatrix:
     parts = (matrix.values, matrix.components)
-    size = sum(part.nbytes for part in parts if part is not None)
-    rows, columns = matrix.rows.size, matrix.columns.size
-    return PlannedMatrix(file, kept, rows, columns, size, cost.paths, cost.seconds)
+    return PlannedMatrix(
+        file,
+        entry.kept == 1,
+        matrix.rows.size,
+        matrix.columns.size,
+        sum(part.nbytes for part in parts if part is not None),
+        cost.paths,
+        cost.seconds,
+        entry.stored,
+    )
 
 
 def _triangles(scene: Scene) -> int:

@@ -16,11 +16,15 @@ import numpy as np
 import xarray as xr
 
 from clerestory.errors import InputError
-from clerestory.files import read_bytes, read_text, replace_file, write_text
+from clerestory.files import read_bytes, read_text, replace_path, write_text
+from clerestory.study.hourly import append_hourly
 
 RESULTS_FILE = "results.nc"
 RUN_FILE = "run.json"
 _FORMAT = "clerestory results 1"
+
+# Hourly values of more bytes are read and written some sensors at a time
+_LARGE = 500_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +83,25 @@ class Results:
         """
         return list(dict.fromkeys(str(name) for name in self.data["grid"].values))
 
+    def thinned(self, most: int) -> "Results":
+        """Return the results of at most so many sensors, evenly spread, in memory.
+
+        The facts then say how many were left out.
+
+        >>> many = xr.Dataset({"lux": ("sensor", np.arange(10))})
+        >>> few = Results(many).thinned(4)
+        >>> few.data["lux"].values.tolist(), few.run["warnings"]
+        ([0, 3, 6, 9], ['4 of 10 sensors are shown, evenly spread'])
+        """
+        count = self.data.sizes["sensor"]
+        if count <= most:
+            return self
+        chosen = np.linspace(0, count - 1, most).round().astype(int)
+        note = f"{most:,} of {count:,} sensors are shown, evenly spread"
+        told = [*self.run.get("warnings", ()), note]
+        data = self.data.isel(sensor=chosen).load()
+        return Results(data, {**self.run, "warnings": told})
+
 
 def save_results(results: Results, folder: str | Path) -> Path:
     """Write `results.nc` and `run.json`, whole or not at all; return the former's path.
@@ -88,17 +111,27 @@ def save_results(results: Results, folder: str | Path) -> Path:
     OutputError : the folder is missing or cannot be written
     """
     folder = Path(folder)
-    content = results.data.assign_attrs(format=_FORMAT).to_netcdf(engine="h5netcdf")
+    data = results.data.assign_attrs(format=_FORMAT)
+    hourly = [str(name) for name in data if _is_large(data[name])]
+    content = data.drop_vars(hourly).to_netcdf(engine="h5netcdf")
     write_text(
         folder / RUN_FILE, json.dumps(results.run, indent=2, sort_keys=True) + "\n"
     )
-    with replace_file(folder / RESULTS_FILE) as stream:
-        stream.write(content)
+    with replace_path(folder / RESULTS_FILE) as file:
+        file.write_bytes(content)
+        for name in hourly:
+            append_hourly(file, name, data[name])
     return folder / RESULTS_FILE
+
+
+def _is_large(data: xr.DataArray) -> bool:
+    return data.dims == ("sensor", "time") and data.nbytes > _LARGE
 
 
 def read_results(path: str | Path) -> Results:
     """Return the results of a run, from its folder or its `results.nc`.
+
+    Values of a large file stay there and are read each time they are asked for.
 
     Raises
     ------
@@ -106,10 +139,13 @@ def read_results(path: str | Path) -> Results:
     """
     path = Path(path)
     path = path / RESULTS_FILE if path.is_dir() else path
-    content = read_bytes(path)
+    large = path.is_file() and path.stat().st_size > 2 * _LARGE
+    source = path if large else io.BytesIO(read_bytes(path))
     try:
-        with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as opened:
-            data = opened.load()
+        data = xr.open_dataset(source, engine="h5netcdf", cache=False)
+        if not large:
+            with data:
+                data = data.load()
     except (OSError, ValueError, KeyError, RuntimeError) as error:
         raise InputError(
             "is damaged; the results.nc of a run expected", file=path

@@ -5,8 +5,9 @@ matrices are kept as soon as they are whole, all else is computed again, and
 results.nc is written last.
 """
 
+import shutil
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,10 +15,11 @@ from time import perf_counter
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Int
 
 from clerestory.engine.work import Executor
 from clerestory.errors import ClerestoryWarning
+from clerestory.files import make_folder
+from clerestory.phases.shaded import States
 from clerestory.phases.store import MatrixStore
 from clerestory.scene.check import check_scene
 from clerestory.study.config import Study
@@ -30,11 +32,15 @@ from clerestory.study.lamps import Lamps, trace_lamps
 from clerestory.study.lighting import lighting
 from clerestory.study.operation import Operation, operate
 from clerestory.study.outputs import write_tables
-from clerestory.study.results import Results, save_results
+from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.sunlight import sunlight
-from clerestory.study.tracing import Skies, study_skies, trace_study
+from clerestory.study.traced import Skies
+from clerestory.study.tracing import study_skies, trace_study
 from clerestory.study.view_tracing import trace_views
 from clerestory.study.views import glare_judge, study_views
+
+# Hourly values that memory does not hold lie here until results.nc is written
+SCRATCH_FOLDER = "unfinished"
 
 
 @dataclass
@@ -67,7 +73,7 @@ def run_method(
     store: MatrixStore,
     display: Display,
     executor: Executor,
-    states: Sequence[Int[np.ndarray, " time"]] | None = None,
+    states: States | None = None,
 ) -> Results:
     """Run a study by its first method and write the results into a folder.
 
@@ -82,7 +88,29 @@ def run_method(
         inputs = read_inputs(study)
     with log.phase("check"):
         _warn_of_doubts(inputs)
-    job = Job(study, inputs, store, display, executor=executor)
+    with _scratch_folder(out) as scratch:
+        job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
+        data = _simulate(job, log, states, out=out)
+        with log.phase("write"):
+            write_tables(study, Results(data), out)
+        facts = run_facts(job, data, log.seconds, log.warnings)
+        results = Results(data, facts)
+        save_results(results, out)
+        if any(scratch.iterdir()):
+            # Hourly values go on from where they are kept
+            data.close()
+            results = read_results(out)
+    return results
+
+
+def _simulate(
+    job: Job,
+    log: RunLog,
+    states: States | None,
+    *,
+    out: Path,
+) -> xr.Dataset:
+    study, inputs, display = job.study, job.inputs, job.display
     with log.phase("trace"):
         tracing = trace_study(job)
         views = trace_views(job, tracing)
@@ -109,13 +137,18 @@ def run_method(
         )
     with log.phase("metrics"):
         parts = [electric, glare, sunlight(study, inputs)]
-        data = label_results(study, inputs, hourly, parts, evidence, acts)
-    with log.phase("write"):
-        write_tables(study, Results(data), out)
-    facts = run_facts(job, data, log.seconds, log.warnings)
-    results = Results(data, facts)
-    save_results(results, out)
-    return results
+        return label_results(study, inputs, hourly, parts, evidence, acts)
+
+
+@contextmanager
+def _scratch_folder(out: Path) -> Iterator[Path]:
+    # An empty folder for what memory does not hold; what a killed run left goes
+    folder = out / SCRATCH_FOLDER
+    shutil.rmtree(folder, ignore_errors=True)
+    try:
+        yield make_folder(folder)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _warn_of_doubts(inputs: Inputs) -> None:

@@ -196,6 +196,7 @@ class TraceTable(Table):
     bounces: int | None = Field(None, ge=0)
     seed: int = Field(1, ge=0, lt=2**32)
     device: Device = "auto"
+    memory_gb: float = Field(8.0, ge=0)
     # Changes no result, so results do not tell it
     cluster: str | None = Field(
         None, exclude=True, description="the address of a dask scheduler"

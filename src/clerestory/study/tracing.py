@@ -5,45 +5,29 @@ and rules choose among what is known.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-import xarray as xr
-from jaxtyping import Int
-
 from clerestory.errors import InputError
-from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.five import FivePhases, five_phase
-from clerestory.phases.shaded import (
-    ShadedWindow,
-    States,
-    shaded_five_phase,
-    shaded_sun,
-    shaded_three_phase,
-)
+from clerestory.phases.pooled import with_few_components
+from clerestory.phases.shaded import ShadedWindow
+from clerestory.phases.stored_views import StoredViews, store_views
+from clerestory.phases.streamed import Opening
 from clerestory.phases.sun import blackened, sun_coefficients
-from clerestory.phases.three import three_phase_sum
 from clerestory.phases.trace import daylight_matrix, view_matrices
-from clerestory.sky.matrix import SkyMatrix
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.suns import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
-from clerestory.study.coefficients import TwoPhases, trace_coefficients
+from clerestory.study.coefficients import trace_coefficients
 from clerestory.study.config import Study
-from clerestory.study.job import DIRECT, STATE, SUN, Display, Job
+from clerestory.study.job import DIRECT, STATE, SUN, Job
+from clerestory.study.size import is_stored, most_sensors
+from clerestory.study.stored import StoredTracing, Traced
+from clerestory.study.traced import Skies, Tracing
 from clerestory.study.window_groups import WindowGroup
-
-
-@dataclass(frozen=True, eq=False)
-class Skies:
-    """Skies of a study: the whole, and the sun alone where direct light is needed."""
-
-    whole: SkyMatrix
-    sun: SkyMatrix | None = None
 
 
 def study_skies(study: Study, weather: Weather) -> Skies:
@@ -64,104 +48,7 @@ def needs_direct(study: Study) -> bool:
     return study.method == "5-phase" or (study.method == "3-phase" and "LM-83" in rules)
 
 
-@dataclass(frozen=True, eq=False)
-class Tracing:
-    """Traced matrices of a study, for its sensors.
-
-    Attributes
-    ----------
-    coefficients : of the two-phase method; None for the others
-    whole : V, T and D of each window group; empty for the two-phase method
-    direct : V_d, T and D_d, where direct light is traced apart
-    sun : C_ds of each window group in each state, for the five-phase method
-    suns : that the columns of C_ds stand for
-    """
-
-    coefficients: TwoPhases | None = None
-    whole: tuple[ShadedWindow, ...] = ()
-    direct: tuple[ShadedWindow, ...] = ()
-    sun: tuple[tuple[TransferMatrix, ...], ...] = ()
-    suns: SunMatrix | None = None
-
-    def illuminance(
-        self, skies: Skies, states: States, *, display: Display
-    ) -> xr.Dataset:
-        """Illuminance [lux] over (sensor, time), with its standard error."""
-        progress = display("multiply")
-        if self.coefficients is not None:
-            return self.coefficients.illuminance(skies.whole, states, progress=progress)
-        fixed = all(len(window.transmissions) == 1 for window in self.whole)
-        whole = [window.at(0) for window in self.whole]
-        if self.suns is None or skies.sun is None:
-            if fixed:
-                return three_phase_sum(whole, skies.whole, progress=progress)
-            return shaded_three_phase(
-                self.whole, skies.whole, states, progress=progress
-            )
-        if fixed:
-            direct = [window.at(0) for window in self.direct]
-            suns = [matrices[0] for matrices in self.sun]
-            parts = list(map(FivePhases, whole, direct, suns))
-            return five_phase(
-                parts, skies.whole, skies.sun, self.suns, progress=progress
-            )
-        return shaded_five_phase(
-            self.whole,
-            self.direct,
-            self.sun,
-            skies.whole,
-            skies.sun,
-            self.suns,
-            states,
-            progress=progress,
-        )
-
-    def direct_illuminance(self, skies: Skies, states: States) -> np.ndarray:
-        """Illuminance [lux] straight from the sun, over (sensor, time).
-
-        At its true place where C_ds is known, else spread over patches of the sky.
-
-        Raises
-        ------
-        InputError : direct light was not traced
-        """
-        if self.suns is not None:
-            found = shaded_sun(self.sun, self.suns, states)
-        elif skies.sun is not None and self.direct:
-            found = shaded_three_phase(self.direct, skies.sun, states)
-        else:
-            raise InputError("direct light was not traced; direct phases expected")
-        return np.asarray(found["illuminance"].values)
-
-    def reduced(
-        self, groups: Sequence[int], rows: Int[np.ndarray, " sensor"]
-    ) -> "Tracing":
-        """Return the same for some window groups and sensors, without errors."""
-        coefficients = None
-        if self.coefficients is not None:
-            parts = [self.coefficients.groups[number] for number in groups]
-            coefficients = TwoPhases(
-                tuple(tuple(_some_rows(m, rows) for m in part) for part in parts)
-            )
-        return Tracing(
-            coefficients,
-            tuple(self.whole[n].without_error(rows) for n in groups if self.whole),
-            tuple(self.direct[n].without_error(rows) for n in groups if self.direct),
-            tuple(
-                tuple(_some_rows(matrix, rows) for matrix in self.sun[number])
-                for number in groups
-                if self.sun
-            ),
-            self.suns,
-        )
-
-
-def _some_rows(matrix: TransferMatrix, rows: np.ndarray) -> TransferMatrix:
-    values = matrix.values[:, rows]
-    return TransferMatrix(values, sensor_axis(len(rows)), matrix.columns)
-
-
-def trace_study(job: Job) -> Tracing:
+def trace_study(job: Job) -> Traced:
     """Return the matrices of a study; those of an earlier run are not traced again.
 
     Raises
@@ -176,6 +63,8 @@ def trace_study(job: Job) -> Tracing:
                 " light; the three- or five-phase method expected"
             )
         return Tracing(coefficients=trace_coefficients(job))
+    if is_stored(study, job.inputs, direct=needs_direct(study)):
+        return _stored(job, direct=needs_direct(study))
     whole = _windows(job, direct=False)
     if not needs_direct(study):
         return Tracing(whole=whole)
@@ -219,6 +108,34 @@ def _windows(job: Job, *, direct: bool) -> tuple[ShadedWindow, ...]:
     )
 
 
+def _stored(job: Job, *, direct: bool) -> StoredTracing:
+    # The same matrices, views in files
+    views = _stored_views(job, direct=False)
+    whole = _openings(job, direct=False)
+    most = most_sensors(job.study, job.inputs, direct=direct)
+    if not direct:
+        return StoredTracing(job.scratch, most, views, whole)
+    black = _blackened(job)
+    return StoredTracing(
+        job.scratch,
+        most,
+        views,
+        whole,
+        _stored_views(black, direct=True),
+        _openings(black, direct=True),
+    )
+
+
+def _openings(job: Job, *, direct: bool) -> tuple[Opening, ...]:
+    return tuple(
+        Opening(
+            tuple(state.transmission for state in group.states),
+            with_few_components(_daylight(job, group, number, direct=direct)),
+        )
+        for number, group in enumerate(job.inputs.groups)
+    )
+
+
 def _prefix(direct: bool) -> str:
     return "direct-" if direct else ""
 
@@ -256,10 +173,15 @@ def _sun(
     return job.matrix(f"sun-{label}", key, make)
 
 
-def _views(job: Job, *, direct: bool) -> dict[str, TransferMatrix]:
-    sensors, options = job.inputs.sensors(), job.options(DIRECT * direct)
+def _view_options(job: Job, *, direct: bool) -> dict[str, Any]:
+    options = job.options(DIRECT * direct)
     if direct:
         options["bounces"] = 1  # the gather at the sensor itself
+    return options
+
+
+def _views(job: Job, *, direct: bool) -> dict[str, TransferMatrix]:
+    sensors, options = job.inputs.sensors(), _view_options(job, direct=direct)
     groups: Sequence[WindowGroup] = job.inputs.groups
     inner = {f"{_prefix(direct)}view-{group.name}": group.inner for group in groups}
     key = fingerprint("view", job.scene_key, list(inner.values()), sensors, options)
@@ -277,6 +199,23 @@ def _views(job: Job, *, direct: bool) -> dict[str, TransferMatrix]:
 
     kept = job.matrices(list(inner), key, make)
     return {window.name: kept[name] for name, window in inner.items()}
+
+
+def _stored_views(job: Job, *, direct: bool) -> StoredViews:
+    sensors, options = job.inputs.sensors(), _view_options(job, direct=direct)
+    windows = [group.inner for group in job.inputs.groups]
+    name = f"{_prefix(direct)}views"
+    return store_views(
+        job,
+        job.scene,
+        windows,
+        name=name,
+        key=fingerprint("views", job.scene_key, windows, sensors, options),
+        sensors=sensors,
+        executor=job.executor,
+        progress=job.display(f"{_prefix(direct)}view matrices"),
+        **options,
+    )
 
 
 def _daylight(

@@ -6,7 +6,7 @@ numbers if those of all states fit into what the study allows, else forgotten as
 pictures pass.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,9 +27,11 @@ from clerestory.phases.pictures import (
     sun_pictures,
 )
 from clerestory.phases.shaded import ShadedWindow, States
+from clerestory.phases.streamed import Opening
 from clerestory.study.job import DIRECT, STATE, SUN, Job
+from clerestory.study.stored import Traced
 from clerestory.study.tables import ViewTable
-from clerestory.study.tracing import Skies, Tracing
+from clerestory.study.traced import Skies
 
 # Bytes of a pixel's coefficient for one sun: three half-precision numbers
 _PIXEL_BYTES = 6
@@ -48,7 +50,7 @@ class ViewTracing:
     job: Job
     table: ViewTable
     camera: Camera
-    tracing: Tracing
+    tracing: Traced
     whole: tuple[ShadedWindow, ...]
     direct: tuple[ShadedWindow, ...] = ()
     _suns: dict[tuple[int, int], SunPictures] = field(default_factory=dict)
@@ -151,7 +153,7 @@ def _combinations(
     ]
 
 
-def trace_views(job: Job, tracing: Tracing) -> tuple[ViewTracing, ...]:
+def trace_views(job: Job, tracing: Traced) -> tuple[ViewTracing, ...]:
     """Return the matrices of all views; what was traced before is found again."""
     return tuple(
         _view(job, tracing, table, camera)
@@ -159,9 +161,9 @@ def trace_views(job: Job, tracing: Tracing) -> tuple[ViewTracing, ...]:
     )
 
 
-def _view(job: Job, tracing: Tracing, table: ViewTable, camera: Camera) -> ViewTracing:
+def _view(job: Job, tracing: Traced, table: ViewTable, camera: Camera) -> ViewTracing:
     def windows(
-        parts: tuple[ShadedWindow, ...], *, direct: bool
+        parts: Sequence[ShadedWindow | Opening], *, direct: bool
     ) -> tuple[ShadedWindow, ...]:
         views = _view_matrices(job, table, camera, direct=direct)
         return tuple(

@@ -23,7 +23,7 @@ from clerestory.study.evidence import Judge
 from clerestory.study.job import Display
 from clerestory.study.lamps import Lamps
 from clerestory.study.tables import EVERY, ViewTable
-from clerestory.study.tracing import Skies
+from clerestory.study.traced import Skies
 from clerestory.study.view_tracing import ViewTracing
 
 PICTURE_FOLDER = "pictures"

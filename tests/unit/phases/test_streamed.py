@@ -4,19 +4,16 @@ import h5py
 import numpy as np
 import pytest
 
-from clerestory.errors import InputError, MatrixError
+from clerestory.errors import MatrixError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
+from clerestory.matrix.axis import sensor_axis, sky_axis, unknown_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.pooled import pooled
 from clerestory.phases.shaded import ShadedWindow, shaded_three_phase
+from clerestory.phases.store import MatrixStore
 from clerestory.phases.stored_views import StoredViews
-from clerestory.phases.streamed import (
-    Opening,
-    leaving_light,
-    pooled,
-    stream_illuminance,
-)
+from clerestory.phases.streamed import Opening, leaving_light, stream_illuminance
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.demo import write_demo
@@ -51,21 +48,29 @@ def shaded(rng, channels, states, view=4, daylight=4):
     )
 
 
-def stored(path, windows):
-    with h5py.File(path, "w") as file:
-        file.attrs["format"] = "Clerestory view matrices 1"
-        for name in ("values", "components"):
-            nothing = np.zeros((4, *windows[0].view.values.shape))
-            found = [getattr(window.view, name) for window in windows]
-            parts = [nothing if part is None else part for part in found]
-            file[name] = np.concatenate(parts, axis=-1).astype(np.float32)
-    return StoredViews.read(path)
+def stored(folder, windows):
+    """The views of some windows in two files."""
+    parts = [np.concatenate([w.view.values for w in windows], axis=-1)]
+    nothing = np.zeros((4, *windows[0].view.values.shape))
+    found = [w.view.components for w in windows]
+    parts.append(
+        np.concatenate([nothing if part is None else part for part in found], axis=-1)
+    )
+    values, components = (part.astype(np.float32) for part in parts)
+
+    def make(rows):
+        columns = unknown_axis(values.shape[-1])
+        axis = sensor_axis(rows.stop - rows.start)
+        return TransferMatrix(values[:, rows], axis, columns, components[:, :, rows])
+
+    blocks = (slice(0, 50), slice(50, SENSORS))
+    return StoredViews(MatrixStore(folder).blocks("views", "0", blocks, make), blocks)
 
 
 def streamed(tmp_path, windows, sky, states):
-    views = stored(tmp_path / "views.h5", windows)
+    views = stored(tmp_path / "views", windows)
     openings = [Opening(w.transmissions, w.daylight) for w in windows]
-    leaving = leaving_light(openings, sky, states, channels=views.channels)
+    leaving = leaving_light(openings, sky, states, channels=views.channels())
     stream_illuminance(tmp_path / "lux.nc", views, leaving, sky)
     with h5py.File(tmp_path / "lux.nc") as file:
         return file["illuminance"][...], file["standard_error"][...]
@@ -106,12 +111,27 @@ def test_pooled_batches_keep_the_variance():
     rng = np.random.default_rng(5)
     batches = rng.normal(size=(16, 1, 1, 20000))
     spread = (batches - batches.mean(axis=0)) / np.sqrt(16 * 15)
-    axis = sensor_axis(20000)
-    made = TransferMatrix(
-        batches.mean(axis=0), sensor_axis(1), axis, spread.astype(np.float32)
-    )
-    variance = np.square(pooled(made, 4)).sum(axis=0).mean()
+    variance = np.square(pooled(spread, 4)).sum(axis=0).mean()
     assert variance == pytest.approx(1 / 16, rel=0.05)
+    with pytest.raises(MatrixError, match="16 error components; a multiple of 5"):
+        pooled(spread, 5)
+
+
+def test_coefficients_of_some_sensors_come_from_their_blocks(tmp_path):
+    window = shaded(np.random.default_rng(7), 3, 1)
+    chosen = np.array([0, 7, 49, 50, 69])
+    found = stored(tmp_path, [window]).of(chosen)
+    np.testing.assert_allclose(found, window.view.values[:, chosen], rtol=1e-6)
+
+
+def test_light_of_other_windows_does_not_fit(tmp_path, sky):
+    window = shaded(np.random.default_rng(8), 1, 1)
+    opening = Opening(window.transmissions, window.daylight)
+    leaving = leaving_light([opening] * 2, sky, [np.zeros(48, int)] * 2, channels=1)
+    with pytest.raises(MatrixError, match="light of 82 patches in 1 channels; 41 in 1"):
+        stream_illuminance(
+            tmp_path / "lux.nc", stored(tmp_path, [window]), leaving, sky
+        )
 
 
 def test_states_that_do_not_exist_are_refused(sky):
@@ -119,10 +139,3 @@ def test_states_that_do_not_exist_are_refused(sky):
     opening = Opening(window.transmissions, window.daylight)
     with pytest.raises(MatrixError, match="state 2 of a window with 2 states"):
         leaving_light([opening], sky, [np.full(48, 2)], channels=1)
-
-
-def test_a_file_of_something_else_is_refused(tmp_path):
-    path = tmp_path / "views.h5"
-    path.write_bytes(b"nothing")
-    with pytest.raises(InputError, match="view matrices expected"):
-        StoredViews.read(path)
