@@ -6,7 +6,8 @@ the lobes.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -54,9 +55,6 @@ class Interpolant(ScatteringFunction):
     ----------
     network : lobes at the measured directions, and plans between them
     symmetry : of the layer
-    follow : share of the turn of the incident light that lobes follow where nothing
-        was measured, beyond the outermost directions; 1 for a clear pane, 0 for a
-        diffuser
 
     Examples
     --------
@@ -74,25 +72,37 @@ class Interpolant(ScatteringFunction):
 
     network: Network
     symmetry: Symmetry
-    follow: float = field(init=False)
-    _particles: dict[tuple[bool, int], Particles] = field(init=False, repr=False)
-    _moving: Network = field(init=False, repr=False)
-    _flux: Flux = field(init=False, repr=False)
-    _tree: list[ScatteringTree] = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        mesh = self.network.mesh
-        object.__setattr__(self, "_particles", {})
-        object.__setattr__(self, "_tree", [])
-        follow = _followed(self.network)
-        object.__setattr__(self, "follow", follow)
-        moving = with_continuations(self.network, follow=follow)
-        object.__setattr__(self, "_moving", moving)
+    @cached_property
+    def follow(self) -> float:
+        """Share of the turn of the incident light that lobes follow on the whole.
+
+        So they go on where nothing was measured, beyond the outermost directions: 1
+        for a clear pane, 0 for a diffuser.
+        """
+        return _followed(self.network)
+
+    @cached_property
+    def _moving(self) -> Network:
+        return with_continuations(self.network, follow=self.follow)
+
+    @cached_property
+    def _flux(self) -> Flux:
         totals = np.array([lobes.total for lobes in self.network.lobes])
-        flux = flux_surface(
-            mesh, totals, symmetry=self.symmetry, quadrant=self.network.quadrant
+        return flux_surface(
+            self.network.mesh,
+            totals,
+            symmetry=self.symmetry,
+            quadrant=self.network.quadrant,
         )
-        object.__setattr__(self, "_flux", flux)
+
+    @cached_property
+    def _particles(self) -> dict[tuple[bool, int], Particles]:
+        return {}
+
+    @cached_property
+    def _tree(self) -> ScatteringTree:
+        return to_tree(self, halvings=_HALVINGS)
 
     def __reduce__(self) -> tuple[type, tuple[Network, Symmetry]]:
         return Interpolant, (self.network, self.symmetry)
@@ -198,9 +208,7 @@ class Interpolant(ScatteringFunction):
 
     def tabulated(self) -> ScatteringTree:
         """Return a tree of 2^6 cells along each axis, made when it is first needed."""
-        if not self._tree:
-            self._tree.append(to_tree(self, halvings=_HALVINGS))
-        return self._tree[0]
+        return self._tree
 
     def own_partitions(self) -> None:
         """None: an interpolant is not made of patches."""

@@ -17,6 +17,7 @@ from clerestory.gonio.raster import Raster
 from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.square import disc_from_square
+from clerestory.phases.fingerprint import fingerprint
 from goniometer import film, pane
 
 FRONT = np.array([1.0, 1.0, -1.0])  # light from the sky
@@ -170,6 +171,17 @@ def test_a_fit_is_a_bsdf(pane_fit):
     assert bsdf.evaluate(source, to_room * FRONT) == 0  # reflection is not known
     back = bsdf.evaluate(to_room, source)
     assert back == pytest.approx(bsdf.evaluate(source, to_room), rel=1e-9)
+
+
+def test_the_fingerprint_of_a_fit_does_not_depend_on_what_it_was_used_for(pane_fit):
+    """Matrices that were traced with it are found again."""
+    part = pane_fit.interpolant
+    again = Interpolant(part.network, part.symmetry)
+    before = fingerprint(measured_bsdf([Fitted(again, "transmission_front")]))
+    again.hemispherical(between() * FRONT)
+    assert again.tabulated().depth == 6
+    after = fingerprint(measured_bsdf([Fitted(again, "transmission_front")]))
+    assert after == before
 
 
 def test_exported_matrices_hold_the_functions_of_the_fits(pane_fit):
