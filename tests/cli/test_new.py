@@ -79,3 +79,14 @@ def test_names_with_quotes_are_kept(call, demo):
     assert call(*words).status == 0
     study = read_study(demo / "office" / "study.toml")
     assert study.window[0].file.name == 'the "south".rad'
+
+
+def test_glazing_that_was_left_in_the_room_is_doubted(call, demo):
+    pane = (demo / "window.rad").read_text().replace("window_glow polygon", "polygon")
+    corners = pane.split("polygon", 1)[1]
+    glass = "void glass clear 0 0 3 .8 .8 .8\nclear polygon" + corners
+    (demo / "glazing.rad").write_text(glass)
+    words = COMMAND.replace("room.rad", "room.rad glazing.rad").split()
+    outcome = call(*words)
+    assert outcome.status == 0, outcome.err
+    assert 'window "window_glow" is covered by the surface' in outcome.err

@@ -2,6 +2,7 @@
 
 import json
 import os
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.bsdf.xml import read_bsdf
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import make_folder, write_text
+from clerestory.scene.check import check_scene
 from clerestory.scene.floor_grid import floor_grid, room_side
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import read_sensors
@@ -50,7 +52,8 @@ def begin_study(
     """Write a study file for a room, and what it lacks.
 
     The files stay where they are. Sensors are laid over the floor of the room unless a
-    file has them; a window whose back faces the room is turned round in a copy.
+    file has them; a window whose back faces the room is turned round in a copy. What is
+    doubtful, such as glazing that was left in its place, is warned of.
 
     Parameters
     ----------
@@ -73,6 +76,8 @@ def begin_study(
     groups = {Path(file): read_windows(file) for file in windows}
     read_bsdf(bsdf)
     read_weather(weather)
+    for doubt in check_scene(room, [w for found in groups.values() for w in found]):
+        warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
 
     # Fronts face the room
     shown, turned = [], []
