@@ -20,9 +20,11 @@ from clerestory.phases.sun import sun_coefficients
 SHARED = Path(__file__).parents[2] / "shared" / "data"
 SUN_SR = 2 * np.pi * (1 - np.cos(np.radians(0.533 / 2)))
 
-# As the tutorial of the five-phase method has it, with its 256 directions
+# As the tutorial of the five-phase method has it, with its 256 directions; but asked
+# for contributions (-V+): rcontrib 6.0a loses most coefficients of suns behind BSDFs
+SUN_RADIANCE = 1e6
 RCONTRIB = (
-    "rcontrib -n 2 -h -w- -I+ -ab 1 -ad {directions} -lw 1e-3 -dc 1 -dt 0 -dj 0"
+    "rcontrib -n 2 -h -w- -V+ -I+ -ab 1 -ad {directions} -lw 1e-3 -dc 1 -dt 0 -dj 0"
     " -e MF:6 -f reinhart.cal -b rbin -bn Nrbins -m solar suns.oct"
 )
 
@@ -89,7 +91,7 @@ def contenders(
 
         def make(_: int):
             found = radiance(command, place.folder, text)
-            return found[:, 1:][:, front] / SUN_SR
+            return found[:, 1:][:, front] / SUN_SR / SUN_RADIANCE
 
         return Contender(f"rcontrib {name}", make, peer=True)
 

@@ -1,0 +1,102 @@
+"""LBNL's five-phase tutorial, all of its steps, against Radiance's programs.
+
+The same room, blind, points and views, 40 hours of New York. Every matrix of the
+equation is compared, then illuminances and pictures.
+"""
+
+import numpy as np
+import pytest
+from tutorial import Effort, Tutorial
+from tutorial_pair import VIEWS, Many, OurTutorial, Pair, distance, write_tree
+
+import clerestory as cl
+from clerestory.sky.suns import patch_suns
+
+QUICK = Effort(runs=3, columns=12, view=3000, daylight=1000)
+WHOLE = Effort(runs=3, columns=32)
+
+
+@pytest.fixture(scope="module")
+def room(shared_data):
+    return shared_data / "tutorial_room"
+
+
+@pytest.fixture(scope="module")
+def quick(room, tmp_path_factory):
+    return Tutorial.copied(room, tmp_path_factory.mktemp("quick"), QUICK)
+
+
+@pytest.fixture(scope="module")
+def pair(room, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tutorial")
+    tree = folder / "blindsT4.xml"
+    write_tree(room, tree)
+    return Pair(Tutorial.copied(room, folder / "radiance", WHOLE), tree)
+
+
+def test_skies_and_suns_are_those_of_gendaymtx(quick):
+    """S, S_ds and S_sun of the 40 hours."""
+    weather = cl.read_weather(quick.folder / "assets" / "NYC.wea")
+    for options, include in (("-m 1", "all"), ("-m 1 -d", "sun")):
+        made = cl.sky_matrix(
+            weather, subdivision=1, include=include, sun_formula="radiance"
+        )
+        expected = quick.sky(options)
+        assert made.values == pytest.approx(expected, rel=1e-4, abs=1e-5)
+    suns = patch_suns(weather, sun_formula="radiance")
+    radiance = suns.radiance().toarray()
+    expected = quick.sky("-5 0.533 -d -m 6")[1, 1:]
+    assert radiance == pytest.approx(expected, rel=1e-4, abs=1)
+    assert suns.directions[quick.lit()] == pytest.approx(quick.suns(), abs=1e-6)
+
+
+def test_direct_matrices_equal_those_of_radiance(quick):
+    """V_d and D_d, whose black scene needs few rays, by their sums."""
+    ours = OurTutorial(quick.folder, None, quick.suns())
+    view = ours.view(1, direct=True, samples=4096).values[0].sum(axis=1)
+    runs = QUICK.runs
+    expected = Many.of(lambda run: quick.view(run, direct=True)[1].sum(axis=1), runs)
+    error = np.sqrt(expected.variance.mean())
+    assert error < 0.02 * expected.mean.mean()
+    assert np.all(abs(view - expected.mean) < 4.5 * error)
+    assert view.sum() == pytest.approx(expected.mean.sum(), rel=0.005)
+    daylight = ours.daylight(1, direct=True, samples=2048).values[0]
+    expected = quick.daylight(0, direct=True)[1]
+    assert daylight.sum() == pytest.approx(expected.sum(), rel=0.005)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("symbol", ["V", "V_d", "D", "D_d", "C"])
+def test_each_matrix_is_that_of_radiance(symbol, pair):
+    """Apart by no more than the noise of both, and the same light in all."""
+    ours, theirs = pair.matrices(symbol)
+    assert distance(ours, theirs) < 1.3
+    assert ours.mean.sum() == pytest.approx(theirs.mean.sum(), rel=0.01)
+
+
+@pytest.mark.slow
+def test_sensors_are_within_three_per_cent(pair):
+    """Every sensor in every hour in which Radiance has 100 lx, but for the noise."""
+    lux, error, theirs = pair.illuminance()
+    expected = theirs.mean
+    counted = expected > 100
+    assert counted.mean() > 0.9
+    noise = np.sqrt(theirs.variance + error**2)
+    apart = abs(lux - expected)
+    assert np.all((apart < 0.03 * expected + 4 * noise)[counted])
+    assert np.mean((apart < 0.03 * expected)[counted]) > 0.98
+    mean, other = lux.mean(axis=0), expected.mean(axis=0)
+    assert mean[other > 100] == pytest.approx(other[other > 100], rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("view", VIEWS)
+def test_pictures_are_those_of_radiance(view, pair):
+    """All pixels in all hours apart by the noise of both, the means by 1 %."""
+    ours, theirs, shown = pair.pictures(view)
+    apart = (ours.mean - theirs.mean)[shown]
+    noise = (ours.variance + theirs.variance)[shown]
+    assert np.sqrt(np.mean(apart**2) / noise.mean()) < 1.3
+    mean, other = (np.where(shown, m.mean, 0).sum(axis=0) for m in (ours, theirs))
+    lit = other > 1
+    assert mean[lit] == pytest.approx(other[lit], rel=0.01)
