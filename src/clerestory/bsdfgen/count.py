@@ -133,7 +133,7 @@ class Counter:
             seed=effort.seed,
         )
         self._scores = [
-            _merged(*old, new.cell, new.sums)
+            _merged(*old, new.cell, new.sums, cells=self.grid.cells)
             for old, new in zip(self._scores, found, strict=True)
         ]
         self._paths[self._rows] += extra
@@ -209,10 +209,16 @@ def _merged(
     sums: Float[np.ndarray, "old channel"],
     more: Int64[np.ndarray, " new"],
     added: Float[np.ndarray, "new channel"],
+    *,
+    cells: int,
 ) -> tuple[Int64[np.ndarray, " cell"], Float[np.ndarray, "cell channel"]]:
     # Sums by ascending place
-    every = np.union1d(place, more)
+    lit = np.zeros(cells, dtype=bool)
+    lit[place] = lit[more] = True
+    every = np.flatnonzero(lit)
+    at = np.empty(cells, dtype=np.int32)
+    at[every] = np.arange(len(every), dtype=np.int32)
     total = np.zeros((len(every), sums.shape[1]))
-    total[np.searchsorted(every, place)] = sums
-    total[np.searchsorted(every, more)] += added
+    total[at[place]] = sums
+    total[at[more]] += added
     return every, total
