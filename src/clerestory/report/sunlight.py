@@ -11,7 +11,7 @@ from clerestory.report.markup import Markup, element, join
 from clerestory.report.period import date_words
 
 # Drawing: place of the axis, height of a bar, gap below it [px]
-_LEFT, _RIGHT, _WIDTH = 130, 24, 700
+_LEFT, _RIGHT, _WIDTH = 190, 24, 640
 _TOP, _BAR, _GAP = 6, 16, 8
 _MORNING, _EVENING = 5, 21
 _SUN, _LINE = "#f0b429", "#c9ced6"
