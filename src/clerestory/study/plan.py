@@ -20,7 +20,7 @@ from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Job
 from clerestory.study.lamps import trace_lamps
 from clerestory.study.run import MATRIX_FOLDER
-from clerestory.study.tracing import trace_study
+from clerestory.study.tracing import needs_direct, trace_study
 from clerestory.study.view_tracing import trace_views
 
 # What a run holds beside matrices: libraries and kernels, and the sums of a trace with
@@ -30,8 +30,8 @@ _PROCESS, _SUMS = 450e6, 3 * 2**29
 # What a triangle takes on the device and on its way there [bytes], roughly
 _TRIANGLE = 400
 
-# Variables over sensors and steps that results hold, as single precision
-_VARIABLES = 4
+# Bytes of an hourly value in a table of text
+_TEXT = 7
 
 
 @dataclass(frozen=True)
@@ -230,10 +230,18 @@ def _planned(
         workers=place.workers(),
         matrices=tuple(found),
         later=_together(later),
-        results=4 * _VARIABLES * len(inputs.sensors()) * steps,
+        results=_hour_bytes(study) * len(inputs.sensors()) * steps,
         scene=_TRIANGLE * _triangles(inputs.scene),
         streamed=max((_leaving(e, steps) for e in store.entries), default=0),
     )
+
+
+def _hour_bytes(study: Study) -> int:
+    # Illuminance and its error; the terms of the five-phase method, direct sun, lamps
+    variables = 2 + bool(study.lighting)
+    if needs_direct(study):
+        variables += 1 + 3 * (study.method == "5-phase")
+    return 4 * variables + _TEXT * (study.output.csv + study.output.ill)
 
 
 def _leaving(entry: _Entry, steps: int) -> int:

@@ -4,8 +4,11 @@ The choice depends on the study alone, never on the machine: where it falls the 
 way, standard errors come from fewer batches, and results are the same everywhere.
 """
 
+import warnings
+
 from clerestory.engine.estimate import BATCHES
 from clerestory.engine.grey import channels_of
+from clerestory.errors import ClerestoryWarning
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 
@@ -27,10 +30,18 @@ def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
     ----------
     direct : whether direct light is traced apart
     """
-    if study.method != "3-phase":
-        return False
     each = _sensor_bytes(study, inputs, coefficient=_COEFFICIENT, direct=direct)
-    return len(inputs.sensors()) * each > study.trace.memory_gb * 1e9
+    whole = len(inputs.sensors()) * each * 1e-9
+    large = whole > study.trace.memory_gb
+    if large and study.method != "3-phase":
+        warnings.warn(
+            f"the {study.method} method holds all in memory, more than {whole:.1f} GB;"
+            " only the three-phase method goes through files",
+            ClerestoryWarning,
+            stacklevel=2,
+        )
+        return False
+    return large
 
 
 def most_sensors(study: Study, inputs: Inputs, *, direct: bool) -> int:

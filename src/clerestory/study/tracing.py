@@ -55,7 +55,8 @@ def trace_study(job: Job) -> Traced:
     ------
     InputError : a rule asks for what the method does not know
     """
-    study = job.study
+    study, direct = job.study, needs_direct(job.study)
+    stored = is_stored(study, job.inputs, direct=direct)
     if study.method == "2-phase":
         if any(w.control and w.control.rule == "LM-83" for w in study.window):
             raise InputError(
@@ -63,22 +64,22 @@ def trace_study(job: Job) -> Traced:
                 " light; the three- or five-phase method expected"
             )
         return Tracing(coefficients=trace_coefficients(job))
-    if is_stored(study, job.inputs, direct=needs_direct(study)):
-        return _stored(job, direct=needs_direct(study))
+    if stored:
+        return _stored(job, direct=direct)
     whole = _windows(job, direct=False)
-    if not needs_direct(study):
+    if not direct:
         return Tracing(whole=whole)
     black = _blackened(job)
-    direct = _windows(black, direct=True)
+    dark = _windows(black, direct=True)
     if study.method != "5-phase":
-        return Tracing(whole=whole, direct=direct)
+        return Tracing(whole=whole, direct=dark)
     suns = study_suns(study, job.inputs.weather)
     sun = tuple(
         tuple(_sun(black, group, number, state, suns) for state in range(count))
         for number, group in enumerate(job.inputs.groups)
         for count in (len(group.states),)
     )
-    return Tracing(whole=whole, direct=direct, sun=sun, suns=suns)
+    return Tracing(whole=whole, direct=dark, sun=sun, suns=suns)
 
 
 def study_suns(study: Study, weather: Weather) -> SunMatrix:
