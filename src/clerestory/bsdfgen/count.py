@@ -213,6 +213,8 @@ def _merged(
     cells: int,
 ) -> tuple[Int64[np.ndarray, " cell"], Float[np.ndarray, "cell channel"]]:
     # Sums by ascending place
+    if not len(place):
+        return more, added
     lit = np.zeros(cells, dtype=bool)
     lit[place] = lit[more] = True
     every = np.flatnonzero(lit)
