@@ -33,7 +33,7 @@ def test_a_study_is_begun_that_can_be_read(call, demo):
     assert [table.file.resolve() for table in study.window] == [
         (demo / "window.rad").resolve()
     ]
-    rows = (demo / "office" / "sensors.pts").read_text().splitlines()
+    rows = (demo / "office" / "workplane.pts").read_text().splitlines()
     assert 45 <= len(rows) <= 54
     assert all(row.endswith("0.7600 0 0 1") for row in rows)
     assert "next: clerestory run" in outcome.out

@@ -19,7 +19,7 @@ from clerestory.scene.sensors import read_sensors
 from clerestory.scene.window import Window, read_windows
 from clerestory.sky.read import read_weather
 
-STUDY_FILE, SENSOR_FILE = "study.toml", "sensors.pts"
+STUDY_FILE, SENSOR_FILE = "study.toml", "workplane.pts"
 
 
 @dataclass(frozen=True)
