@@ -43,6 +43,9 @@ _BATCHES = 4
 # Steps multiplied at a time: 640,000 pixels of 16 steps take 123 MB
 _STEPS = 16
 
+# Pixels multiplied at a time: their half-precision coefficients are widened for it
+_PIXELS = 1 << 15
+
 
 @dataclass(frozen=True, eq=False)
 class Camera:
@@ -304,8 +307,22 @@ def _phases(
     for window in windows:
         response = SkyResponse(window.transmission @ window.daylight, sky)
         sent = response.rgb().values
-        total = total + window.view.values @ sent.astype(np.float32)
+        total = total + _shown(window.view.values, sent.astype(np.float32))
     return total
+
+
+def _shown(
+    view: Float[np.ndarray, "channel pixel patch"],
+    sent: Float[np.ndarray, "3 patch time"],
+) -> Float[np.ndarray, "3 pixel time"]:
+    # V X, some pixels at a time; grey rooms have one channel for all three
+    pixels = view.shape[1]
+    light = np.empty((3, pixels, sent.shape[2]), np.float32)
+    for first in range(0, pixels, _PIXELS):
+        some = slice(first, first + _PIXELS)
+        wide = view[:, some].astype(np.float32)
+        np.matmul(wide, sent, out=light[:, some])
+    return light
 
 
 def _sunlit(coefficients: SunPictures, normal: Any) -> np.ndarray:

@@ -1,9 +1,9 @@
 """Trace what the pictures of one view need, and multiply them out for given states.
 
 V and V_d of the pixels are traced once for all states. Direct suns are traced for each
-state when it first acts; they are kept beside the other matrices as half-precision
-numbers if those of all states fit into what the study allows, else forgotten as the
-pictures pass.
+state when it first acts. All are kept beside the other matrices as half-precision
+numbers; those of suns only if all states' fit into what the study allows, else they are
+forgotten as the pictures pass.
 """
 
 from collections.abc import Iterator, Sequence
@@ -130,7 +130,7 @@ class ViewTracing:
                 progress=progress,
                 **options,
             )
-            return replace(traced, values=traced.values.astype(np.float16))
+            return _half(traced)
 
         return kept(job.matrix(f"picture-sun-{label}", key, make))
 
@@ -140,6 +140,14 @@ class ViewTracing:
         pixels = sum(len(camera) for camera in inputs.cameras)
         states = sum(len(group.states) for group in inputs.groups)
         return _PIXEL_BYTES * pixels * suns * states
+
+
+def _half(matrix: TransferMatrix) -> TransferMatrix:
+    # Three digits are enough for a pixel, whose noise is larger. Grey rooms have three
+    # equal channels, which are one in memory: one is enough
+    values = matrix.values
+    alike = values.strides[0] == 0
+    return replace(matrix, values=values[: 1 if alike else 3].astype(np.float16))
 
 
 def _combinations(
@@ -188,7 +196,9 @@ def _view_matrices(
     options |= {"samples": table.samples, "direct": direct}
     prefix = "direct-picture" if direct else "picture"
     inner = {f"{prefix}-{table.label}-{g.name}": g.inner for g in job.inputs.groups}
-    key = fingerprint("picture", job.scene_key, list(inner.values()), camera, options)
+    key = fingerprint(
+        "half picture", job.scene_key, list(inner.values()), camera, options
+    )
 
     def make() -> dict[str, TransferMatrix]:
         progress = job.display(f"{prefix} matrices of {table.label}")
@@ -200,7 +210,7 @@ def _view_matrices(
             progress=progress,
             **options,
         )
-        return {name: traced[window.name] for name, window in inner.items()}
+        return {name: _half(traced[window.name]) for name, window in inner.items()}
 
     found = job.matrices(list(inner), key, make)
     return {window.name: found[name] for name, window in inner.items()}
