@@ -68,25 +68,28 @@ def sensors(pair: Pair) -> list[str]:
 def pictures(pair: Pair) -> list[str]:
     """Return the table of pictures."""
     lines = [
-        "| view | worst hour's mean | difference / joint noise | noise of the pixels,"
-        " Radiance | ours |",
-        "|---|---|---|---|---|",
+        "| view | pixels: difference / joint noise | all hours | worst hour's mean"
+        " | in joint noises of it | noise of a pixel, Radiance | ours |",
+        "|---|---|---|---|---|---|---|",
     ]
     for view in VIEWS:
         ours, theirs, shown = pair.pictures(view)
-        apart = (ours.mean - theirs.mean)[shown]
-        noise = (ours.variance + theirs.variance)[shown].mean()
-        mean, other = (np.where(shown, m.mean, 0).sum(axis=0) for m in (ours, theirs))
-        lit = other > 1
-        hour = mean[lit] / other[lit] - 1
+        apart = np.where(shown, ours.mean - theirs.mean, 0)
+        both = np.where(shown, ours.variance + theirs.variance, 0)
+        total = np.where(shown, theirs.mean, 0).sum(axis=0)
+        lit = total > 1
+        hour = apart.sum(axis=0)[lit] / total[lit]
+        worst = abs(hour).argmax()
+        chance = np.sqrt(both.sum(axis=0))[lit] / total[lit]
         level = theirs.mean[shown].mean()
         own = [
-            np.sqrt(m.variance[shown].mean() * len(m.values)) / level
-            for m in (theirs, ours)
+            np.sqrt(m.variance[shown].mean() * share) / level
+            for m, share in ((theirs, 1), (ours, len(ours.values)))
         ]
         lines.append(
-            f"| {view} | {hour[abs(hour).argmax()]:+.2%} |"
-            f" {np.sqrt(np.mean(apart**2) / noise):.2f} | {own[0]:.1%} | {own[1]:.1%} |"
+            f"| {view} | {np.sqrt(np.square(apart).sum() / both.sum()):.2f} |"
+            f" {apart.sum() / total.sum():+.2%} | {hour[worst]:+.2%} |"
+            f" {abs(hour[worst]) / chance[worst]:.1f} | {own[0]:.1%} | {own[1]:.1%} |"
         )
     return lines
 
@@ -142,7 +145,7 @@ def page(pair: Pair, tree: Path) -> str:
         "Where the two differ:",
         "",
         "- Behind a BSDF, suns must be traced as contributions (`-V+`); the"
-        " coefficients that rcontrib 6.0a gives without it lose most of their light:",
+        " coefficients that rcontrib 6.0a gives without it lose a third and more:",
         "",
         *recipes(pair, tree),
         "",

@@ -40,7 +40,7 @@ class Effort:
 
     Attributes
     ----------
-    runs : of everything, to know its noise
+    runs : of everything but pictures, to know its noise
     columns : of the pictures
     rays : of each pixel, the tutorial's -c 9
     view, daylight, sun, pixel : numbers of directions or samples
@@ -142,11 +142,14 @@ class Tutorial:
         )  # fmt: skip
 
     def daylight(self, run: int, *, direct: bool) -> np.ndarray:
-        """D or D_d (channel, patch, sky)."""
+        """D or D_d (channel, patch, sky).
+
+        With as many samples every run would draw the same.
+        """
         bounces = "-ab 0" if direct else "-ab 4 -ad 1 -lw 1e-6"
         octree = "black" if direct else "room"
         return self.matrix(
-            f"rfluxmtx -n 2 -ff -h- {bounces} -c {self.effort.daylight}"
+            f"rfluxmtx -n 2 -ff -h- {bounces} -c {self.effort.daylight + 16 * run}"
             f" objects/GlazingVmtx.rad skyDomes/skyglow.rad -i {octree}.oct",
             run, PATCHES + 1,
         )  # fmt: skip
@@ -166,9 +169,9 @@ class Tutorial:
         words = self.run(f"vwrays -vf views/{view}.vf -x {size} -y {size} -d").split()
         return int(words[1]), int(words[3])
 
-    def _rays(self, view: str, run: int) -> str:
-        # The rays of all pixels, the same for all matrices of a run
-        name = f"{view}{run}.rays"
+    def _rays(self, view: str) -> str:
+        # The rays of all pixels, pixel by pixel, the same for all matrices
+        name = f"{view}0.rays"
         if not (self.folder / name).exists():
             size = self.effort.columns
             self.run(
@@ -177,33 +180,31 @@ class Tutorial:
             )
         return name
 
-    def pixels(self, view: str, run: int, *, direct: bool) -> np.ndarray:
-        """V or V_d of a view (channel, pixel, patch)."""
-        rays = self._rays(view, run)
+    def pixels(self, view: str, *, direct: bool) -> np.ndarray:
+        """V or V_d of a view (channel, ray, patch)."""
+        rays = self._rays(view)
         octree, bounces = ("black", "-i -ab 1") if direct else ("room", "-ab 4")
         directions = self.effort.pixel_direct if direct else self.effort.pixel
         found = self.matrix(
             f"rfluxmtx -n 2 -ff -h- {bounces} -ad {directions} -lw 1e-5"
             f" - objects/GlazingVmtx.rad -i {octree}.oct < {rays}",
-            run, PATCHES,
+            0, PATCHES,
         )  # fmt: skip
         if direct:
             found = found * self._material_map(rays, "map1")[:, :, None]
-        return self._averaged(found)
+        return found
 
-    def sun_pixels(
-        self, view: str, run: int, octree: str
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """C_R-ds and C_F-ds of a view, each (channel, pixel, sun)."""
-        rays = self._rays(view, run)
+    def sun_pixels(self, view: str, octree: str) -> tuple[np.ndarray, np.ndarray]:
+        """C_R-ds and C_F-ds of a view, each (channel, ray, sun)."""
+        rays = self._rays(view)
         options = f"rcontrib {SUN} -ff"
         directions = self.effort.pixel_direct
         suns, end = len(self.lit()), f"{self._modifiers()} {octree}.oct < {rays}"
-        room = self.matrix(f"{options} -i -ab 1 -ad {directions} {end}", run, suns)
-        facade = self.matrix(f"{options} -ab 0 {end}", run, suns)
+        room = self.matrix(f"{options} -i -ab 1 -ad {directions} {end}", 0, suns)
+        facade = self.matrix(f"{options} -ab 0 {end}", 0, suns)
         room = room * self._material_map(rays, "map2")[:, :, None]
         scale = SUN_RADIANCE * SUN_SR
-        return self._averaged(room) / scale, self._averaged(facade) / scale
+        return room / scale, facade / scale
 
     def _material_map(self, rays: str, octree: str) -> np.ndarray:
         # Radiance under ambient light of 1/π: reflectance over π, eq. (4) and (5)
@@ -213,11 +214,6 @@ class Tutorial:
             0, 1,
         )  # fmt: skip
         return found[:, :, 0]
-
-    def _averaged(self, rays: np.ndarray) -> np.ndarray:
-        channels, count, columns = rays.shape
-        each = self.effort.rays
-        return rays.reshape(channels, count // each, each, columns).mean(axis=2)
 
     def _modifiers(self) -> str:
         return " ".join(f"-m sun{i}" for i in range(len(self.lit())))

@@ -236,21 +236,25 @@ class Pair:
     def pictures(self, view: str) -> tuple[Many, Many, np.ndarray]:
         """Luminance (pixel, hour) by both, and which of it shows no sun.
 
-        Of a pixel's nine rays one or none meets the disc, a thousand times as bright
-        as all else: Radiance's runs tell nothing there.
+        Radiance's rays of a pixel tell its noise. Of nine rays one or none meets the
+        sun's disc, a thousand times as bright as all else.
         """
         shape = self.theirs.shape(view)
         ours = Many.of(lambda run: self._ours(view, shape, run), 2)
-        theirs = Many.of(lambda run: self._theirs(view, run), self.theirs.effort.runs)
+        rays = self._theirs(view).reshape(
+            shape[0] * shape[1], self.theirs.effort.rays, -1
+        )
+        theirs = Many(np.moveaxis(rays, 1, 0))
         looks = self.ours.camera(view, shape).view.rays(*shape).direction
         near = looks.reshape(-1, 3) @ self.ours.suns.T > np.cos(np.radians(3))
         return ours, theirs, near @ (self.skies.suns > 0) == 0
 
-    def _theirs(self, view: str, run: int) -> np.ndarray:
-        room, facade = self.theirs.sun_pixels(view, run, self.octree)
+    def _theirs(self, view: str) -> np.ndarray:
+        # Luminance of each ray in each hour
+        room, facade = self.theirs.sun_pixels(view, self.octree)
         parts = {
-            "V": self.theirs.pixels(view, run, direct=False)[1],
-            "V_d": self.theirs.pixels(view, run, direct=True)[1],
+            "V": self.theirs.pixels(view, direct=False)[1],
+            "V_d": self.theirs.pixels(view, direct=True)[1],
             "D": self.their_matrices["D"].mean,
             "D_d": self.their_matrices["D_d"].mean,
             "C": (room + facade)[1],
