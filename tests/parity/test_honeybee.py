@@ -7,9 +7,16 @@ import pytest
 
 from clerestory.control.direct_sun import operate_by_direct_sun
 from clerestory.errors import InputError
+from clerestory.metrics.annual import annual_maximum, annual_mean
 from clerestory.metrics.autonomy import continuous_autonomy, daylight_autonomy
+from clerestory.metrics.exposure import light_exposure
 from clerestory.metrics.honeybee import read_honeybee, write_honeybee
 from clerestory.metrics.hours import occupied_hours
+from clerestory.metrics.spatial import (
+    hours_above,
+    spatial_autonomy,
+    sunlight_exposure,
+)
 from clerestory.metrics.useful import useful_illuminance
 
 
@@ -40,6 +47,33 @@ def test_metrics_equal_the_reference_to_the_last_digit(shared_data, folder, grid
     for metric, share in found.items():
         expected = reference(shared_data, metric, grid)
         assert np.allclose(100 * share.values, expected, atol=0.005 + 1e-6)
+
+
+# What honeybee-radiance-postprocess 0.5.25 says of results_sample with its defaults:
+# AnnualDaylight(folder).spatial_daylight_autonomy(), .annual_sunlight_exposure(),
+# and of the sensor that has most of each .average_values(), .peak_values(),
+# .cumulative_values()
+PROGRAM = {
+    "TestRoom_1": (1.0, 0.25, 770, 2595.99902, 50652.0703, 22740952.0),
+    "TestRoom_2": (23 / 24, 0.0, 162, 1278.63525, 58312.2656, 11200845.0),
+}
+
+
+@pytest.mark.parametrize("grid", list(PROGRAM))
+def test_shares_of_rooms_and_statistics_equal_those_of_the_program(folder, grid):
+    """It keeps single precision, a year's sum to about a lux hour in 10⁷."""
+    results = read_honeybee(folder)
+    lux = results.illuminance(grid)
+    direct = results.illuminance(grid, light="direct")
+    hours = occupied_hours(lux["time"].values)
+    year = np.ones(len(hours), dtype=bool)
+    sda, ase, most, mean, peak, total = PROGRAM[grid]
+    assert spatial_autonomy(lux, hours).value == pytest.approx(sda, abs=1e-12)
+    assert sunlight_exposure(direct, hours).value == ase
+    assert hours_above(direct, hours).max() == most
+    assert annual_mean(lux, year).max() == pytest.approx(mean, rel=2e-7)
+    assert annual_maximum(lux, year).max() == pytest.approx(peak, rel=1e-7)
+    assert light_exposure(lux, year).max() == pytest.approx(total, rel=2e-7)
 
 
 def test_states_choose_among_the_arrays(folder):
