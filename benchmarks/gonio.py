@@ -457,11 +457,23 @@ def smoothing_lines(folder):
                 f"{v:.{d}f}" for v, d in zip(values, (4, 2, 2, 3, 3), strict=True)
             )
             yield f"| {name} | {factor:g} | {line} |"
-            if factor == 1.0:
-                key = name.split()[0].lower()
-                scan = len(measurement.scans) // 2
-                fitted = fit_measurement(measurement, symmetry="isotropic")
-                save(fit_figure(measurement, fitted.interpolant, scan), f"gonio-{key}")
+    for name, measurement in [*data_sets(folder)][1:]:
+        data_figures(name.split()[0].lower(), measurement, symmetry="isotropic")
+    (lenslets,) = read_measurement(folder / "rt300s" / "IMX455.bsdf")
+    data_figures("imx455", lenslets)
+
+
+def data_figures(key, measurement, symmetry=None):
+    """Write the fit of a scan, and what lies half-way to the nearest."""
+    fitted = fit_measurement(measurement, symmetry=symmetry)
+    theta = np.array([scan.theta_deg for scan in measurement.scans])
+    order = np.lexsort((np.arange(len(theta)), theta))
+    middle = len(order) // 2
+    save(fit_figure(measurement, fitted.interpolant, order[middle]), f"gonio-{key}")
+    incidents = measurement.incidents
+    away = angle_between(incidents, incidents[order[middle]])
+    ends = incidents[np.argsort(away)[1::-1]]
+    save(between_figure(fitted.interpolant, *ends), f"gonio-{key}-between")
 
 
 def save(figure, name):

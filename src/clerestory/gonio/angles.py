@@ -37,6 +37,19 @@ def angle_between(
     return np.asarray(2 * np.arcsin(np.minimum(chord / 2, 1)))
 
 
+def angle_table(
+    one: Float[np.ndarray, "one 3"], other: Float[np.ndarray, "other 3"]
+) -> Float[np.ndarray, "one other"]:
+    """Angles between all pairs of unit vectors [rad], to 1e-7 where they are small.
+
+    >>> up = np.array([[0, 0, 1.0], [0, 0.6, 0.8]])
+    >>> angle_table(up, up[:1]).round(4).tolist()
+    [[0.0], [0.6435]]
+    """
+    squared_chord = np.maximum(2 - 2 * (one @ other.T), 0)
+    return np.asarray(2 * np.arcsin(np.minimum(np.sqrt(squared_chord) / 2, 1)))
+
+
 def straight_on(
     incident: Float[np.ndarray, "*batch 3"],
 ) -> Float[np.ndarray, "*batch 3"]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.gonio.angles import angle_between, straight_on
+from clerestory.gonio.angles import angle_table, straight_on
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.nodes import Network
 from clerestory.gonio.transport import Plan
@@ -115,7 +115,7 @@ class _Turns:
     def _alike(self) -> Float[np.ndarray, "lobes lobes"]:
         # Lobes near to each other, sharp ones more than wide ones
         radius = self.lobes.radius
-        apart = angle_between(self.lobes.centre[:, None], self.lobes.centre)
+        apart = angle_table(self.lobes.centre, self.lobes.centre)
         near = np.exp(-0.5 * (apart / (_ALIKE * np.minimum.outer(radius, radius))) ** 2)
         sharp = np.minimum(1, (radius[:, None] / radius) ** 2)
         return np.asarray(near * sharp * (radius < _WIDE))

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import TypeVar
 
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 Report = Callable[[float, str], None]
 
@@ -62,6 +62,11 @@ def map_in_order(
 
 
 def _alone(function: Callable[[_Value], _Result], value: _Value) -> _Result:
-    # Libraries are loaded by now; a limit set when a process starts would miss them
-    with threadpool_limits(1):
+    with _libraries().limit(limits=1):
         return function(value)
+
+
+@functools.cache
+def _libraries() -> ThreadpoolController:
+    # Those of linear algebra, which are loaded by the time that there is work
+    return ThreadpoolController()

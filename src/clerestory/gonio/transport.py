@@ -23,7 +23,7 @@ import numpy as np
 import ot
 from jaxtyping import Bool, Float, Int
 
-from clerestory.gonio.angles import angle_between
+from clerestory.gonio.angles import angle_table
 from clerestory.gonio.lobes import Lobes
 
 # Reach of a lobe: so many times the angle between the incident directions, for a
@@ -84,7 +84,7 @@ def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
     >>> plan.sent.round(3).tolist(), plan.received.round(3).tolist()
     ([0.5], [0.3])
     """
-    distance = angle_between(start.centre[:, None], end.centre)
+    distance = angle_table(start.centre, end.centre)
     moved = _moved(start, end, distance, angle)
     source, target = np.nonzero(moved > _LEAST_SHARE * (start.total + end.total))
     flux = moved[source, target]
@@ -130,7 +130,7 @@ def _companions(
     if not len(lone) or not len(part):
         none = np.zeros(0, dtype=int)
         return none, none, none
-    apart = angle_between(lobes.centre[lone, None], lobes.centre[part])
+    apart = angle_table(lobes.centre[lone], lobes.centre[part])
     alike = lobes.radius[part] < _WIDER * lobes.radius[lone, None]
     apart = np.where(alike, apart, np.inf)
     nearest = apart.argmin(axis=1)
@@ -177,7 +177,7 @@ def _reach(lobes: Lobes, angle: float) -> Float[np.ndarray, " lobes"]:
 
 
 def _apart(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
-    return angle_between(lobes.centre[:, None], lobes.centre)
+    return angle_table(lobes.centre, lobes.centre)
 
 
 def _near(relative: Float[np.ndarray, "one other"]) -> Float[np.ndarray, "one other"]:
