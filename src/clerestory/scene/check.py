@@ -27,7 +27,7 @@ _SHUT_IN = 0.25
 _SMALLEST, _LARGEST = 0.1, 2000.0
 
 # Questions of one sensor to one triangle asked at most; sensors are left out beyond
-_EFFORT = 300_000_000
+_EFFORT = 60_000_000
 
 _RAYS = 64
 

@@ -23,9 +23,9 @@ from clerestory.study.run import MATRIX_FOLDER
 from clerestory.study.tracing import needs_direct, trace_study
 from clerestory.study.view_tracing import trace_views
 
-# What a run holds beside matrices: libraries and kernels, and the sums of a trace with
-# their means [bytes]
-_PROCESS, _SUMS = 450e6, 3 * 2**29
+# What a run holds beside matrices: libraries and kernels, and the sums of a block of
+# rows with their means and deviations [bytes]
+_PROCESS, _SUMS = 450e6, 5 * 2**29
 
 # What a triangle takes on the device and on its way there [bytes], roughly
 _TRIANGLE = 400
@@ -91,10 +91,13 @@ class StudyPlan:
     def memory(self) -> float:
         """Most memory of the run [bytes]."""
         held = sum(m.bytes for m in self.matrices if not m.stored)
-        largest = max((m.bytes for m in self.matrices), default=0)
-        sums = min(_SUMS, 6 * largest)
-        hours = self.streamed or self.results
-        return _PROCESS + held + sums + self.scene + hours
+        sums = max(
+            (m.bytes * (32 if m.stored else 6) for m in self.matrices), default=0
+        )
+        sums = min(_SUMS, sums)
+        # What leaves the windows is there when sums are no more; hours are kept beside
+        work = max(sums, self.streamed) if self.streamed else sums + self.results
+        return _PROCESS + held + self.scene + work
 
     @property
     def disk(self) -> int:
