@@ -94,6 +94,16 @@ def pictures(pair: Pair) -> list[str]:
     return lines
 
 
+def facades(pair: Pair) -> list[str]:
+    """Return the table of direct sun at the window."""
+    lines = ["| C_F-ds, all suns | ours / Radiance's | the file / Radiance's |"]
+    lines.append("|---|---|---|")
+    for view in VIEWS:
+        ours, theirs, table = pair.facade(view)
+        lines.append(f"| {view} | {ours / theirs:.3f} | {table / theirs:.3f} |")
+    return lines
+
+
 def recipes(pair: Pair, tree: Path) -> list[str]:
     """Return the table of rcontrib's ways to C_ds: all light, over ours."""
     made = pair.theirs
@@ -155,6 +165,11 @@ def page(pair: Pair, tree: Path) -> str:
         " stands at the edge of a bright cell of the tree, C_ds differs by a fifth."
         " Quadrature over window and disc agrees with ours (`tests/physics/"
         "test_sun_through_trees.py`).",
+        "- The same blur makes the window's pixels brighter in hours of low sun. The"
+        " file's values along Radiance's own rays say so:",
+        "",
+        *facades(pair),
+        "",
         "- The tutorial's pane stands 5 cm behind the opening and leaves a gap above"
         " the sill. rcontrib lets sun in through it, the window's matrices do not; a"
         " strip closes it in Radiance's scene of suns.",

@@ -180,6 +180,12 @@ class Tutorial:
             )
         return name
 
+    def ray_directions(self, view: str) -> np.ndarray:
+        """Unit vectors of the rays (ray, 3)."""
+        rays = np.fromfile(self.folder / self._rays(view), "<f4").reshape(-1, 6)
+        looks = rays[:, 3:].astype(float)
+        return looks / np.linalg.norm(looks, axis=1, keepdims=True)
+
     def pixels(self, view: str, *, direct: bool) -> np.ndarray:
         """V or V_d of a view (channel, ray, patch)."""
         rays = self._rays(view)

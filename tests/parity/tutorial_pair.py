@@ -249,6 +249,30 @@ class Pair:
         near = looks.reshape(-1, 3) @ self.ours.suns.T > np.cos(np.radians(3))
         return ours, theirs, near @ (self.skies.suns > 0) == 0
 
+    def facade(self, view: str) -> tuple[float, float, float]:
+        """Direct sun in pixels that show nothing but window, over suns beside them.
+
+        Ours, Radiance's, and what the file's table says along Radiance's rays.
+        """
+        made, suns = self.ours, self.ours.suns
+        shape = self.theirs.shape(view)
+        _, found = (each[1] for each in self.theirs.sun_pixels(view, self.octree))
+        looks = self.theirs.ray_directions(view)
+        frame = made.window.frame
+        axes = np.stack([frame.right, frame.up, frame.normal], axis=-1)
+        slant = np.maximum(-suns @ frame.normal, 0)
+        table = np.stack(
+            [made.tree.evaluate(sun @ axes, -looks @ axes) for sun in suns], axis=1
+        )
+        table = np.where(found > 0, table * slant, 0)
+        ours = made.sun_pixels(view, shape, 0).values[0]
+        each = (len(ours), -1, len(suns))
+        window = (found.reshape(each).sum(axis=2) > 0).all(axis=1)
+        near = looks.reshape(len(ours), -1, 3)[:, 0] @ suns.T > np.cos(np.radians(5))
+        shown = window[:, None] & ~near
+        theirs, table = (a.reshape(each).mean(axis=1) for a in (found, table))
+        return tuple(float(a[shown].sum()) for a in (ours, theirs, table))
+
     def _theirs(self, view: str) -> np.ndarray:
         # Luminance of each ray in each hour
         room, facade = self.theirs.sun_pixels(view, self.octree)
