@@ -96,8 +96,8 @@ class Results:
         count = self.data.sizes["sensor"]
         if count <= most:
             return self
-        chosen = np.linspace(0, count - 1, most).round().astype(int)
-        note = f"{most:,} of {count:,} sensors are shown, evenly spread"
+        chosen = np.arange(0, count, -(-count // most))
+        note = f"{len(chosen):,} of {count:,} sensors are shown, evenly spread"
         told = [*self.run.get("warnings", ()), note]
         data = self.data.isel(sensor=chosen).load()
         return Results(data, {**self.run, "warnings": told})
