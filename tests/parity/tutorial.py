@@ -136,15 +136,15 @@ class Tutorial:
         bounces = 1 if direct else 4
         octree = "black" if direct else "room"
         return self.matrix(
-            f"rfluxmtx -n 2 -faf -h- -I+ -ab {bounces} -ad {self.effort.view} -lw 1e-7"
-            f" -y 100 - objects/GlazingVmtx.rad -i {octree}.oct < points.txt",
+            f"rfluxmtx -n 2 -faf -h- -I+ -ab {bounces} -lw 1e-7"
+            f" -ad {self.effort.view + 16 * run} -y 100 - objects/GlazingVmtx.rad -i {octree}.oct < points.txt",
             run, PATCHES,
         )  # fmt: skip
 
     def daylight(self, run: int, *, direct: bool) -> np.ndarray:
         """D or D_d (channel, patch, sky).
 
-        With as many samples every run would draw the same.
+        With as many samples every run would draw the same, here and elsewhere.
         """
         bounces = "-ab 0" if direct else "-ab 4 -ad 1 -lw 1e-6"
         octree = "black" if direct else "room"
@@ -158,7 +158,7 @@ class Tutorial:
         """C_ds of the points (channel, sensor, sun)."""
         return self.matrix(
             f"awk '{{for (i = 0; i < {REPEATS}; i++) print}}' points.txt |"
-            f" rcontrib {SUN} -faf -I+ -ab 1 -ad {self.effort.sun // REPEATS}"
+            f" rcontrib {SUN} -faf -I+ -ab 1 -ad {self.effort.sun // REPEATS + run}"
             f" -c {REPEATS} {self._modifiers()} {octree}.oct",
             run, len(self.lit()),
         ) / SUN_RADIANCE / SUN_SR  # fmt: skip
