@@ -101,7 +101,7 @@ def behind_slats(tilt_deg: float) -> Scene:
 def behind_tree(tilt_deg: float, halvings: int) -> tuple[Scene, int]:
     """Return the room with the blind's tree in its window, and the tree's size."""
     bsdf = cl.generate_bsdf(
-        venetian(**_shape(tilt_deg)), basis="tree4", halvings=halvings, samples=1024
+        venetian(**_shape(tilt_deg)), basis="tree4", halvings=halvings, samples=256
     )
     layer = BsdfSurface("blind", bsdf, 0.0, np.array([0.0, 0, 1]))
     corners = [(-HALF, SILL), (-HALF, HEAD), (HALF, HEAD), (HALF, SILL)]
