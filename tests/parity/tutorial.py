@@ -137,7 +137,8 @@ class Tutorial:
         octree = "black" if direct else "room"
         return self.matrix(
             f"rfluxmtx -n 2 -faf -h- -I+ -ab {bounces} -lw 1e-7"
-            f" -ad {self.effort.view + 16 * run} -y 100 - objects/GlazingVmtx.rad -i {octree}.oct < points.txt",
+            f" -ad {self.effort.view + 16 * run} -y 100"
+            f" - objects/GlazingVmtx.rad -i {octree}.oct < points.txt",
             run, PATCHES,
         )  # fmt: skip
 
