@@ -90,10 +90,21 @@ def duel(
             error = np.sqrt(np.mean((matrix - reference) ** 2)) / reference.mean()
             errors[contender.name].append(error)
 
+    return table(title, contenders, seconds, errors)
+
+
+def table(
+    title: str,
+    contenders: list[Contender],
+    seconds: dict[str, list[float]],
+    errors: dict[str, list[float]],
+) -> str:
+    """Return a Markdown table of the seconds and errors of each contender's runs."""
     cost = {
         c.name: np.median(seconds[c.name]) * np.mean(np.square(errors[c.name]))
         for c in contenders
     }
+    runs = len(seconds[contenders[0].name])
     peers = [c for c in contenders if c.peer]
     heads = [f"× {c.name}" for c in peers]
     lines = [f"### {title}", "", f"{stamp()}; medians of {runs} runs in turns.", ""]

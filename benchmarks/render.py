@@ -1,6 +1,6 @@
 """A picture of a room behind a BSDF, under sun and sky, against rpict at equal noise.
 
-    python benchmarks/render.py [--bsdf FILE] [--resolution 160] [--write FILE]
+    python benchmarks/render.py [--bsdf FILE] [--resolution 400] [--write FILE]
 
 rpict runs without interpolation of indirect light (-aa 0). It blurs the patches of a
 BSDF on purpose, so that its error on the window does not fall with more directions:
@@ -10,10 +10,11 @@ noise. Ratios above 1 say how many times less work (time × variance) it takes.
 
 import argparse
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
-from duel import ENVIRONMENT, Contender, duel
+from duel import ENVIRONMENT, Contender, table
 from rooms import Room, room, workplace
 from sun_matrix import SHARED
 
@@ -59,29 +60,16 @@ def shows_window(place: Room, resolution: int) -> np.ndarray:
     return np.all((point >= low) & (point <= high), axis=-1)
 
 
-def contenders(
-    place: Room, bsdf: Path, resolution: int, shown: np.ndarray, reference: int
-) -> tuple[list[Contender], np.ndarray]:
-    """Return our runs at two efforts, Radiance's, and a long reference.
-
-    Parameters
-    ----------
-    shown : pixels to compare
-    reference : paths a pixel of the reference
-    """
+def contenders(place: Room, bsdf: Path, resolution: int) -> list[Contender]:
+    """Return Radiance at two efforts, and ours; each makes a picture's luminance."""
     files = scene_files(place, bsdf)
     scene, view = cl.read_rad(*files), cl.parse_view(VIEW)
-    columns, rows = view.size_for(resolution)
 
     def ours(samples: int):
-        def make(run: int):
-            made = cl.render(
-                scene, view, columns=columns, rows=rows, samples=samples,
-                bounces=BOUNCES, seed=run,
-            )  # fmt: skip
-            return made.picture.luminance().astype(float)[shown]
-
-        return Contender(f"{samples} paths a pixel", make)
+        return Contender(
+            f"{samples} paths a pixel",
+            lambda run: render(scene, view, resolution, samples, run),
+        )
 
     def theirs(directions: int):
         names = " ".join(str(f) for f in files)
@@ -97,36 +85,75 @@ def contenders(
                 capture_output=True,
             )  # fmt: skip
             made = cl.read_picture(place.folder / "room.hdr")
-            return made.luminance().astype(float)[shown]
+            return made.luminance().astype(float)
 
         return Contender(f"rpict -aa 0 -ad {directions}", make, peer=True)
 
-    found = [theirs(64), theirs(256), ours(64), ours(256)]
-    return found, ours(reference).make(12345)
+    return [theirs(64), theirs(256), ours(16), ours(64)]
+
+
+def render(
+    scene: cl.Scene, view: cl.View, resolution: int, samples: int, seed: int
+) -> np.ndarray:
+    """Return the luminance of our picture."""
+    columns, rows = view.size_for(resolution)
+    made = cl.render(
+        scene, view, columns=columns, rows=rows, samples=samples, bounces=BOUNCES,
+        seed=seed,
+    )  # fmt: skip
+    return made.picture.luminance().astype(float)
 
 
 def main() -> None:
     """Read the command line, run, print and write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bsdf", type=Path, help="BSDF file of the window")
-    parser.add_argument("--resolution", type=int, default=160)
-    parser.add_argument("--runs", type=int, default=2)
-    parser.add_argument("--reference", type=int, default=16384, help="paths a pixel")
+    parser.add_argument("--resolution", type=int, default=400)
+    parser.add_argument("--runs", type=int, default=1)
+    parser.add_argument("--reference", type=int, default=1024, help="paths a pixel")
     parser.add_argument("--write", type=Path, help="Markdown file to write")
     options = parser.parse_args()
     place = room(workplace())
-    bsdf = options.bsdf or SHARED / "tutorial_room" / "blinds" / "blinds.xml"
+    bsdf = (
+        options.bsdf or SHARED / "tutorial_room" / "blinds" / "blinds.xml"
+    ).resolve()
+    found = contenders(place, bsdf, options.resolution)
+    scene, view = cl.read_rad(*scene_files(place, bsdf)), cl.parse_view(VIEW)
+    # The first call of a process compiles kernels
+    render(scene, view, 64, 8, 0)
+    halves = [
+        render(scene, view, options.resolution, options.reference // 2, seed)
+        for seed in (98765, 43210)
+    ]
     window = shows_window(place, options.resolution)
-    tables = []
-    for name, shown in (("beside the window", ~window), ("on the window", window)):
-        found, reference = contenders(
-            place, bsdf.resolve(), options.resolution, shown, options.reference
-        )
-        title = f"Picture of {options.resolution} columns, {place.name}, {bsdf.name}: "
-        tables.append(duel(title + name, found, reference, runs=options.runs))
-        print(tables[-1])
+    kinds = {"beside the window": ~window, "on the window": window}
+    seconds: dict[str, list[float]] = {c.name: [] for c in found}
+    errors = {kind: {c.name: [] for c in found} for kind in kinds}
+    for run in range(1, options.runs + 1):
+        for contender in found:
+            start = time.perf_counter()
+            made = contender.make(run)
+            seconds[contender.name].append(time.perf_counter() - start)
+            for kind, shown in kinds.items():
+                error = error_against(made[shown], *(half[shown] for half in halves))
+                errors[kind][contender.name].append(error)
+    title = f"Picture of {options.resolution} columns, {place.name}, {bsdf.name}: "
+    tables = [table(title + k, found, seconds, errors[k]) for k in kinds]
+    print("\n\n".join(tables))
     if options.write:
-        options.write.write_text("\n".join(tables) + "\n")
+        options.write.write_text("\n\n".join(tables) + "\n")
+
+
+def error_against(made: np.ndarray, one: np.ndarray, two: np.ndarray) -> float:
+    """Return the root mean square error over the mean, without the reference's own.
+
+    Parameters
+    ----------
+    one, two : independent references, whose mean is compared with
+    """
+    reference, noise = (one + two) / 2, np.mean((one - two) ** 2) / 4
+    square = np.mean((made - reference) ** 2) - noise
+    return float(np.sqrt(max(square, 0.0)) / reference.mean())
 
 
 if __name__ == "__main__":

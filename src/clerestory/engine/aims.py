@@ -24,8 +24,11 @@ from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.walk import offset, passed, towards
 
-# Largest share of directions that are aimed at portals.
-_AIMED = 0.35
+# Surfaces without a diffuse part aim at portals so much less often.
+_GLOSSY = 0.4
+
+# Of the rays that seek what the sun lights, those along lobes of windows.
+_LOBES = 0.5
 
 
 @dataclass
@@ -69,45 +72,78 @@ class Vertex:
     Attributes
     ----------
     point : [m]
-    normal : on the side that light is gathered from
     leave : function that returns the point moved off its surface towards a direction
     scatter : function that returns BSDF × cosine for light straight from a lamp, and
         the pdf of the material's own sampling, for a direction
-    aimed : chance of aiming at portals
-    worth : of all portals from here
+    aim : at portals
     """
 
     point: mi.Point3f
-    normal: mi.Vector3f
     leave: object
     scatter: object
-    aimed: mi.Float
-    worth: mi.Float
+    aim: "PortalAim"
 
-    def mixture(self, lit: LitScene, direction, own, active):
-        """Return the pdf with which the path goes on along a direction."""
-        aimed = active & (self.aimed > 0)
-        there = lit.portals.pdf(self.point, self.normal, direction, self.worth, aimed)
-        return self.aimed * there + (1 - self.aimed) * own
+    def portal_pdf(self, lit: LitScene, direction, active):
+        """Return the density of aiming at any portal [1/sr], where that is done."""
+        active = active & self.aim.aims
+        return lit.portals.pdf(self.point, self.aim.cell, direction, active)
 
+    def mixture(self, there, own):
+        """Return the pdf with which the path goes on along a direction.
 
-def aims(lit: LitScene, point, normal, smooth):
-    """Return the chance of aiming at portals, and what they are worth."""
-    if lit.portals.count == 0:
-        return mi.Float(0), mi.Float(1)
-    worth = lit.portals.total(point, normal)
-    share = dr.minimum(worth / (worth + dr.pi), _AIMED)
-    return dr.select(smooth, share, 0), worth
+        Parameters
+        ----------
+        there, own : density of aiming at portals, and of the material's sampling
+        """
+        return self.aim.chance * there + (1 - self.aim.chance) * own
 
 
-def at_surface(model: LoweredScene, si, context, depth, active, portals) -> Vertex:
+@dataclass
+class PortalAim:
+    """How a vertex aims at portals.
+
+    Attributes
+    ----------
+    aims : whether it does
+    cell : of the room that it lies in
+    chance : that the path goes on towards any portal
+    """
+
+    aims: mi.Bool
+    cell: mi.UInt32
+    chance: mi.Float
+
+    @classmethod
+    def of(cls, lit: LitScene, point, normal, share) -> "PortalAim":
+        """Return the aim of a surface that takes a share of the cell's chance."""
+        if lit.portals.count == 0:
+            return cls.none()
+        cell = lit.portals.cells.number(point, normal)
+        chance = dr.gather(mi.Float, lit.portals.aimed, cell, share > 0)
+        return cls(share > 0, cell, share * chance)
+
+    @classmethod
+    def none(cls) -> "PortalAim":
+        """Return no aim."""
+        return cls(mi.Bool(False), mi.UInt32(0), mi.Float(0))
+
+
+def share_of_portals(flags, smooth):
+    """Return the share of chances that a surface takes, for what its material does."""
+    diffuse = mi.has_flag(flags, mi.BSDFFlags.Diffuse)
+    return dr.select(smooth, dr.select(diffuse, mi.Float(1), _GLOSSY), 0)
+
+
+def at_surface(
+    model: LoweredScene, si, context, depth, active, aim: PortalAim
+) -> Vertex:
     """Return the vertex at a hit.
 
     Parameters
     ----------
     context : which parts of the material scatter light that is aimed at
     depth : of the geometry that the surface stands for; light leaves on its far side
-    portals : chance of aiming at portals, and their worth
+    aim : at portals
     """
     bsdf, behind = si.bsdf(), si.n * depth
 
@@ -119,8 +155,7 @@ def at_surface(model: LoweredScene, si, context, depth, active, portals) -> Vert
     def scatter(direction):
         return bsdf.eval_pdf(context, si, si.to_local(direction), active)
 
-    normal = dr.mulsign(si.n, si.wi.z)
-    return Vertex(si.p, normal, leave, scatter, *portals)
+    return Vertex(si.p, leave, scatter, aim)
 
 
 @dataclass
@@ -144,49 +179,72 @@ def sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, active):
     direction, pdf, radiance = sun.direction, sun.pdf, sun.radiance
     value, own = vertex.scatter(direction)
     lit_up = active & (dr.max(value) > 0)
-    mixed = vertex.mixture(lit, direction, own, lit_up)
+    mixed = vertex.mixture(vertex.portal_pdf(lit, direction, lit_up), own)
     start = vertex.leave(direction, lit_up)
     seen = passed(lit.model, start, lambda o: mi.Ray3f(o, direction), lit_up, True)
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
 
 
-def sunlight_by_lobes(lit: LitScene, vertex: Vertex, sun: SunAim, draw: Draw, active):
-    """Return the light of a sun that a window scatters to a vertex along a lobe.
+def seeks(lit: LitScene) -> bool:
+    """Whether there is anything to seek that suns may light."""
+    return bool(lit.sky.suns and (lit.portals.count or lit.lobes.groups))
 
-    Paths that go on to that window by chance share it: see `share_of_lobes`.
+
+def sought_sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, draw: Draw, active):
+    """Return the light of a sun that a vertex gets from what is likely lit by it.
+
+    One ray looks back along a lobe in which a window scatters the sun, or towards a
+    portal. What scatters the sun there is shared with paths that come to it by chance:
+    see `sought_pdf`.
     """
-    u, v, pick = draw.other(8), draw.other(9), mi.Float(0)
-    if len(lit.lobes.groups) > 1:
-        pick = draw.other(10)
-    direction = lit.lobes.draw(pick, sun.direction, u, v)
+    u, v, pick = draw.other(8), draw.other(9), draw.other(10)
+    direction = mi.Vector3f(0, 0, 1)
+    if lit.portals.count:
+        direction = lit.portals.aim(vertex.point, vertex.aim.cell, u, v)
+    if lit.lobes.groups:
+        along = lit.lobes.draw(dr.minimum(pick / _LOBES, 1), sun.direction, u, v)
+        chosen = pick < _LOBES if lit.portals.count else mi.Bool(True)
+        direction = dr.select(chosen, along, direction)
     value, own = vertex.scatter(direction)
     lit_up = active & (dr.max(value) > 0)
-    pdf = lit.lobes.pdf(direction, sun.direction)
-    pdf += vertex.mixture(lit, direction, own, lit_up)
+    there = vertex.portal_pdf(lit, direction, lit_up)
+    pdf = vertex.mixture(there, own) + sought_pdf(lit, sun, direction, there)
     ray = mi.Ray3f(vertex.leave(direction, lit_up), direction)
     hit = lit.model.scene.ray_intersect_preliminary(ray, active=lit_up)
-    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, lit_up)
     lit_up &= hit.is_valid()
-    shape = dr.reinterpret_array(mi.UInt32, si.shape)
-    lit_up &= dr.gather(mi.Bool, lit.model.layer_of_shape, shape, lit_up)
+    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, lit_up)
+    lit_up &= is_sought(lit.model, dr.reinterpret_array(mi.UInt32, si.shape), lit_up)
     si.sh_frame = mi.Frame3f(si.n)
     si.wi = si.to_local(-direction)
     straight = materials.lamp_context()
-    window = at_surface(lit.model, si, straight, 0, lit_up, (mi.Float(0), mi.Float(1)))
-    light = sunlight(lit, window, sun, lit_up)
+    place = at_surface(lit.model, si, straight, 0, lit_up, PortalAim.none())
+    light = sunlight(lit, place, sun, lit_up)
     return dr.select(lit_up & (pdf > 0), value * light / pdf, 0)
 
 
-def share_of_lobes(lit: LitScene, sun: SunAim, direction, pdf, shared):
-    """Return the share of a sun's light that a path keeps which met a window by chance.
+def sought_pdf(lit: LitScene, sun: SunAim, direction, there):
+    """Return the density with which a vertex seeks sunlit places along a direction.
 
     Parameters
     ----------
-    direction : in which the path came to the window, with the density `pdf`
-    shared : whether the window is one that the vertex before looked for along lobes
+    there : density of aiming at portals
     """
-    density = lit.lobes.pdf(direction, sun.direction)
-    return dr.select(shared, pdf / (pdf + density), 1)
+    if not lit.lobes.groups:
+        return there
+    along = lit.lobes.pdf(direction, sun.direction)
+    return _LOBES * along + (1 - _LOBES) * there if lit.portals.count else along
+
+
+def is_sought(model: LoweredScene, shape, active):
+    """Whether a shape is something that is sought where the sun lights it."""
+    flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
+    depth = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
+    matt = mi.has_flag(flags, mi.BSDFFlags.Smooth)
+    matt &= ~mi.has_flag(flags, mi.BSDFFlags.Null)
+    matt &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
+    layer = dr.gather(mi.Bool, model.layer_of_shape, shape, active)
+    lamp = dr.gather(mi.UInt32, model.lamp_of_shape, shape, active)
+    return active & (depth == 0) & (lamp == 0) & (matt | layer)
 
 
 def mirrored_sunlight(lit: LitScene, vertex: Vertex, draw: Draw, active):
@@ -217,7 +275,7 @@ def lamplight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     lit_up = active & (dr.max(value) > 0) & (cosine > 1e-6)
     radiance = lamps.emitted(lamp, -direction, lit_up)
     lit_up &= dr.max(radiance) > 0
-    mixed = vertex.mixture(lit, direction, own, lit_up)
+    mixed = vertex.mixture(vertex.portal_pdf(lit, direction, lit_up), own)
     start = vertex.leave(direction, lit_up)
     seen = passed(lit.model, start, lambda o: towards(o, point), lit_up)
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)

@@ -16,15 +16,18 @@ from clerestory.engine import points as sampling
 from clerestory.engine.aims import (
     Draw,
     LitScene,
+    PortalAim,
     SunAim,
     Vertex,
-    aims,
     at_surface,
+    is_sought,
     lamplight,
     mirrored_sunlight,
-    share_of_lobes,
+    seeks,
+    share_of_portals,
+    sought_pdf,
+    sought_sunlight,
     sunlight,
-    sunlight_by_lobes,
 )
 from clerestory.engine.mirrors import is_mirror
 from clerestory.engine.points import Points
@@ -35,6 +38,9 @@ _ROULETTE = 0.2
 
 _MOST_SEGMENTS = 1000
 
+# For paths that begin where nothing was sought.
+NOTHING = -1.0
+
 
 def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
     """Begin at an irradiance sensor.
@@ -42,33 +48,34 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
     Returns
     -------
     light : irradiance from what is aimed at directly
-    ray, weight, pdf : how the path goes on
+    ray, weight, pdf, there : how the path goes on, as `look` takes it
     """
 
     def scatter(direction):
         cosine = dr.maximum(dr.dot(normal, direction), 0)
         return mi.Color3f(cosine), cosine * dr.inv_pi
 
-    aimed, worth = aims(lit, position, normal, mi.Bool(True))
-    vertex = Vertex(position, normal, lambda d, a: position, scatter, aimed, worth)
+    portal = PortalAim.of(lit, position, normal, mi.Float(1))
+    vertex = Vertex(position, lambda d, a: position, scatter, portal)
     light = lamplight(lit, vertex, draw, mi.Bool(True))
     if lit.sky.suns:
         sun = SunAim.of(lit, draw)
         light += sunlight(lit, vertex, sun, mi.Bool(True))
         light += mirrored_sunlight(lit, vertex, draw, mi.Bool(True))
-        if lit.lobes.groups:
-            light += sunlight_by_lobes(lit, vertex, sun, draw, mi.Bool(True))
+        if seeks(lit):
+            light += sought_sunlight(lit, vertex, sun, draw, mi.Bool(True))
     u, v = draw.number(sampling.DIRECTION_U), draw.number(sampling.DIRECTION_V)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     direction = mi.Frame3f(normal).to_world(local)
     if lit.portals.count:
-        aim = draw.number(sampling.LOBE) < aimed
-        there = lit.portals.aim(position, normal, worth, u, v)
-        direction = dr.select(aim, there, direction)
+        aimed = draw.number(sampling.LOBE) < portal.chance
+        target = lit.portals.aim(position, portal.cell, u, v)
+        direction = dr.select(aimed, target, direction)
     value, own = scatter(direction)
-    pdf = vertex.mixture(lit, direction, own, mi.Bool(True))
+    there = vertex.portal_pdf(lit, direction, mi.Bool(True))
+    pdf = vertex.mixture(there, own)
     weight = dr.select(pdf > 0, value / pdf, 0)
-    return light, mi.Ray3f(position, direction), weight, pdf
+    return light, mi.Ray3f(position, direction), weight, pdf, there
 
 
 @dr.syntax
@@ -80,6 +87,7 @@ def look(
     index: mi.UInt32,
     weight: mi.Color3f,
     pdf: mi.Float,
+    there: mi.Float,
     sharp: mi.Bool,
     segments: mi.UInt32,
     active: mi.Bool,
@@ -91,6 +99,8 @@ def look(
     ray : first segment of each path
     weight : what its light counts
     pdf : of the first direction; 0: nothing was aimed at from its origin
+    there : density with which portals were aimed at along it; `NOTHING` where what
+        suns light was not sought from its origin
     sharp : whether the eye looks along the first segment
     segments : most segments between diffuse scattering
     """
@@ -107,7 +117,7 @@ def look(
     vertex = mi.UInt32(1)  # vertices so far, the start included
     # Mirrors since a vertex at which suns were aimed at; 2: more, or something else
     relay = dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2))
-    looked = mi.Bool(pdf > 0)  # whether the last vertex looked along lobes of suns
+    looked = mi.Bool(there >= 0)  # whether the last vertex sought what suns light
 
     while active:
         hit = scene.ray_intersect_preliminary(ray, active=active)
@@ -154,8 +164,10 @@ def look(
         opaque &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
         draw = Draw(points, seed, index, vertex)
         facing = dr.mulsign(si.n, cosine)
-        aimed, worth = aims(lit, si.p, facing, works & smooth & opaque)
-        place = at_surface(model, si, straight, depth, works, (aimed, worth))
+        share = share_of_portals(flags, works & smooth & opaque)
+        portal = PortalAim.of(lit, si.p, facing, share)
+        aimed = portal.chance
+        place = at_surface(model, si, straight, depth, works, portal)
 
         # Aim at suns and lamps
         near = works & smooth & (segment <= segments)
@@ -164,10 +176,11 @@ def look(
         if dr.hint(lit.sky.suns > 0, mode="scalar"):
             sun = SunAim.of(lit, draw)
             direct = sunlight(lit, place, sun, near)
-            if dr.hint(len(lit.lobes.groups) > 0, mode="scalar"):
-                shared = looked & dr.gather(mi.Bool, model.layer_of_shape, shape, near)
-                direct *= share_of_lobes(lit, sun, ray.d, pdf, shared)
-                gained += sunlight_by_lobes(lit, place, sun, draw, matt)
+            if dr.hint(seeks(lit), mode="scalar"):
+                shared = looked & (pdf > 0) & is_sought(model, shape, near)
+                sought = sought_pdf(lit, sun, ray.d, there)
+                direct *= dr.select(shared, pdf / (pdf + sought), 1)
+                gained += sought_sunlight(lit, place, sun, draw, matt)
             gained += direct + mirrored_sunlight(lit, place, draw, near)
         light += dr.select(near, weight * gained, 0)
 
@@ -178,11 +191,11 @@ def look(
         to_portal = chance < aimed
         lobe = dr.clip((chance - aimed) / (1 - aimed), 0, 0.9999999)
         if dr.hint(lit.portals.count > 0, mode="scalar"):
-            there = lit.portals.aim(si.p, facing, worth, u, v)
+            target = lit.portals.aim(si.p, portal.cell, u, v)
             value, own, sample, factor = bsdf.eval_pdf_sample(
-                context, si, si.to_local(there), lobe, mi.Point2f(u, v), works
+                context, si, si.to_local(target), lobe, mi.Point2f(u, v), works
             )
-            direction = dr.select(to_portal, there, si.to_world(sample.wo))
+            direction = dr.select(to_portal, target, si.to_world(sample.wo))
             value = dr.select(to_portal, value, factor * sample.pdf)
             own = dr.select(to_portal, own, sample.pdf)
         else:
@@ -192,7 +205,8 @@ def look(
         kind = sample.sampled_type
         null = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Null) | ignored
         delta = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Delta) & ~null
-        mixed = place.mixture(lit, direction, own, works & (aimed > 0))
+        there = place.portal_pdf(lit, direction, works)
+        mixed = place.mixture(there, own)
         both = dr.select(mixed > 0, value / mixed, 0)
         spread = aimed > 0
         kept = dr.select(spread & ~delta, both, factor / (1 - aimed))

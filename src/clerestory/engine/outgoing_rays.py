@@ -11,7 +11,7 @@ import numpy as np
 
 from clerestory.engine import points as sampling
 from clerestory.engine.aims import Draw
-from clerestory.engine.look import look
+from clerestory.engine.look import NOTHING, look
 from clerestory.engine.outgoing import OutgoingJob
 from clerestory.engine.pixels import light_of, segments_of, tracer_of
 from clerestory.engine.upload import vectors
@@ -80,8 +80,8 @@ def prepare_outgoing(job: OutgoingJob) -> Tracer:
         ray = mi.Ray3f(point + normal * _BEFORE, -leaving)
         return look(
             lit, draw.points, ray, draw.seed, draw.index, mi.Color3f(1),
-            mi.Float(_NEVER), mi.Bool(False), dr.opaque(mi.UInt32, limit),
-            mi.Bool(True),
+            mi.Float(_NEVER), mi.Float(NOTHING), mi.Bool(False),
+            dr.opaque(mi.UInt32, limit), mi.Bool(True),
         )  # fmt: skip
 
     return tracer_of(light, job.seed, job.batches)

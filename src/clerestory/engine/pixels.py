@@ -15,16 +15,18 @@ from jaxtyping import Float
 
 from clerestory.engine import points as sampling
 from clerestory.engine.aims import Draw, LitScene
+from clerestory.engine.guide import guided
 from clerestory.engine.lit import IrradianceJob, PictureJob
-from clerestory.engine.look import gather_at_sensor, look
+from clerestory.engine.look import NOTHING, gather_at_sensor, look
 from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
+from clerestory.engine.places import LOOKING, visit
 from clerestory.engine.points import points
 from clerestory.engine.portals import Portals, window_rectangles
 from clerestory.engine.seen import seen_surface
 from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.sun_lobes import SunLobes
-from clerestory.engine.sun_patches import LOOKING, with_sun_patches
+from clerestory.engine.sun_patches import sun_patches
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.work import Tracer, Unit
 from clerestory.scene.model import Scene
@@ -50,9 +52,9 @@ def prepare_picture(job: PictureJob) -> Tracer:
         )
         ray, valid = rays.through(row, x, y, origin)
         position, normal, found = seen_surface(lit.model, ray, valid)
-        gained, ray, weight, pdf = gather_at_sensor(lit, draw, position, normal)
+        gained, ray, weight, pdf, there = gather_at_sensor(lit, draw, position, normal)
         gained += look(
-            lit, draw.points, ray, draw.seed, draw.index, weight, pdf,
+            lit, draw.points, ray, draw.seed, draw.index, weight, pdf, there,
             mi.Bool(False), dr.opaque(mi.UInt32, max(limit - 1, 0)),
             found & (dr.max(weight) > 0),
         )  # fmt: skip
@@ -67,7 +69,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
         )
         return look(
             lit, draw.points, ray, draw.seed, draw.index, mi.Color3f(1), mi.Float(0),
-            mi.Bool(True), dr.opaque(mi.UInt32, limit), valid,
+            mi.Float(NOTHING), mi.Bool(True), dr.opaque(mi.UInt32, limit), valid,
         )  # fmt: skip
 
     kind = irradiance if job.quantity == "irradiance" else light
@@ -87,10 +89,10 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
     def gathered(draw: Draw, row):
         o = dr.gather(mi.Point3f, position, row)
         n = dr.gather(mi.Vector3f, normal, row)
-        light, ray, weight, pdf = gather_at_sensor(lit, draw, o, n)
+        light, ray, weight, pdf, there = gather_at_sensor(lit, draw, o, n)
         active = dr.max(weight) > 0
         return light + look(
-            lit, draw.points, ray, draw.seed, draw.index, weight, pdf,
+            lit, draw.points, ray, draw.seed, draw.index, weight, pdf, there,
             mi.Bool(False), dr.opaque(mi.UInt32, limit), active,
         )  # fmt: skip
 
@@ -106,19 +108,22 @@ def light_of(
 
     Parameters
     ----------
-    paths : function that returns first segments of paths, along which places are
-        looked for that the sun shines on
+    paths : function that returns first segments of paths, which look what there is to
+        aim at
     """
     model = lower(scene, origin=origin)
     windows = window_rectangles(scene, origin)
     lit = LitScene(
         model=model,
         sky=SkyLight.of(scene),
-        portals=Portals.of(windows),
+        portals=Portals.unknown(windows),
         mirrors=Mirrors.of(scene),
         lobes=SunLobes.of(scene),
     )
-    return lit if paths is None else with_sun_patches(lit, windows, paths)
+    if paths is None:
+        return lit
+    places = visit(model, paths())
+    return guided(lit, windows, sun_patches(lit, places), places)
 
 
 def _first_points(count: int):

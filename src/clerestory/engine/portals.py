@@ -4,18 +4,19 @@ Light comes through few places: panes, blinds, skylights. Directions towards the
 proposed beside those of the materials; every proposal's density is known for every
 direction, so both together stay unbiased whatever the rectangles leave out.
 
-Windows are aimed at by the solid angle they subtend (see `windows`). Places that the
-sun shines on directly join them as small bright patches (see `sun_patches`), aimed at
-by their area.
+Rectangles are aimed at by the solid angle they subtend (see `windows`). Places that the
+sun shines on directly join the windows (see `sun_patches`). How often each is aimed at
+is told for cells of the room (see `guide`).
 """
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.engine.cells import Cells
 from clerestory.engine.upload import some, vectors
 from clerestory.engine.windows import RectangleView
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
@@ -26,8 +27,8 @@ MOST = 12
 # Polygons smaller than this share of the largest are no place to aim at.
 _SMALLEST = 1e-3
 
-# Radiance of a window compared with the mean from all directions, where it is unknown.
-_TYPICAL = 20.0
+# Directions that are aimed at rectangles as long as nothing is known of them.
+_UNKNOWN = 0.35
 
 _TRANSMITTING = (Glass, BsdfSurface, Illum, Trans)
 
@@ -48,6 +49,15 @@ class Rectangles:
     def __len__(self) -> int:
         return len(self.corner)
 
+    def __add__(self, other: "Rectangles") -> "Rectangles":
+        parts = zip(astuple(self), astuple(other), strict=True)
+        return Rectangles(*(np.concatenate(pair) for pair in parts))
+
+    @classmethod
+    def none(cls) -> "Rectangles":
+        """Return no rectangles."""
+        return cls(*np.zeros((3, 0, 3)))
+
     def some(self, chosen: Bool[np.ndarray, " n"]) -> "Rectangles":
         """Return the chosen rectangles."""
         return Rectangles(self.corner[chosen], self.edge_u[chosen], self.edge_v[chosen])
@@ -60,134 +70,111 @@ class Portals:
     Attributes
     ----------
     count : of rectangles
-    windows : how many of them are windows; the others are patches with one side
     corner, edge_u, edge_v : of each [m]
-    brightness : radiance of each, compared with the mean from all directions
+    cells : of the room
+    share : of each rectangle in what is aimed at them, cell by cell
+    aimed : chance that a path goes on towards any of them
     """
 
     count: int
-    windows: int
     corner: mi.Point3f
     edge_u: mi.Vector3f
     edge_v: mi.Vector3f
-    brightness: mi.Float
+    cells: Cells
+    share: mi.Float
+    aimed: mi.Float
 
     @classmethod
     def of(
         cls,
-        windows: Rectangles,
-        patches: Rectangles | None = None,
-        brightness: Float[np.ndarray, " n"] | None = None,
+        rectangles: Rectangles,
+        cells: Cells,
+        share: Float[np.ndarray, "cell rectangle"],
+        aimed: Float[np.ndarray, " cell"],
     ) -> "Portals":
-        """Return windows and patches, of typical brightness unless said otherwise."""
-        kinds = [windows] if patches is None else [windows, patches]
-        count = sum(len(kind) for kind in kinds)
-        corner, edge_u, edge_v = (
-            np.concatenate([getattr(kind, name) for kind in kinds])
-            for name in ("corner", "edge_u", "edge_v")
-        )
-        if brightness is None:
-            brightness = np.full(count, _TYPICAL)
+        """Return rectangles that are aimed at by the cell of a place."""
         portals = cls(
-            count,
-            len(windows),
-            vectors(mi.Point3f, corner),
-            vectors(mi.Vector3f, edge_u),
-            vectors(mi.Vector3f, edge_v),
-            mi.Float(some(brightness.astype(np.float32))),
+            len(rectangles),
+            vectors(mi.Point3f, rectangles.corner),
+            vectors(mi.Vector3f, rectangles.edge_u),
+            vectors(mi.Vector3f, rectangles.edge_v),
+            cells,
+            mi.Float(some(share.ravel().astype(np.float32))),
+            mi.Float(aimed.astype(np.float32)),
         )
-        dr.make_opaque(
-            portals.corner, portals.edge_u, portals.edge_v, portals.brightness
-        )
+        dr.make_opaque(portals.corner, portals.edge_u, portals.edge_v)
         return portals
+
+    @classmethod
+    def unknown(cls, rectangles: Rectangles) -> "Portals":
+        """Return rectangles of which nothing is known: all are worth the same."""
+        cells = Cells.around(np.zeros((0, 3)))
+        count = len(rectangles)
+        even = np.full((cells.count, count), 1 / max(count, 1))
+        return cls.of(rectangles, cells, even, np.full(cells.count, _UNKNOWN))
 
     def _view(self, number, origin) -> RectangleView:
         corner = dr.gather(mi.Point3f, self.corner, number) - origin
         edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
         edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-        return RectangleView.of(corner, edge_u, edge_v, number < self.windows)
+        return RectangleView.of(corner, edge_u, edge_v, mi.Bool(True))
 
-    def _worth(self, number, origin, normal):
-        # Roughly the solid angle that a rectangle subtends, times its brightness;
-        # nothing where it lies behind, or shows its back
-        edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
-        edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-        middle = dr.gather(mi.Point3f, self.corner, number) + 0.5 * (edge_u + edge_v)
-        across = middle - origin
-        facing = dr.cross(edge_u, edge_v)
-        area = dr.norm(facing)
-        reach = dr.abs(dr.dot(edge_u, normal)) + dr.abs(dr.dot(edge_v, normal))
-        before = dr.dot(across, normal) + 0.5 * reach > 0
-        before &= (number < self.windows) | (dr.dot(across, facing) < 0)
-        brightness = dr.gather(mi.Float, self.brightness, number)
-        size = area / (dr.squared_norm(across) + area)
-        return dr.select(before, brightness * size, 0)
-
-    @dr.syntax
-    def total(self, origin, normal):
-        """Return what the chances of the rectangles are relative to."""
-        total = mi.Float(0)
-        number = mi.UInt32(0)
-        while number < self.count:
-            total += self._worth(number, origin, normal)
-            number += 1
-        return total
-
-    @dr.syntax
-    def aim(self, origin, normal, total, u, v):
-        """Return a direction to a point of a rectangle; only where the total is not 0.
-
-        Parameters
-        ----------
-        normal : of the hemisphere that light is gathered from
-        """
-        target = u * total
-        before = mi.Float(0)
-        worth = mi.Float(1)
-        chosen = mi.UInt32(0)
-        number = mi.UInt32(0)
-        while number < self.count:
-            here = self._worth(number, origin, normal)
-            take = (target >= before) & (here > 0)
-            chosen = dr.select(take, number, chosen)
-            worth = dr.select(take, here, worth)
-            u = dr.select(take, (target - before) / here, u)
-            before += here
-            number += 1
-        u = dr.clip(u, 0, 0.9999999)
-        view = self._view(chosen, origin)
+    def towards(self, number, origin, u, v):
+        """Return a direction to a point of a rectangle."""
+        view = self._view(number, origin)
         x, y = view.sample(u, v)
         wide = view.right * x + view.up * y + view.axis * view.depth
-        edge_u = dr.gather(mi.Vector3f, self.edge_u, chosen)
-        edge_v = dr.gather(mi.Vector3f, self.edge_v, chosen)
-        corner = dr.gather(mi.Point3f, self.corner, chosen)
+        edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
+        edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
+        corner = dr.gather(mi.Point3f, self.corner, number)
         flat = corner + edge_u * u + edge_v * v - origin
         return dr.normalize(dr.select(view.usable, wide, flat))
 
     @dr.syntax
-    def pdf(self, origin, normal, direction, total, active):
+    def density(self, number, origin, direction):
+        """Return the density of `towards` [1/sr]; 0 where it misses the rectangle."""
+        corner = dr.gather(mi.Point3f, self.corner, number) - origin
+        edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
+        edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
+        facing = dr.cross(edge_u, edge_v)
+        along = dr.dot(facing, direction)
+        distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)
+        place = direction * distance - corner
+        u = dr.dot(place, edge_u) / dr.squared_norm(edge_u)
+        v = dr.dot(place, edge_v) / dr.squared_norm(edge_v)
+        hit = (along != 0) & (distance > 0) & (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)
+        density = mi.Float(0)
+        if hit:
+            by_area = dr.square(distance) / dr.maximum(dr.abs(along), 1e-20)
+            view = self._view(number, origin)
+            density = dr.select(view.usable, 1 / view.solid_angle, by_area)
+        return density
+
+    @dr.syntax
+    def aim(self, origin, cell, u, v):
+        """Return a direction to a point of a rectangle; by its cell."""
+        target = mi.Float(u)
+        before = mi.Float(0)
+        chosen = mi.UInt32(0)
+        number = mi.UInt32(0)
+        while number < self.count:
+            here = dr.gather(mi.Float, self.share, cell * self.count + number)
+            take = (target >= before) & (here > 0)
+            chosen = dr.select(take, number, chosen)
+            u = dr.select(take, (target - before) / here, u)
+            before += here
+            number += 1
+        return self.towards(chosen, origin, dr.clip(u, 0, 0.9999999), v)
+
+    @dr.syntax
+    def pdf(self, origin, cell, direction, active):
         """Return the density of aiming along a direction [1/sr]."""
         density = mi.Float(0)
         number = mi.UInt32(0)
         while active & (number < self.count):
-            corner = dr.gather(mi.Point3f, self.corner, number) - origin
-            edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
-            edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-            facing = dr.cross(edge_u, edge_v)
-            along = dr.dot(facing, direction)
-            distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)
-            place = direction * distance - corner
-            u = dr.dot(place, edge_u) / dr.squared_norm(edge_u)
-            v = dr.dot(place, edge_v) / dr.squared_norm(edge_v)
-            hit = (along != 0) & (distance > 0) & (u >= 0) & (u <= 1)
-            hit &= (v >= 0) & (v <= 1)
-            if hit:
-                by_area = dr.square(distance) / dr.maximum(dr.abs(along), 1e-20)
-                if number < self.windows:
-                    view = self._view(number, origin)
-                    by_area = dr.select(view.usable, 1 / view.solid_angle, by_area)
-                worth = self._worth(number, origin, normal)
-                density += dr.select(total > 0, by_area * worth / total, 0)
+            share = dr.gather(mi.Float, self.share, cell * self.count + number)
+            if share > 0:
+                density += share * self.density(number, origin, direction)
             number += 1
         return density
 
