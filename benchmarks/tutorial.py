@@ -104,7 +104,7 @@ def tutorial(folder: Path) -> Path:
     tree = cl.generate_bsdf(
         blind, basis="tree4", halvings=5, sides="front", samples=1000, geometry=False
     )
-    write_bsdf(tree, home / "blindsT4.xml")
+    write_bsdf(home / "blindsT4.xml", tree)
     return home
 
 

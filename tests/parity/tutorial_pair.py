@@ -37,7 +37,7 @@ def write_tree(source: Path, path: Path) -> None:
         cl.read_rad(source / "blinds" / "blinds.rad"),
         basis="tree4", halvings=5, sides="front", samples=1000, seed=1, geometry=False,
     )  # fmt: skip
-    write_bsdf(tree, path)
+    write_bsdf(path, tree)
 
 
 @dataclass(frozen=True, eq=False)
