@@ -23,6 +23,7 @@ COMMANDS = [
     "picture calibrate",
     "trace view",
     "trace daylight",
+    "trace facade",
     "trace coefficients",
     "sky matrix",
     "sky sun",

@@ -20,13 +20,14 @@ from clerestory.cli.picture_sets import (
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError, MatrixError
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.facade import joint_sum
 
 Factors = Annotated[
     list[Path],
     typer.Argument(
-        metavar="A B [C D]",
+        metavar="A B [C D E] [+ A B …]",
         help="Matrix files (.mtx .smx .nc), a BSDF (.xml) for its transmission, or"
-        " first a set of pictures (V_%03d.hdr).",
+        " first a set of pictures (V_%03d.hdr). A + adds products.",
     ),
 ]
 
@@ -34,25 +35,26 @@ Factors = Annotated[
 def multiply(
     factors: Factors, output: Output, encoding: Format = "float", quiet: Quiet = False
 ) -> None:
-    """Multiply two to four matrices, from left to right.
+    """Multiply two to five matrices, from left to right, and add such products.
 
     V.mtx T.xml D.mtx S.smx gives the irradiance [W/m²] of every sensor at every
     time step, as dctimestep does; times 47.4, 119.9 and 11.6 it is illuminance. With
     a set of pictures V_%03d.hdr first, OUT is a set too, one picture a time step.
+    Behind a shade with several ports, F-a.nc D-a.nc + F-b.nc D-b.nc is the D of the
+    window.
     """
-    if not 2 <= len(factors) <= 4:
-        raise InputError(f"{len(factors)} matrices; two to four expected")
+    terms = _terms(factors)
     with progress_display(quiet=quiet) as display:
         progress = display("multiply")
         like = None
-        first, *others = factors
-        if is_picture_set(first):
-            view, like = read_picture_set(first)
+        if is_picture_set(factors[0]):
+            view, like = read_picture_set(factors[0])
+            matrices = [view, *(read_any_matrix(path) for path in factors[1:])]
+            progress(0.3, "multiplying")
+            product = _product(matrices, factors)
         else:
-            view = read_any_matrix(first)
-        matrices = [view, *(read_any_matrix(path) for path in others)]
-        progress(0.3, "multiplying")
-        product = _product(matrices, factors)
+            progress(0.1, "multiplying")
+            product = _sum(terms)
         progress(0.8, "writing")
         command = "clerestory multiply"
         if like is None:
@@ -63,6 +65,35 @@ def multiply(
     if not quiet:
         size = f"{product.rows.describe()} by {product.columns.describe()}"
         typer.echo(f"{output}: {size}")
+
+
+def _terms(factors: list[Path]) -> list[list[Path]]:
+    # The files of each product
+    terms: list[list[Path]] = [[]]
+    for factor in factors:
+        if str(factor) == "+":
+            terms.append([])
+        else:
+            terms[-1].append(factor)
+    for term in terms:
+        if not 2 <= len(term) <= 5:
+            raise InputError(f"{len(term)} matrices; two to five expected")
+    if len(terms) > 1 and any(is_picture_set(factor) for factor in factors):
+        raise InputError("a set of pictures in a sum; one product of it expected")
+    return terms
+
+
+def _sum(terms: list[list[Path]]) -> TransferMatrix:
+    products = [_product([read_any_matrix(f) for f in term], term) for term in terms]
+    first, *others = products
+    for term, other in zip(terms[1:], others, strict=True):
+        if not (first.rows.fits(other.rows) and first.columns.fits(other.columns)):
+            raise MatrixError(
+                f"the product from {term[0]} has {other.rows.describe()} by"
+                f" {other.columns.describe()}; {first.rows.describe()} by"
+                f" {first.columns.describe()} expected, as the first one"
+            )
+    return joint_sum(products)
 
 
 def _product(matrices: list[TransferMatrix], files: list[Path]) -> TransferMatrix:

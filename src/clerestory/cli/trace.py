@@ -1,16 +1,11 @@
 """`clerestory trace`: transfer matrices by tracing."""
 
 import time
-import warnings
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
-from clerestory.cli.matrix_files import write_pictures
-from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.options import (
     Bounces,
     ClusterAddress,
@@ -30,12 +25,10 @@ from clerestory.cli.options import (
     WindowFiles,
 )
 from clerestory.cli.progress import progress_display
+from clerestory.cli.trace_facade import facade
+from clerestory.cli.traced import receiver_of, warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
-from clerestory.constants import LUMINANCE_WEIGHTS
-from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.gonio.layer import read_layer
-from clerestory.matrix.radiance_format import Encoding
-from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.pictures import (
     Camera,
     picture_sun_coefficients,
@@ -47,12 +40,9 @@ from clerestory.phases.trace import (
     daylight_matrices,
     view_matrices,
 )
-from clerestory.scene.check import check_scene
-from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
-from clerestory.scene.sensors import Sensors, read_sensors
-from clerestory.scene.view_text import view_of
-from clerestory.scene.window import Window, read_windows
+from clerestory.scene.sensors import read_sensors
+from clerestory.scene.window import read_windows
 from clerestory.sky.read import read_weather
 from clerestory.sky.suns import sun_matrix
 
@@ -79,6 +69,10 @@ SunSamples = Annotated[
 ]
 
 app = typer.Typer(no_args_is_help=True, help="Trace transfer matrices.")
+app.command(
+    epilog="Example: clerestory trace facade --scene materials.rad room.rad awning.rad"
+    " --window window.rad --port ports.rad --relative-error 0.01 -o F.nc"
+)(facade)
 
 
 @app.command(
@@ -110,8 +104,8 @@ def view(
     """
     begin = time.perf_counter()
     room, windows = read_rad(*scene), read_windows(*window)
-    receiver = _receiver(sensors, camera, resolution)
-    _warn_of_doubts(room, windows, receiver)
+    receiver = receiver_of(sensors, camera, resolution)
+    warn_of_doubts(room, windows, receiver)
     effort = {
         "samples": samples,
         "relative_error": relative_error,
@@ -132,7 +126,7 @@ def view(
             traced = view_matrices(
                 room, windows, sensors=receiver, progress=progress, **effort
             )
-    _write(
+    write_traced(
         "view",
         traced,
         output,
@@ -172,8 +166,8 @@ def sun(
     """
     begin = time.perf_counter()
     room, windows, layer = read_rad(*scene), read_windows(*window), read_layer(bsdf)
-    receiver = _receiver(sensors, camera, resolution)
-    _warn_of_doubts(room, windows, receiver)
+    receiver = receiver_of(sensors, camera, resolution)
+    warn_of_doubts(room, windows, receiver)
     suns = sun_matrix(read_weather(weather), tolerance_deg=tolerance).directions
     options = {
         "suns": suns,
@@ -193,7 +187,7 @@ def sun(
             else:
                 found = sun_coefficients(*common, sensors=receiver, **options)
             traced[each.name] = found
-    _write(
+    write_traced(
         "sun",
         traced,
         output,
@@ -228,7 +222,7 @@ def daylight(
     """
     begin = time.perf_counter()
     room, windows = read_rad(*scene), read_windows(*window)
-    _warn_of_doubts(room, windows)
+    warn_of_doubts(room, windows)
     with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         traced = daylight_matrices(
             room,
@@ -242,7 +236,9 @@ def daylight(
             executor=executor,
             progress=display("daylight matrix"),
         )
-    _write("daylight", traced, output, encoding=encoding, quiet=quiet, begin=begin)
+    write_traced(
+        "daylight", traced, output, encoding=encoding, quiet=quiet, begin=begin
+    )
 
 
 @app.command(
@@ -266,7 +262,7 @@ def coefficients(
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
     begin = time.perf_counter()
     room, points = read_rad(*scene), read_sensors(sensors)
-    _warn_of_doubts(room, (), points)
+    warn_of_doubts(room, (), points)
     with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         traced = daylight_coefficients(
             room,
@@ -280,7 +276,7 @@ def coefficients(
             executor=executor,
             progress=display("daylight coefficients"),
         )
-    _write(
+    write_traced(
         "coefficients",
         {"": traced},
         output,
@@ -288,65 +284,3 @@ def coefficients(
         quiet=quiet,
         begin=begin,
     )
-
-
-def _receiver(
-    sensors: Path | None, view: str | None, resolution: int
-) -> Camera | Sensors:
-    if sensors is not None and view is None:
-        return read_sensors(sensors)
-    if view is not None and sensors is None:
-        looking = view_of(view)
-        return Camera(looking, *looking.size_for(resolution))
-    raise InputError("either --sensors or --view expected")
-
-
-def _warn_of_doubts(
-    scene: Scene,
-    windows: Sequence[Window],
-    receiver: Camera | Sensors | None = None,
-) -> None:
-    sensors = receiver if isinstance(receiver, Sensors) else None
-    for doubt in check_scene(scene, windows, sensors):
-        warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
-
-
-def _write(
-    kind: str,
-    traced: dict[str, TransferMatrix],
-    output: Path,
-    *,
-    encoding: Encoding,
-    quiet: bool,
-    begin: float,
-    receiver: Camera | Sensors | None = None,
-) -> None:
-    for name, matrix in traced.items():
-        path = output
-        if len(traced) > 1:
-            path = output.with_name(f"{output.stem}-{name}{output.suffix}")
-        if isinstance(receiver, Camera) and "%" in path.name:
-            write_pictures(path, matrix, receiver)
-        else:
-            write_any_matrix(
-                path, matrix, encoding=encoding, command=f"clerestory trace {kind}"
-            )
-        if not quiet:
-            typer.echo(f"{path}: {_summary(matrix)}")
-    if not quiet:
-        typer.echo(f"done in {time.perf_counter() - begin:.1f} s")
-
-
-def _summary(matrix: TransferMatrix) -> str:
-    # Size, and the error of the row sums: what a uniform source would give
-    size = f"{matrix.rows.describe()} by {matrix.columns.describe()}"
-    grey = matrix.weighted(LUMINANCE_WEIGHTS)
-    if grey.components is None:
-        return size
-    total = grey.values[0].sum(axis=1)
-    error = np.sqrt(np.square(grey.components[:, 0].sum(axis=2)).sum(axis=0))
-    lit = total > 0
-    if not lit.any():
-        return f"{size}; no light arrives"
-    relative = float(np.median(error[lit] / total[lit]))
-    return f"{size}; standard error of the row sums {relative:.2%} (median)"

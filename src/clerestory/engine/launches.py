@@ -1,4 +1,4 @@
-"""Launches of matrices: what traces the units of V, D and C on the device.
+"""Launches of matrices: what traces the units of V, F, D and C on the device.
 
 Each function takes a job, lowers its scene once, and returns what traces its units.
 Sums leave the device once, when a unit is done.
@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, UInt64
 
 from clerestory.engine.estimate import MatrixJob
+from clerestory.engine.facade import FacadeJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.points import Points, points
@@ -28,9 +29,13 @@ from clerestory.engine.walk import Target
 from clerestory.engine.windows import window_shapes
 from clerestory.engine.work import Tracer, Unit
 from clerestory.errors import DeviceError
+from clerestory.scene.window import Window
 
 # Streams of random numbers: errors of V and D must not agree
 _SENSORS, _WINDOWS = 0, 1
+
+# Nor may those of F and D, which both start at patches of windows
+_FACADE_SEED = 0x5FACADE5
 
 Launch = Callable[[Target, Points, Lanes, Unit], None]
 
@@ -52,17 +57,30 @@ def prepare_coefficients(job: CoefficientsJob) -> Tracer:
 
 def prepare_daylight(job: DaylightJob) -> Tracer:
     """Return what traces from a window to the sky."""
-    polygons = job.window.polygons
-    origin = np.mean([p.vertices.mean(axis=0) for p in polygons], axis=0)
-    table, _ = window_shapes((job.window,), origin)
+    model = lower(job.scene, origin=_middle(job.window))
+    target = Target(model, SkyTable.of(job.sky), mi.UInt64(), *job.shape[2:])
+    return _from_window(job, target, job.seed)
+
+
+def prepare_facade(job: FacadeJob) -> Tracer:
+    """Return what traces from a window to ports before it."""
+    model = lower(job.scene, origin=_middle(job.window), receivers=job.ports)
+    target = Target(model, None, mi.UInt64(), *job.shape[2:])
+    return _from_window(job, target, job.seed ^ _FACADE_SEED)
+
+
+def _middle(window: Window) -> Float[np.ndarray, "3"]:
+    return np.mean([p.vertices.mean(axis=0) for p in window.polygons], axis=0)
+
+
+def _from_window(job: DaylightJob | FacadeJob, target: Target, seed: int) -> Tracer:
+    table, _ = window_shapes((job.window,), _middle(job.window))
     segments = _segments(job.bounces, first=1)
 
     def launch(target: Target, sequence: Points, paths: Lanes, _unit: Unit) -> None:
         trace_window_patches(target, sequence, paths, window=table, segments=segments)
 
-    model = lower(job.scene, origin=origin)
-    target = Target(model, SkyTable.of(job.sky), mi.UInt64(), *job.shape[2:])
-    return matrix_tracer(job, target, launch, stream=_WINDOWS)
+    return matrix_tracer(job, target, launch, stream=_WINDOWS, seed=seed)
 
 
 def _from_sensors(

@@ -121,7 +121,7 @@ def view_matrices(
     for window in windows:
         columns = window_axis("interior", window.partition, window.name)
         part = slice(first, first + columns.size)
-        found[window.name] = _matrix(estimate, rows, columns, part)
+        found[window.name] = traced_matrix(estimate, rows, columns, part)
         first += columns.size
     warn_if_short(estimate, "view matrix", relative_error)
     return found
@@ -168,7 +168,7 @@ def daylight_matrix(
     estimate = trace_daylight(scene, window, sky, effort)
     warn_if_short(estimate, f"daylight matrix of {window.name!r}", relative_error)
     rows = window_axis("exterior", window.partition, window.name)
-    return _matrix(estimate, rows, sky_axis(sky), slice(None))
+    return traced_matrix(estimate, rows, sky_axis(sky), slice(None))
 
 
 def daylight_matrices(
@@ -234,7 +234,7 @@ def daylight_coefficients(
     sky = reinhart(subdivision)
     estimate = trace_coefficients(scene, sky, sensors, effort)
     warn_if_short(estimate, "daylight coefficients", relative_error)
-    return _matrix(estimate, rows, sky_axis(sky), slice(None))
+    return traced_matrix(estimate, rows, sky_axis(sky), slice(None))
 
 
 def matrix_effort(
@@ -316,9 +316,10 @@ def _sensor_rows(sensors: Sensors, bounces: int | None) -> Axis:
     return sensor_axis(len(sensors.position), sensors.names)
 
 
-def _matrix(
+def traced_matrix(
     estimate: Estimate, rows: Axis, columns: Axis, part: slice
 ) -> TransferMatrix:
+    """Return some columns of what was traced, with their axes."""
     values, components = estimate.values[:, :, part], estimate.components[:, :, :, part]
     if estimate.paths:
         # What a plan leaves blank takes no memory

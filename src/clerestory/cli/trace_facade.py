@@ -1,0 +1,79 @@
+"""`clerestory trace facade`: façade matrices of shades that stand off a window."""
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clerestory.cli.options import (
+    Bounces,
+    ClusterAddress,
+    DeviceOption,
+    Format,
+    Output,
+    Quiet,
+    RelativeError,
+    Samples,
+    SceneFiles,
+    Seed,
+    WindowFiles,
+)
+from clerestory.cli.progress import progress_display
+from clerestory.cli.traced import warn_of_doubts, write_traced
+from clerestory.cluster.cluster import executor_at
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.facade import facade_matrices
+from clerestory.scene.rad import read_rad
+from clerestory.scene.window import read_windows
+
+PortFiles = Annotated[
+    list[Path],
+    typer.Option(
+        "--port",
+        help="Radiance files of ports whose front faces the window.",
+        metavar="F…",
+    ),
+]
+
+
+def facade(
+    scene: SceneFiles,
+    window: WindowFiles,
+    port: PortFiles,
+    output: Output,
+    samples: Samples = None,
+    relative_error: RelativeError = None,
+    bounces: Bounces = None,
+    seed: Seed = 1,
+    device: DeviceOption = "auto",
+    cluster: ClusterAddress = None,
+    encoding: Format = "float",
+    quiet: Quiet = False,
+) -> None:
+    """Façade matrix: radiance of window patches per radiance of patches of ports.
+
+    Ports close the space before the window that holds a shade. Several of them write
+    one file each: F.nc becomes F-top.nc; with several windows, F-south-top.nc.
+    """
+    begin = time.perf_counter()
+    room, windows, ports = read_rad(*scene), read_windows(*window), read_windows(*port)
+    warn_of_doubts(room, windows)
+    traced: dict[str, TransferMatrix] = {}
+    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
+        for number, each in enumerate(windows):
+            found = facade_matrices(
+                room,
+                each,
+                ports,
+                samples=samples,
+                relative_error=relative_error,
+                bounces=bounces,
+                seed=seed + number,
+                device=device,
+                executor=executor,
+                progress=display(f"façade matrix of {each.name}"),
+            )
+            prefix = f"{each.name}-" if len(windows) > 1 else ""
+            traced |= {prefix + name: matrix for name, matrix in found.items()}
+    write_traced("facade", traced, output, encoding=encoding, quiet=quiet, begin=begin)
