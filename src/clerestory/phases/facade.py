@@ -113,7 +113,7 @@ def facade_matrices(
     >>> from clerestory.directions import Frame
     >>> from clerestory.hemisphere.klems import klems
     >>> from clerestory.scene.model import Polygon, Scene
-    >>> frame = Frame.from_normal_up(np.array([0, 1, 0]), np.array([0, 0, 1]))
+    >>> frame = Frame.from_normal_up(np.eye(3)[1], np.eye(3)[2])
     >>> def pane(name, size, y):
     ...     corners = [[-1, y, -1], [-1, y, 1], [1, y, 1], [1, y, -1]]
     ...     vertices = np.array(corners) * [size, 1, size]
