@@ -10,7 +10,7 @@ from clerestory.bsdf.scattering import Function
 from clerestory.gonio.fitted import Fitted
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.nodes import Network
+from clerestory.gonio.network import Network
 from clerestory.gonio.transport import Plan
 
 _SIDES: tuple[tuple[Function, Function], ...] = (

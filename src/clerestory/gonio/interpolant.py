@@ -23,7 +23,8 @@ from clerestory.gonio.displacement import corner_shares, displace
 from clerestory.gonio.flux import Flux, flux_surface
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.mesh import Place, flat_weights, locate
-from clerestory.gonio.nodes import Network, about_normal, turned
+from clerestory.gonio.network import Network
+from clerestory.gonio.nodes import about_normal, turned
 from clerestory.gonio.particles import (
     Particles,
     edge_particles,
@@ -32,6 +33,7 @@ from clerestory.gonio.particles import (
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.tree_export import to_tree
+from clerestory.gonio.turning import followed
 from clerestory.hemisphere.partition import RingPartition
 
 # Halvings of the grid on which light is gathered for patches; Klems' smallest patch
@@ -80,7 +82,7 @@ class Interpolant(ScatteringFunction):
         So they go on where nothing was measured, beyond the outermost directions: 1
         for a clear pane, 0 for a diffuser.
         """
-        return _followed(self.network)
+        return followed(self.network)
 
     @cached_property
     def _moving(self) -> Network:
@@ -265,22 +267,6 @@ def _stratified() -> Float[np.ndarray, "samples 2"]:
     first = (ring + 0.5) / _PATCH_RINGS
     second = (turn + (ring + 0.5) / _PATCH_RINGS) / _PATCH_AZIMUTHS
     return np.stack([first.ravel(), second.ravel()], axis=-1)
-
-
-def _followed(network: Network) -> float:
-    """How far lobes follow where light goes straight on, over all plans; -1…1."""
-    along, squared = 0.0, 0.0
-    for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
-        ends = straight_on(network.mesh.vertices[[a, b]])
-        turn = (ends[1] - ends[0])[:2]
-        start, end = network.lobes[a], network.lobes[b]
-        move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
-        # Sharp lobes show where light goes, wide ones are noise of the grid
-        flux = np.minimum(plan.sent, plan.received)
-        weight = flux / (start.radius[plan.source] * end.radius[plan.target])
-        along += float(weight @ (move @ turn))
-        squared += float(weight.sum() * (turn @ turn))
-    return float(np.clip(along / squared, -1, 1)) if squared > 0 else 0.0
 
 
 def _shifted(

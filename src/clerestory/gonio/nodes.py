@@ -5,7 +5,6 @@ of the measured part; only what reaches into that part is kept.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -15,44 +14,32 @@ from clerestory.gonio.angles import angle_between
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.measurement import SAME_DIRECTION
 from clerestory.gonio.mesh import Mesh, string, triangulate
+from clerestory.gonio.network import Network, key_of
 from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.replanning import plan_again
 from clerestory.gonio.symmetry import Symmetry, images, measured_quadrant, within
 from clerestory.gonio.transport import Plan, plan_transport
 
 
-@dataclass(frozen=True, eq=False)
-class Network:
-    """Lobes at the vertices of a mesh, and a transport plan for each of its edges.
-
-    Attributes
-    ----------
-    mesh : of incident directions
-    lobes : one set a vertex
-    plans : one an edge
-    quadrant : signs of x and y of the measured part
-    """
-
-    mesh: Mesh
-    lobes: tuple[Lobes, ...]
-    plans: tuple[Plan, ...]
-    quadrant: Float[np.ndarray, "2"]
-
-    def plans_of(self, triangle: int) -> tuple[Plan, Plan, Plan]:
-        """Plans from A to B, from A to C and from B to C of a triangle."""
-        a, b, c = self.mesh.triangles[triangle]
-        return self._plan(a, b), self._plan(a, c), self._plan(b, c)
-
-    def known_plans(self) -> dict[bytes, Plan]:
-        """Return the plans by the directions that they join, for `connect`."""
-        ends = self.mesh.vertices[self.mesh.edges]
-        return dict(zip(map(_key, ends), self.plans, strict=True))
-
-    def _plan(self, start: int, end: int) -> Plan:
-        edges = self.mesh.edges
-        return self.plans[int(np.flatnonzero((edges == [start, end]).all(axis=1))[0])]
-
-
 def connect(
+    incidents: Float[np.ndarray, "scans 3"],
+    fits: Sequence[Lobes],
+    symmetry: Symmetry,
+    *,
+    processes: int = 1,
+    report: Report = silent,
+) -> Network:
+    """Return fits joined by transport plans, with the images symmetry implies.
+
+    Raises
+    ------
+    InputError : too few directions for this symmetry
+    """
+    network = join(incidents, fits, symmetry, processes=processes, report=report)
+    return plan_again(network, processes=processes, report=report)
+
+
+def join(
     incidents: Float[np.ndarray, "scans 3"],
     fits: Sequence[Lobes],
     symmetry: Symmetry,
@@ -61,11 +48,11 @@ def connect(
     processes: int = 1,
     report: Report = silent,
 ) -> Network:
-    """Return fits joined by transport plans, with the images symmetry implies.
+    """Return fits joined by plans that know nothing of each other, for `plan_again`.
 
     Parameters
     ----------
-    known : plans of another network of the same fits, which are not made again
+    known : such plans of another network of the same fits, which are not made again
 
     Raises
     ------
@@ -162,7 +149,7 @@ def _plans(
     processes: int,
     report: Report,
 ) -> tuple[Plan, ...]:
-    keys = [_key(mesh.vertices[edge]) for edge in mesh.edges]
+    keys = [key_of(mesh.vertices[edge]) for edge in mesh.edges]
     new = [k for k, key in enumerate(keys) if key not in known]
     work = [
         (lobes[a], lobes[b], float(angle_between(mesh.vertices[a], mesh.vertices[b])))
@@ -176,7 +163,3 @@ def _plans(
 def _plan(work: tuple[Lobes, Lobes, float]) -> Plan:
     start, end, angle = work
     return plan_transport(start, end, angle=angle)
-
-
-def _key(ends: Float[np.ndarray, "2 3"]) -> bytes:
-    return np.round(ends, 9).tobytes()

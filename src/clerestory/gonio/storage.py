@@ -22,7 +22,7 @@ from clerestory.gonio.fitted import Fitted
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.mesh import Mesh
-from clerestory.gonio.nodes import Network
+from clerestory.gonio.network import Network
 from clerestory.gonio.symmetry import SYMMETRIES
 from clerestory.gonio.transport import Plan
 from clerestory.matrix.netcdf import SEAL_LENGTH, seal

@@ -85,7 +85,24 @@ def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
     ([0.5], [0.3])
     """
     distance = angle_table(start.centre, end.centre)
-    moved = _moved(start, end, distance, angle)
+    return plan_moves(start, end, distance=distance, slack=_REACH_PER_ANGLE * angle)
+
+
+def plan_moves(
+    start: Lobes,
+    end: Lobes,
+    *,
+    distance: Float[np.ndarray, "start end"],
+    slack: float,
+) -> Plan:
+    """Return the plan of least cost for given distances between lobes.
+
+    Parameters
+    ----------
+    distance : of each lobe at the end from where one of the start is or will be [rad]
+    slack : reach of a lobe beyond its radius [rad]
+    """
+    moved = _moved(start, end, distance, slack)
     source, target = np.nonzero(moved > _LEAST_SHARE * (start.total + end.total))
     flux = moved[source, target]
     out = np.bincount(source, flux, len(start))
@@ -144,10 +161,10 @@ def _companions(
 
 
 def _moved(
-    start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], angle: float
+    start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], slack: float
 ) -> Float[np.ndarray, "start end"]:
     # Dim each lobe to what both ends have within its reach
-    reach, reach_end = _reach(start, angle), _reach(end, angle)
+    reach, reach_end = _reach(start, slack), _reach(end, slack)
     give = start.flux * np.minimum(
         1,
         (_near(distance / reach[:, None]) @ end.flux)
@@ -172,8 +189,8 @@ def _moved(
     return np.asarray(plan)[:-1, :-1] * whole
 
 
-def _reach(lobes: Lobes, angle: float) -> Float[np.ndarray, " lobes"]:
-    return _REACH_PER_ANGLE * angle + _REACH_PER_RADIUS * lobes.radius
+def _reach(lobes: Lobes, slack: float) -> Float[np.ndarray, " lobes"]:
+    return slack + _REACH_PER_RADIUS * lobes.radius
 
 
 def _apart(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:

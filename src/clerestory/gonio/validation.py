@@ -27,8 +27,10 @@ from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.measurement import Measurement, Scan
 from clerestory.gonio.mesh import locate
-from clerestory.gonio.nodes import Network, connect
+from clerestory.gonio.network import Network
+from clerestory.gonio.nodes import join
 from clerestory.gonio.parallel import Report, silent
+from clerestory.gonio.replanning import plan_again
 from clerestory.gonio.symmetry import Symmetry, deduce_symmetry, fold
 
 # Fewest scans of which one can be left out.
@@ -124,7 +126,7 @@ def cross_validate(
         processes=processes,
         report=progress("fit lobes"),
     )
-    network = connect(
+    network = join(
         measurement.incidents,
         fits,
         symmetry,
@@ -176,9 +178,8 @@ def _left_out(
     scan, fit, points = scans[k], fits[k], condense(scans[k])
     others = [n for n in range(len(scans)) if n != k]
     incidents = np.array([scans[n].incident for n in others])
-    rest = connect(
-        incidents, [fits[n] for n in others], symmetry, known=network.known_plans()
-    )
+    known = network.known_plans()
+    rest = plan_again(join(incidents, [fits[n] for n in others], symmetry, known=known))
     lobes = Interpolant(rest, symmetry).lobes(scan.incident)
     return LeftOut(
         scan.theta_deg,

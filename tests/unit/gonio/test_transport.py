@@ -9,8 +9,9 @@ from clerestory.gonio.displacement import displace
 from clerestory.gonio.earth_mover import earth_mover
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.nodes import connect
+from clerestory.gonio.nodes import connect, join
 from clerestory.gonio.particles import edge_particles, triangle_particles
+from clerestory.gonio.replanning import plan_again
 from clerestory.gonio.transport import plan_transport
 
 
@@ -173,3 +174,40 @@ def test_a_beam_that_is_shifted_in_the_disc_is_met_everywhere():
         found = grating.lobes(source)
         middle = found.flux @ found.centre / found.total
         assert middle[:2] == pytest.approx(shifted(source).centre[0, :2], abs=1e-6)
+
+
+def orders(incident, *, period=0.4):
+    """Beams of a grating: orders of diffraction side by side, of uneven brightness."""
+    disc = period * np.arange(-2, 3)[:, None] * [1.0, 0.0] - incident[:2]
+    flux = np.array([0.1, 0.2, 0.3, 0.2, 0.1])
+    inside = np.hypot(*disc.T) < 0.98
+    disc, flux = disc[inside], flux[inside]
+    height = np.sqrt(1 - np.sum(disc**2, axis=1))
+    centre = np.concatenate([disc, height[:, None]], axis=1)
+    return Lobes(centre, np.full(len(disc), 0.03), flux)
+
+
+def misled(network, sources):
+    """Light that a plan sends into another order than its own."""
+    light = 0.0
+    for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
+        start, end = network.lobes[a].centre, network.lobes[b].centre
+        move = end[plan.target] - start[plan.source]
+        astray = np.hypot(*(move + sources[b] - sources[a])[:, :2].T) > 0.01
+        light += float(np.minimum(plan.sent, plan.received)[astray].sum())
+    return light
+
+
+def test_beams_that_turn_past_their_neighbours_keep_their_order():
+    """Every beam of a grating moves in the disc as the incident light does.
+
+    Along the longest edges that is more than half the distance between orders, and
+    the nearest is another order; the shorter edges say so.
+    """
+    theta, phi = np.meshgrid([10.0, 20.0, 30.0], 22.5 * np.arange(16))
+    sources = np.concatenate(
+        [from_degrees(theta.ravel(), phi.ravel()), [[0.0, 0.0, 1.0]]]
+    )
+    plain = join(sources, [orders(source) for source in sources], "none")
+    assert misled(plain, sources) > 1.0
+    assert misled(plan_again(plain), sources) < 1e-3

@@ -1,0 +1,62 @@
+"""Plans made again, from where lobes are expected after the turn of the incident light.
+
+Light does not always become what is nearest to it: beams of a prism or a grating, and
+the teeth of its cut-offs, turn with the incident light, and where they turn by more
+than half the distance to the next beam the least way leads to the wrong one. So the
+first plans serve to learn how each lobe turns (`turning`): errors along one edge are
+outvoted by its other edges and by lobes nearby. Then each lobe is moved by the turn
+that is expected along an edge, from both ends, and transport is planned from there;
+what has to be travelled now is only what the expectation misses, so the reach of lobes
+is shorter. Where moves follow no turn, as those of small lobes in the even light of a
+diffuser, little of it is expected: a share as large as that of the squared moves that
+the turn explains.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.gonio.angles import straight_on
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.network import Network
+from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.transport import Plan, plan_moves
+from clerestory.gonio.turning import Turns, followed
+
+# Reach beyond the radius of a lobe, as a share of the turn of the incident light.
+_REACH_PER_TURN = 0.5
+
+
+def plan_again(
+    network: Network, *, processes: int = 1, report: Report = silent
+) -> Network:
+    """Return a network whose plans start from where lobes are expected to turn to."""
+    follow = followed(network)
+    turns = [Turns(network, vertex, follow) for vertex in range(len(network.lobes))]
+    work = []
+    for a, b in network.mesh.edges:
+        ends = straight_on(network.mesh.vertices[[a, b]])[:, :2]
+        turn = ends[1] - ends[0]
+        distance = _missed(turns[a], turns[b], turn)
+        work.append((network.lobes[a], network.lobes[b], distance, turn))
+    plans = map_in_order(_plan, work, processes=processes, report=report)
+    return replace(network, plans=tuple(plans))
+
+
+def _missed(
+    start: Turns, end: Turns, turn: Float[np.ndarray, "2"]
+) -> Float[np.ndarray, "start end"]:
+    # How far lobes are from where the other end expects them, in the disc
+    onward = start.expected(turn)[:, None] - end.lobes.centre[:, :2]
+    back = start.lobes.centre[:, None, :2] - end.expected(-turn)
+    size = np.linalg.norm(onward, axis=-1) + np.linalg.norm(back, axis=-1)
+    return np.asarray(size / 2)
+
+
+def _plan(
+    work: tuple[Lobes, Lobes, Float[np.ndarray, "start end"], Float[np.ndarray, "2"]],
+) -> Plan:
+    start, end, distance, turn = work
+    slack = _REACH_PER_TURN * float(np.hypot(*turn))
+    return plan_moves(start, end, distance=distance, slack=slack)
