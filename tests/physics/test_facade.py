@@ -133,8 +133,8 @@ def test_four_phases_equal_a_daylight_matrix_with_the_shade(device):
     )
     wall = quad((-1, 0, 0), (5, 0, 0), (5, 0, 3.5), (-1, 0, 3.5))
     scene = Scene({"wall": grey(0.3)}, (shade, wall))
-    F = cl.facade_matrices(scene, south, ports, samples=8192, seed=1, device=device)
-    shared = {"subdivision": 1, "samples": 4096, "device": device}
+    F = cl.facade_matrices(scene, south, ports, samples=4096, seed=1, device=device)
+    shared = {"subdivision": 1, "samples": 2048, "device": device}
     D = cl.daylight_matrices(Scene(), ports, seed=2, **shared)
     chain = cl.facade_daylight(F, D)
     whole = cl.daylight_matrix(scene, south, seed=3, **shared)

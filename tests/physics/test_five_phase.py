@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from physics_scenes import box, sensor
+from physics_scenes import box, quad, sensor, window
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError, MatrixError
 from clerestory.hemisphere.klems import klems
+from clerestory.phases.facade import facade_daylight, facade_matrices
 from clerestory.phases.five import FivePhases, five_phase
 from clerestory.phases.pictures import (
     Camera,
@@ -23,7 +24,7 @@ from clerestory.phases.pictures import (
 from clerestory.phases.render import irradiance, render
 from clerestory.phases.sun import blackened, sun_coefficients
 from clerestory.phases.three import WindowPhases
-from clerestory.phases.trace import daylight_matrix, view_matrix
+from clerestory.phases.trace import daylight_matrices, daylight_matrix, view_matrix
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -231,6 +232,63 @@ def test_direct_part_is_taken_away_whole(device):
     assert abs(whole - taken) < 4 * error
     total = result["three_phase"] - result["direct_in_patches"] + result["direct_sun"]
     assert np.allclose(result["illuminance"], total)
+
+
+@pytest.mark.slow
+def test_six_phases_equal_path_tracing_behind_an_overhang(device):
+    """In a black room, sun past the edge of a black overhang, from a box of ports.
+
+    What F takes from the spread sun is taken away again whole, and the true sun throws
+    a sharp shadow.
+    """
+    scene, south = box(4, 5, 3, 0.0)
+    overhang = quad((0.1, -0.9, 2.4), (3.9, -0.9, 2.4), (3.9, 0, 2.4), (0.1, 0, 2.4))
+    shaded = Scene(scene.materials, (*scene.surfaces, overhang))
+    corners = {"left": ((0, 3), (0, 0)), "below": ((0, 0), (4, 0))}
+    corners |= {"right": ((4, 0), (4, 3)), "above": ((4, 3), (0, 3))}
+    sides = [
+        window(
+            quad((x1, -1, z1), (x2, -1, z2), (x2, 0, z2), (x1, 0, z1)),
+            name=name,
+            up=(0, 1, 0) if z1 == z2 else (0, 0, 1),
+        )
+        for name, ((x1, z1), (x2, z2)) in corners.items()
+    ]
+    front = quad((0, -1, 0), (0, -1, 3), (4, -1, 3), (4, -1, 0))
+    ports = [window(front, name="front"), *sides]
+
+    points = Sensors(
+        np.array([[2, 0.5, 0.8], [1, 2, 0.8]], dtype=float), np.array([[0, 0, 1.0]] * 2)
+    )
+    weather = weather_at("2023-03-21T12:30")
+    frosted = lambertian(0.6, klems("full"))
+    sky = sky_matrix(weather, subdivision=4, include="sun")
+    plain, _, suns = phases(shaded, south, frosted, points, weather, device)
+    shared = {"samples": 4096, "device": device}
+
+    def behind(scene, part, seed, **options):
+        options |= shared
+        F = facade_matrices(scene, south, ports, seed=seed, **options)
+        D = daylight_matrices(Scene(), ports, subdivision=4, seed=seed + 1, **options)
+        return replace(part, daylight=facade_daylight(F, D))
+
+    whole = behind(shaded, plain.whole, 5)
+    direct = behind(blackened(shaded), plain.direct, 25, bounces=0)
+    six = FivePhases(whole, direct, plain.sun)
+    result = five_phase([six], sky, sky, suns)
+    [number] = np.flatnonzero(suns.direct_normal.toarray()[:, 0])
+    traced = irradiance(
+        sunlit(shaded, south, frosted, suns.directions[number]), points,
+        samples=65536, seed=6, device=device,
+    )  # fmt: skip
+    normal = suns.direct_normal.toarray()[number, 0]
+    expected = traced.illuminance() * normal
+    found = result["illuminance"].values[:, 0]
+    error = result["standard_error"].values[:, 0]
+    noise = np.hypot(error, traced.error[:, 1] * 179 * normal)
+    assert np.all(result["three_phase"].values > 0)
+    assert np.all(noise < 0.05 * expected)
+    assert np.all(abs(found - expected) < 4 * noise)
 
 
 def test_skies_of_other_times_are_refused(device):
