@@ -14,7 +14,7 @@ of F D over the ports stands wherever the D of a window does, so that `three_pha
 and `five_phase` become the methods of four and six phases.
 
 Reference: S. Subramaniam, Daylighting simulations with Radiance using matrix-based
-methods, LBNL, 2017, chapters 7 and 8; the F matrix is due to G. Ward (2015).
+methods, LBNL, 2017, chapter 7; the F matrix is due to G. Ward (2015).
 """
 
 import warnings
