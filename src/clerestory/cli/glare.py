@@ -29,8 +29,6 @@ from clerestory.glare.annual import annual_glare
 from clerestory.glare.evaluate import eye_of
 from clerestory.image.read import read_picture
 
-EXAMPLE = "clerestory glare desk.hdr --detail --check found.hdr"
-
 
 def glare(
     files: options.Pictures,

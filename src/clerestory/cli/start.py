@@ -11,6 +11,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import typer
@@ -29,8 +30,62 @@ _GROUPS = {
     for name in ("trace", "sky", "bsdf", "glazing", "gonio")
 }
 
-# Commands that are, with their EXAMPLE
-_COMMANDS = {"glare": "clerestory.cli.glare"}
+
+@dataclass(frozen=True)
+class Command:
+    """A command of its own, and where to find it.
+
+    Attributes
+    ----------
+    module : of `clerestory.cli`
+    function : in it
+    example : of its use
+    """
+
+    module: str
+    function: str
+    example: str
+
+    def add_to(self, app: typer.Typer, name: str) -> None:
+        """Load the command and add it to a program."""
+        module = importlib.import_module(f"clerestory.cli.{self.module}")
+        app.command(name, epilog=f"Example: clerestory {name} {self.example}".rstrip())(
+            getattr(module, self.function)
+        )
+
+
+# In the order of the help
+COMMANDS = {
+    "new": Command(
+        "new",
+        "new",
+        "office --scene materials.rad room.rad --window glazing.rad --bsdf blind.xml"
+        " --weather oslo.epw",
+    ),
+    "run": Command("run", "run", "study.toml --out results"),
+    "demo": Command("run", "demo", "my_first_study"),
+    "report": Command("report", "report", "study_results"),
+    "render": Command(
+        "render",
+        "render",
+        "--scene materials.rad room.rad --view desk.vf"
+        " --sky 'gensky 9 21 12 +s -a 48 -o -11 -m -15' -o noon.hdr",
+    ),
+    "illum": Command(
+        "illum",
+        "illum",
+        "--scene materials.rad room.rad --panes window.rad"
+        " --sky 'gensky 9 21 12 +s' -o lamps.rad",
+    ),
+    "glare": Command("glare", "glare", "desk.hdr --detail --check found.hdr"),
+    "metrics": Command("metrics", "metrics", "results -o metrics.csv"),
+    "compare": Command("compare", "compare", "measured.csv study_results -o found"),
+    "import": Command(
+        "import_model", "import_model", "room.hbjson --weather oslo.epw -o room"
+    ),
+    "doctor": Command("doctor", "doctor", ""),
+    "multiply": Command("multiply", "multiply", "V.mtx blind.xml D.mtx S.smx -o E.mtx"),
+}
 
 # Typer's base of usage errors, which it does not export
 _UsageError: type[Exception] = next(
@@ -84,10 +139,9 @@ def _app_for(words: list[str]) -> typer.Typer:
     app = new_app()
     if first in _GROUPS:
         app.add_typer(importlib.import_module(_GROUPS[first]).app, name=first)
-    elif first in _COMMANDS:
-        module = importlib.import_module(_COMMANDS[first])
+    elif first in COMMANDS:
         app.callback()(_program)
-        app.command(first, epilog=f"Example: {module.EXAMPLE}")(getattr(module, first))
+        COMMANDS[first].add_to(app, first)
     else:
         app = importlib.import_module("clerestory.cli.main").app
     return app
