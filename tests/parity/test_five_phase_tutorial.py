@@ -50,6 +50,7 @@ def test_skies_and_suns_are_those_of_gendaymtx(quick):
     assert suns.directions[quick.lit()] == pytest.approx(quick.suns(), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_direct_matrices_equal_those_of_radiance(quick):
     """V_d and D_d, whose black scene needs few rays, by their sums."""
     ours = OurTutorial(quick.folder, None, quick.suns())
