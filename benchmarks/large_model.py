@@ -61,6 +61,7 @@ class Log:
     name: str = "read"
     begin: float = field(default_factory=time.perf_counter)
     used: float = field(default_factory=time.process_time)
+    marks: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
 
     def enter(self, name: str) -> None:
         """End the stage and begin another; the same one goes on."""
@@ -76,9 +77,15 @@ class Log:
         self.name = name
 
     def display(self, phase: str):
-        """Begin the stage of a phase of the run."""
+        """Begin the stage of a phase of the run; note how its work goes on."""
         self.enter(STAGES[phase.split()[0]])
-        return lambda _share, _note: None
+        marks = self.marks.setdefault(self.name, [(0.0, time.process_time())])
+        return lambda share, _note: marks.append((share, time.process_time()))
+
+    def fifths(self, name: str) -> list[float]:
+        """Return the processor seconds of each fifth of a stage's work."""
+        share, used = np.array(self.marks[name]).T
+        return np.diff(np.interp(np.linspace(0, 1, 6), share, used)).tolist()
 
 
 def peak_gb() -> float:
@@ -268,6 +275,8 @@ def simulate(options: argparse.Namespace, folder: Path) -> Log:
         "disk_gb": sum(f.stat().st_size for f in files) / 1e9,
         "trace": seconds["trace"],
     }
+    for stage, name in (("views", "views"), ("product", STAGES["multiply"])):
+        log.stages[f"fifths of {stage}"] = log.fifths(name)
     if plan is not None:
         log.stages["plan"] = {
             "seconds": plan.seconds, "memory": plan.memory, "disk": plan.disk,
@@ -349,7 +358,7 @@ def table(stages: dict[str, dict]) -> str:
     lines = ["| stage | seconds | processor seconds | most memory so far [GB] |"]
     lines.append("|---|---|---|---|")
     for name, stage in stages.items():
-        if name == "plan":
+        if name == "plan" or name.startswith("fifths"):
             continue
         figures = (
             f"{stage['seconds']:.1f} | {stage['cpu']:.1f} | {stage['peak_gb']:.2f}"
@@ -370,6 +379,18 @@ def plan_text(stages: dict[str, dict]) -> str:
         f" {plan['memory'] / 1e9:.1f} GB and {total['peak_gb']:.1f} GB of memory;"
         f" {plan['disk'] / 1e9:.1f} GB and {total['disk_gb']:.1f} GB of disk.\n"
     )
+
+
+def flat_text(stages: dict[str, dict], sensors: float) -> str:
+    """Return how many sensors a second were done, from the first to the last."""
+    text = ""
+    for name in ("views", "product"):
+        rates = [f"{sensors / 5 / used:.0f}" for used in stages[f"fifths of {name}"]]
+        text += (
+            f"\nSensors a processor second, {name}, fifth by fifth of them:"
+            f" {', '.join(rates)}.\n"
+        )
+    return text + "T D S of all windows comes before the first fifth of the product.\n"
 
 
 def growth_table(found: dict[str, list[tuple[float, dict]]]) -> str:
@@ -419,6 +440,7 @@ def main() -> None:
         )
         text = head(what) + table(log.stages)
         text += f"\nFiles: {log.stages['total']['disk_gb']:.1f} GB.\n"
+        text += flat_text(log.stages, options.sensors)
         text += plan_text(log.stages)
     else:
         found = sweep(options)

@@ -1,9 +1,9 @@
 """A dask.distributed cluster as a place where units of work are done.
 
 The scheduler and its workers run already, started by any of dask's own deployments.
-A job, with its scene, is sent to each worker once; units follow it, and their sums
-come back. Units of a worker that is lost are done again elsewhere, and since every
-unit is pure the result is the same to the bit.
+A scene is sent to each worker once, and so is each job, without its scene; units
+follow, and their sums come back. Units of a worker that is lost are done again
+elsewhere, and since every unit is pure the result is the same to the bit.
 
 Client, scheduler and workers trust each other: dask sends values by pickle, so
 whoever reaches the scheduler's port can run code. Nothing of this is ever written
@@ -15,8 +15,9 @@ import warnings
 from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from types import TracebackType
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from clerestory.cluster import optional
 from clerestory.engine.device import Device
 from clerestory.engine.work import Executor, Goal, Grain, Job, Local, Unit
 from clerestory.errors import ClerestoryError, ClerestoryWarning, DeviceError
+from clerestory.scene.model import Scene
 
 # Units are small beside launches on one machine: many workers share a round, and what
 # they return travels over a network.
@@ -36,6 +38,16 @@ _AHEAD = 3
 # workers is waited for [s]
 _TRIES = 10
 _PATIENCE = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Sent:
+    # A value, and its copies on the workers
+    value: object
+    copies: Any
+
+
+_NOTHING = _Sent(None, None)
 
 
 class Cluster:
@@ -55,6 +67,7 @@ class Cluster:
         self._dask = optional.load()
         self.address = address
         self._client = optional.connect(self._dask, address)
+        self._scene = self._job = _NOTHING
         try:
             self._worker = optional.load_worker()
             self._wait_for_workers()
@@ -63,8 +76,6 @@ class Cluster:
         except BaseException:
             self.close()
             raise
-        self._job: Job | None = None
-        self._sent: Any = None
 
     def __enter__(self) -> "Cluster":
         return self
@@ -79,7 +90,7 @@ class Cluster:
 
     def close(self) -> None:
         """Let go of the cluster; it goes on running."""
-        self._job = self._sent = None
+        self._scene = self._job = _NOTHING
         self._client.close()
 
     def workers(self) -> int:
@@ -131,11 +142,19 @@ class Cluster:
             self._client.cancel([future for _, future in running])
 
     def _submit(self, job: Job, unit: Unit) -> Any:
-        if job is not self._job:
-            self._sent = None
-            self._sent = self._client.scatter(job, broadcast=True, hash=False)
-            self._job = job
-        return self._client.submit(self._worker.do_unit, self._sent, unit, pure=False)
+        # The next window's job goes through the same scene: that is sent once
+        if job.scene is not self._scene.value:
+            self._scene = self._job = _NOTHING
+            self._scene = self._send(job.scene, job.scene)
+        if job is not self._job.value:
+            self._job = _NOTHING
+            self._job = self._send(job, replace(cast(Any, job), scene=Scene()))
+        copies = self._scene.copies, self._job.copies
+        return self._client.submit(self._worker.do_unit, *copies, unit, pure=False)
+
+    def _send(self, value: object, plain: object) -> "_Sent":
+        copies = self._client.scatter(plain, broadcast=True, hash=False)
+        return _Sent(value, copies)
 
     def _result(self, job: Job, unit: Unit, future: Any) -> np.ndarray:
         # Wait for a unit; do it again as long as only workers are lost
@@ -148,7 +167,7 @@ class Cluster:
             except optional.losses(self._dask):
                 # The copies of the scene may be gone with the workers
                 self._wait_for_workers()
-                self._job = None
+                self._scene = self._job = _NOTHING
                 future = self._submit(job, unit)
         raise DeviceError(
             f"a unit of work was lost {_TRIES} times with its workers; look at their"

@@ -5,6 +5,7 @@ threads dask gives it; Dr.Jit spreads each launch over the processor's cores its
 """
 
 import threading
+from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 from clerestory import __version__
 from clerestory.engine.device import Device, resolve
 from clerestory.engine.work import Job, Local, Unit
+from clerestory.scene.model import Scene
 
 NAME = "clerestory"
 
@@ -28,18 +30,22 @@ class Bench(distributed.WorkerPlugin):
     def setup(self, worker: Any) -> None:
         """Start with nothing prepared."""
         self.local, self.lock = Local(), threading.Lock()
+        self.sent: Any = None
+        self.whole: Any = None
 
-    def do(self, job: Job, unit: Unit) -> np.ndarray:
-        """Return what a unit adds."""
+    def do(self, scene: Scene, job: Any, unit: Unit) -> np.ndarray:
+        """Return what a unit adds; the job was sent without its scene."""
         with self.lock:
-            sums: np.ndarray = self.local.run(job, unit)
+            if self.sent is not job or self.whole.scene is not scene:
+                self.sent, self.whole = job, replace(job, scene=scene)
+            sums: np.ndarray = self.local.run(self.whole, unit)
             return sums
 
 
-def do_unit(job: Job, unit: Unit) -> np.ndarray:
+def do_unit(scene: Scene, job: Job, unit: Unit) -> np.ndarray:
     """Return what a unit adds, on the worker that this is called on."""
     bench: Any = distributed.get_worker().plugins[NAME]
-    sums: np.ndarray = bench.do(job, unit)
+    sums: np.ndarray = bench.do(scene, job, unit)
     return sums
 
 

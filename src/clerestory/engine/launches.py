@@ -15,6 +15,7 @@ from jaxtyping import Float, UInt64
 from clerestory.engine.estimate import MatrixJob
 from clerestory.engine.facade import FacadeJob
 from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.origin import middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.points import Points, points
 from clerestory.engine.starts import (
@@ -29,7 +30,6 @@ from clerestory.engine.walk import Target
 from clerestory.engine.windows import window_shapes
 from clerestory.engine.work import Tracer, Unit
 from clerestory.errors import DeviceError
-from clerestory.scene.window import Window
 
 # Streams of random numbers: errors of V and D must not agree
 _SENSORS, _WINDOWS = 0, 1
@@ -57,24 +57,27 @@ def prepare_coefficients(job: CoefficientsJob) -> Tracer:
 
 def prepare_daylight(job: DaylightJob) -> Tracer:
     """Return what traces from a window to the sky."""
-    model = lower(job.scene, origin=_middle(job.window))
+    origin = window_origin(job.scene, job.window)
+    model = lower(job.scene, origin=origin)
     target = Target(model, SkyTable.of(job.sky), mi.UInt64(), *job.shape[2:])
-    return _from_window(job, target, job.seed)
+    return _from_window(job, target, job.seed, origin)
 
 
 def prepare_facade(job: FacadeJob) -> Tracer:
     """Return what traces from a window to ports before it."""
-    model = lower(job.scene, origin=_middle(job.window), receivers=job.ports)
+    origin = middle_of_window(job.window)
+    model = lower(job.scene, origin=origin, receivers=job.ports)
     target = Target(model, None, mi.UInt64(), *job.shape[2:])
-    return _from_window(job, target, job.seed ^ _FACADE_SEED)
+    return _from_window(job, target, job.seed ^ _FACADE_SEED, origin)
 
 
-def _middle(window: Window) -> Float[np.ndarray, "3"]:
-    return np.mean([p.vertices.mean(axis=0) for p in window.polygons], axis=0)
-
-
-def _from_window(job: DaylightJob | FacadeJob, target: Target, seed: int) -> Tracer:
-    table, _ = window_shapes((job.window,), _middle(job.window))
+def _from_window(
+    job: DaylightJob | FacadeJob,
+    target: Target,
+    seed: int,
+    origin: Float[np.ndarray, "3"],
+) -> Tracer:
+    table, _ = window_shapes((job.window,), origin)
     segments = _segments(job.bounces, first=1)
 
     def launch(target: Target, sequence: Points, paths: Lanes, _unit: Unit) -> None:

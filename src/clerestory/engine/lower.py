@@ -16,6 +16,7 @@ from clerestory.engine import materials
 from clerestory.engine.grey import SHINING, channels_of
 from clerestory.engine.lamps import Lamps, split_by_surface
 from clerestory.engine.round import round_shape, without_round
+from clerestory.engine.shelf import shelved
 from clerestory.engine.windows import WindowTable, window_shapes
 from clerestory.scene.model import BsdfSurface, Scene
 from clerestory.scene.tessellate import Mesh, meshes
@@ -67,13 +68,21 @@ def lower(
     origin: Float[np.ndarray, "3"],
     receivers: tuple[Window, ...] = (),
 ) -> LoweredScene:
-    """Build the device's scene around `origin`.
+    """Return the device's scene around `origin`, built now or for the job before.
 
     Parameters
     ----------
     origin : point of the scene that comes to lie at the device's origin [m]
     receivers : windows that are surfaces of the scene and end the paths that meet them
     """
+    key = mi.variant(), scene, tuple(origin.tolist()), receivers
+    lowered: LoweredScene = shelved(key, lambda: _lowered(scene, origin, receivers))
+    return lowered
+
+
+def _lowered(
+    scene: Scene, origin: Float[np.ndarray, "3"], receivers: tuple[Window, ...]
+) -> LoweredScene:
     materials.register()
     content: dict[str, object] = {"type": "scene"}
     shining: list[Mesh] = []

@@ -19,6 +19,8 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.engine.device import Device, free_memory, load, resolve
+from clerestory.engine.shelf import Shelf
+from clerestory.scene.model import Scene
 
 # What a unit may cost on a CPU: more paths a launch do not trace faster.
 _PATHS, _SUMS = 1 << 22, 1 << 29
@@ -65,6 +67,7 @@ class Job(Protocol):
 
     Attributes
     ----------
+    scene : that light goes through
     device : that it runs on
     tracer : module of the engine, and its function that takes the job and returns
         what traces its units
@@ -72,6 +75,10 @@ class Job(Protocol):
     """
 
     tracer: ClassVar[tuple[str, str]]
+
+    @property
+    def scene(self) -> Scene:
+        """Scene that light goes through."""
 
     @property
     def device(self) -> Literal["cpu", "cuda"]:
@@ -133,11 +140,16 @@ class Executor(Protocol):
 
 
 class Local:
-    """Does units one after the other in this process; keeps the last job prepared."""
+    """Does units one after the other in this process; keeps the last job prepared.
+
+    The next job takes over the scenes that were built for the last one, where it asks
+    for the same.
+    """
 
     def __init__(self) -> None:
         self._job: Job | None = None
         self._tracer: Tracer | None = None
+        self._shelf = Shelf()
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
         """Return the device that a request leads to on this machine."""
@@ -172,7 +184,8 @@ class Local:
         name, prepare = job.tracer
         module = load(job.device, name)  # each thread has a variant of its own
         if job is not self._job or self._tracer is None:
-            # Let go of the former scene before the next one is built
+            # Let go of the former tables before the next ones are built
             self._job = self._tracer = None
-            self._tracer, self._job = getattr(module, prepare)(job), job
+            with self._shelf.preparing():
+                self._tracer, self._job = getattr(module, prepare)(job), job
         return self._tracer(unit)

@@ -184,8 +184,12 @@ def daylight_matrices(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> dict[str, TransferMatrix]:
-    """Daylight matrices of several windows by window name; see `daylight_matrix`."""
+    """Daylight matrices of several windows by window name; see `daylight_matrix`.
+
+    The scene is built once for all windows less than 128 m from its middle.
+    """
     require_distinct(windows)
+    executor = executor or Local()
     found = {}
     for number, window in enumerate(windows):
         found[window.name] = daylight_matrix(
