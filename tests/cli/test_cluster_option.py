@@ -32,6 +32,14 @@ def test_an_address_where_nothing_answers_is_bad_input(call, words):
     assert done.err.count("\n") == 1
 
 
+TRACING = ("run", "render", "illum", "trace view", "trace daylight", "trace facade")
+
+
+@pytest.mark.parametrize("command", (*TRACING, "trace coefficients", "trace sun"))
+def test_every_command_that_traces_scenes_can_have_others_do_it(call, command):
+    assert "--cluster" in call(*command.split(), "--help").out
+
+
 def test_without_dask_the_extra_is_named(call, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     done = call("run", "study.toml", "--out", "results", "--cluster", NOWHERE)

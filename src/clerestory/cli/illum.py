@@ -8,6 +8,7 @@ import typer
 
 from clerestory.cli.options import (
     Bounces,
+    ClusterAddress,
     DeviceOption,
     Quiet,
     RelativeError,
@@ -17,6 +18,7 @@ from clerestory.cli.options import (
 )
 from clerestory.cli.progress import progress_display
 from clerestory.cli.render import Sky, Time, WeatherFile, sky_of
+from clerestory.cluster.cluster import executor_at
 from clerestory.errors import InputError
 from clerestory.phases.illum import precompute_illums
 from clerestory.scene.illum_table import write_illums
@@ -56,6 +58,7 @@ def illum(
     bounces: Bounces = None,
     seed: Seed = 1,
     device: DeviceOption = "auto",
+    cluster: ClusterAddress = None,
     quiet: Quiet = False,
 ) -> None:
     """Make lamps of windows: trace once what they send under a sky, as mkillum does.
@@ -67,7 +70,7 @@ def illum(
     begin = time.perf_counter()
     room = read_rad(*scene)
     windows = _windows(room, read_rad(*scene, panes), panes)
-    with progress_display(quiet=quiet) as display:
+    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         made = precompute_illums(
             room + sky_of(sky, moment, weather),
             windows,
@@ -78,6 +81,7 @@ def illum(
             bounces=bounces,
             seed=seed,
             device=device,
+            executor=executor,
             progress=display("illum"),
         )
     files = write_illums(made, output)
