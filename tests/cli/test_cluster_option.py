@@ -35,7 +35,7 @@ def test_an_address_where_nothing_answers_is_bad_input(call, words):
 TRACING = ("run", "render", "illum", "trace view", "trace daylight", "trace facade")
 
 
-@pytest.mark.parametrize("command", (*TRACING, "trace coefficients", "trace sun"))
+@pytest.mark.parametrize("command", [*TRACING, "trace coefficients", "trace sun"])
 def test_every_command_that_traces_scenes_can_have_others_do_it(call, command):
     assert "--cluster" in call(*command.split(), "--help").out
 
