@@ -10,7 +10,7 @@ import xarray as xr
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.engine import estimate
+from clerestory.engine import estimate, foresight
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.phases import stored_views
@@ -52,6 +52,7 @@ def write(tmp_path, monkeypatch):
     row = 41 * 16 * 8  # patches, batches, bytes of a sum
     monkeypatch.setattr(estimate, "_SUMS", 2 * row)
     monkeypatch.setattr(study_results, "_LARGE", 100)
+    monkeypatch.setattr(foresight, "_TRIAL", 1 << 12)
 
     def written(rule="", memory_gb=8.0):
         control = f"[window.control]\n{rule}\n" if rule else ""
@@ -66,7 +67,10 @@ def write(tmp_path, monkeypatch):
     return written
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize(
+    "rule",
+    [pytest.param(r, marks=[pytest.mark.slow] * (r != "facade")) for r in RULES],
+)
 def test_light_is_the_same_and_its_error_alike(write, tmp_path, rule):
     """Values are traced alike, and stored as single precision, ε = 6e-8."""
     held = run_study(write(RULES[rule]), out=tmp_path / "held").data
@@ -125,10 +129,12 @@ def test_a_run_that_was_killed_goes_on_with_the_next_block(
     monkeypatch.setattr(stored_views, "estimate_rows", counts)
     results = run_study(study, out=tmp_path / "out")
     assert traced == [0, 2]
+    assert plan_study(study, out=tmp_path / "out").seconds == 0
     whole = run_study(study, out=tmp_path / "whole")
     xr.testing.assert_identical(results.data, whole.data)
 
 
+@pytest.mark.slow
 def test_a_damaged_block_is_traced_again(write, tmp_path):
     study = write("", 0.0)
     first = run_study(study, out=tmp_path)
@@ -148,8 +154,6 @@ def test_the_plan_counts_stored_blocks_as_one(write, tmp_path):
     assert list(stored) == ["views", "direct-views"]
     assert stored["views"].rows == 4
     assert stored["views"].paths == 4 * 256
-    run_study(study, out=tmp_path / "out")
-    assert plan_study(study, out=tmp_path / "out").seconds == 0
 
 
 def test_rules_that_look_at_more_than_memory_holds_are_refused(write, tmp_path):
