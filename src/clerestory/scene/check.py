@@ -26,8 +26,9 @@ _SHUT_IN = 0.25
 # Sizes of scenes that are likely to be in metres [m]
 _SMALLEST, _LARGEST = 0.1, 2000.0
 
-# Questions of one sensor to one triangle asked at most; sensors are left out beyond
-_EFFORT = 60_000_000
+# Questions of one sensor to one triangle asked at most; beyond, what stands around
+# sensors is looked at for some of them, evenly spread
+_EFFORT = 300_000_000
 
 _RAYS = 64
 
@@ -40,7 +41,9 @@ def check_scene(
     Looks for sensors outside the scene, touching a surface, shut in by surfaces,
     with nothing beneath them, in the plane of a window or given twice; windows that
     turn their backs to the sensors, stand outside the scene or are covered by one of
-    its surfaces; and scenes that are hardly in metres.
+    its surfaces; and scenes that are hardly in metres. Where sensors and triangles are
+    many, surfaces around sensors are sought for some of them only; findings then say
+    of how many.
 
     Parameters
     ----------
@@ -56,11 +59,16 @@ def check_scene(
     if not scene.surfaces:
         return ("the scene has no surfaces",)
     triangles = _triangles(scene)
-    findings = [*_size(scene)]
+    box = scene.bounds()
+    findings = [*_size(box)]
     for window in windows:
-        findings += _window(window, scene, triangles, sensors)
+        findings += _window(window, scene, box, triangles, sensors)
     if sensors is not None and len(sensors):
-        findings += _sensors(sensors, scene, triangles, windows)
+        findings += _sensors(sensors, box, windows)
+        opaque = np.array(
+            [is_opaque(scene.materials[s.material]) for s in scene.surfaces]
+        )
+        findings += _surroundings(sensors, box, _solid(triangles, opaque))
     return tuple(findings)
 
 
@@ -72,8 +80,17 @@ def _triangles(scene: Scene) -> Triangulation:
     )
 
 
-def _size(scene: Scene) -> Iterator[str]:
-    size = float(np.ptp(scene.bounds(), axis=0).max())
+def _solid(
+    triangles: Triangulation, opaque: Bool[np.ndarray, " surfaces"]
+) -> Triangulation:
+    if opaque.all():
+        return triangles
+    kept = opaque[triangles.surface]
+    return Triangulation(triangles.corner[kept], triangles.surface[kept])
+
+
+def _size(box: Float[np.ndarray, "2 3"]) -> Iterator[str]:
+    size = float(np.ptp(box, axis=0).max())
     if size > _LARGEST or size < _SMALLEST:
         yield (
             f"the scene is {size:.3g} m across; is it in metres?"
@@ -82,7 +99,11 @@ def _size(scene: Scene) -> Iterator[str]:
 
 
 def _window(
-    window: Window, scene: Scene, triangles: Triangulation, sensors: Sensors | None
+    window: Window,
+    scene: Scene,
+    box: Float[np.ndarray, "2 3"],
+    triangles: Triangulation,
+    sensors: Sensors | None,
 ) -> Iterator[str]:
     label = f'window "{window.name}"'
 
@@ -98,8 +119,7 @@ def _window(
 
     # It belongs to a wall
     corner = np.concatenate([p.vertices for p in window.polygons])
-    low, high = scene.bounds()
-    outside = float(np.max([low - corner, corner - high]))
+    outside = float(np.max([box[0] - corner, corner - box[1]]))
     if outside > 0.01:
         yield f"{label} reaches {outside:.3g} m beyond the surfaces of the scene"
 
@@ -128,13 +148,17 @@ def _heights(window: Window, sensors: Sensors) -> Float[np.ndarray, " sensors"]:
     return height
 
 
+def _outside(
+    sensors: Sensors, box: Float[np.ndarray, "2 3"]
+) -> Bool[np.ndarray, " sensors"]:
+    low, high = sensors.position < box[0] - _TOUCH, sensors.position > box[1] + _TOUCH
+    return np.asarray(np.any(low | high, axis=1))
+
+
 def _sensors(
-    sensors: Sensors, scene: Scene, triangles: Triangulation, windows: Sequence[Window]
+    sensors: Sensors, box: Float[np.ndarray, "2 3"], windows: Sequence[Window]
 ) -> Iterator[str]:
-    low, high = scene.bounds()
-    out = np.any(
-        (sensors.position < low - _TOUCH) | (sensors.position > high + _TOUCH), axis=1
-    )
+    out = _outside(sensors, box)
     yield from _finding(sensors, out, "outside the box around all surfaces")
 
     table = np.concatenate([sensors.position, sensors.direction], axis=1).round(6)
@@ -148,20 +172,15 @@ def _sensors(
         where = f'in the plane of window "{window.name}", which sends them no light'
         yield from _finding(sensors, on_plane, where)
 
-    opaque = np.array([is_opaque(scene.materials[s.material]) for s in scene.surfaces])
-    solid = Triangulation(
-        triangles.corner[opaque[triangles.surface]],
-        triangles.surface[opaque[triangles.surface]],
-    )
-    yield from _surroundings(sensors, out, solid)
-
 
 def _surroundings(
-    sensors: Sensors, out: Bool[np.ndarray, " sensors"], solid: Triangulation
+    sensors: Sensors, box: Float[np.ndarray, "2 3"], solid: Triangulation
 ) -> Iterator[str]:
+    out = _outside(sensors, box)
     touching, shut_in, floating = (np.zeros(len(sensors), dtype=bool) for _ in range(3))
-    step = 1 + len(sensors) * len(solid.corner) // _EFFORT
-    for i in range(0, len(sensors), step):
+    most = max(1, _EFFORT // max(1, len(solid.corner)))
+    looked = range(0, len(sensors), -(-len(sensors) // most))
+    for i in looked:
         point, direction = sensors.position[i], sensors.direction[i]
         near = solid.near(point, _SHUT_IN)
         touching[i] = distances(point, near.corner).min(initial=np.inf) < _TOUCH
@@ -171,18 +190,16 @@ def _surroundings(
             point, np.array([[0.0, 0.0, -1.0]]), solid.beneath(point).corner
         )
         floating[i] = not (touching[i] or out[i]) and np.isinf(down[0])
-    yield from _finding(
-        sensors, touching, f"nearer than {_TOUCH * 1e3:.0f} mm to a surface"
-    )
-    yield from _finding(
-        sensors,
-        shut_in,
-        f"shut in, with half of the view nearer than {_SHUT_IN} m: in a wall, below the"
-        " floor or inside furniture?",
-    )
-    yield from _finding(
-        sensors, floating, "with no surface beneath: below the floor or outside?"
-    )
+    for which, where in (
+        (touching, f"nearer than {_TOUCH * 1e3:.0f} mm to a surface"),
+        (
+            shut_in,
+            f"shut in, with half of the view nearer than {_SHUT_IN} m: in a wall,"
+            " below the floor or inside furniture?",
+        ),
+        (floating, "with no surface beneath: below the floor or outside?"),
+    ):
+        yield from _finding(sensors, which, where, looked=len(looked))
 
 
 def _hemisphere(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "rays 3"]:
@@ -200,7 +217,11 @@ def _hemisphere(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "rays 3"
 
 
 def _finding(
-    sensors: Sensors, which: Bool[np.ndarray, " sensors"], where: str
+    sensors: Sensors,
+    which: Bool[np.ndarray, " sensors"],
+    where: str,
+    *,
+    looked: int | None = None,
 ) -> Iterator[str]:
     # One line for all sensors with the same trouble; the first few by name
     found = np.flatnonzero(which).tolist()
@@ -210,7 +231,9 @@ def _finding(
         sensors.names[i] if sensors.names is not None else str(i + 1) for i in found[:5]
     ]
     shown = ", ".join(names) + (", …" if len(found) > len(names) else "")
+    all_looked = looked in (None, len(sensors))
+    note = "" if all_looked else f", {looked} of which were looked at,"
     if len(found) == 1:
-        yield f"sensor {shown} of {len(sensors)} is {where}"
+        yield f"sensor {shown} of {len(sensors)}{note} is {where}"
     else:
-        yield f"{len(found)} of {len(sensors)} sensors ({shown}) are {where}"
+        yield f"{len(found)} ({shown}) of {len(sensors)} sensors{note} are {where}"

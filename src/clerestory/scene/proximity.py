@@ -24,27 +24,29 @@ class Triangulation:
     surface: Int[np.ndarray, " triangles"]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_low", self.corner.min(axis=1))
-        object.__setattr__(self, "_high", self.corner.max(axis=1))
+        # Boxes coordinate by coordinate: whole columns are compared
+        for name, of in (("_low", np.min), ("_high", np.max)):
+            box = np.ascontiguousarray(of(self.corner, axis=1).T)
+            object.__setattr__(self, name, box)
 
     def near(self, point: Float[np.ndarray, "3"], reach: float) -> "Triangulation":
         """Return the triangles whose boxes come within `reach` [m] of a point."""
-        low, high = self._boxes()
-        return self._chosen(
-            np.all((low <= point + reach) & (high >= point - reach), axis=1)
-        )
+        return self._meeting(point - reach, point + reach)
 
     def beneath(self, point: Float[np.ndarray, "3"]) -> "Triangulation":
         """Return the triangles whose boxes lie under a point, in part at least."""
-        low, high = self._boxes()
-        over = np.all((low[:, :2] <= point[:2]) & (high[:, :2] >= point[:2]), axis=1)
-        return self._chosen(over & (low[:, 2] <= point[2]))
+        return self._meeting(np.array([point[0], point[1], -np.inf]), point)
 
-    def _boxes(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.__dict__["_low"], self.__dict__["_high"]
-
-    def _chosen(self, which: np.ndarray) -> "Triangulation":
-        return Triangulation(self.corner[which], self.surface[which])
+    def _meeting(
+        self, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]
+    ) -> "Triangulation":
+        # Triangles whose boxes meet a box, each coordinate asked of those left over
+        lowest, highest = self.__dict__["_low"], self.__dict__["_high"]
+        left = np.flatnonzero((lowest[0] <= high[0]) & (highest[0] >= low[0]))
+        for axis in (1, 2):
+            meets = lowest[axis, left] <= high[axis]
+            left = left[meets & (highest[axis, left] >= low[axis])]
+        return Triangulation(self.corner[left], self.surface[left])
 
 
 def distances(
