@@ -142,6 +142,13 @@ class Sums:
         shape = rows, *job.shape[1:]
         return cls(np.zeros(shape, np.uint64), np.zeros(rows, np.int64))
 
+    def add(self, rows: Int[np.ndarray, " some"], part: np.ndarray) -> None:
+        """Add what a unit returned to some rows; in place if they are consecutive."""
+        if rows[-1] - rows[0] == len(rows) - 1:
+            self.total[rows[0] : rows[-1] + 1] += part
+        else:
+            self.total[rows] += part
+
     def means(self) -> Float[np.ndarray, "row batch column channel"]:
         """Mean weight of each batch's paths."""
         return self.total / (FIXED_POINT * self.count[:, None, None, None])
@@ -196,7 +203,7 @@ def estimate_rows(job: MatrixJob, rows: slice, effort: Effort) -> Estimate:
     What it returns is the same to the bit whether other blocks are traced or not.
     """
     sums, reached = _trace_rows(job, np.arange(rows.start, rows.stop), effort)
-    return _estimated(sums, reached, effort)
+    return estimated(sums, reached, effort)
 
 
 def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
@@ -220,14 +227,16 @@ def row_bytes(job: MatrixJob) -> int:
     return batches * columns * channels * 8
 
 
-def _estimated(sums: Sums, reached: bool, effort: Effort) -> Estimate:
+def estimated(sums: Sums, reached: bool, effort: Effort) -> Estimate:
+    """Return means and error components of what was summed."""
     means = sums.means()
     mean = means.mean(axis=1)
     components = None
     if effort.components:
         batches = effort.batches
-        spread = (means - mean[:, None]) / np.sqrt(batches * (batches - 1))
-        components = np.moveaxis(spread, (1, 3), (0, 1)).astype(np.float32)
+        means -= mean[:, None]
+        means /= np.sqrt(batches * (batches - 1))
+        components = np.moveaxis(means, (1, 3), (0, 1)).astype(np.float32)
     paths = int(sums.count.sum()) * effort.batches
     return Estimate(np.moveaxis(mean, -1, 0), components, paths, reached)
 
@@ -283,7 +292,7 @@ def _lengthen(
     units = list(_units(job, numbers[todo], have, length, grain))
     work, done, start_time = len(todo) * (length - have), 0, time.perf_counter()
     for unit, part in zip(units, effort.executor.map(job, units), strict=True):
-        sums.total[unit.rows - numbers[0]] += part
+        sums.add(unit.rows - numbers[0], part)
         done += len(unit.rows) * unit.count
         rate = batches * done / (time.perf_counter() - start_time) * 1e-6
         note = f"{batches * length:,} paths a row, {rate:.1f} million a second"

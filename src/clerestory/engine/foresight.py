@@ -2,23 +2,32 @@
 
 A plan is an executor that takes note of the jobs it is handed and does none of them.
 A trial of one job of each kind, about a second long, then tells how fast it is traced
-where the work is to be done, and how many paths the error aimed at will take.
+where the work is to be done, and how many paths the error aimed at will take. It does
+what the run will do: as many paths a row where their number is given, sums brought to
+means and deviations, and another job of the kind that takes over the scene.
 """
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from clerestory.engine.device import Device
-from clerestory.engine.estimate import GROWTH, PILOT, Sums
+from clerestory.engine.estimate import (
+    GROWTH,
+    PILOT,
+    Effort,
+    Sums,
+    estimated,
+    row_bytes,
+)
 from clerestory.engine.lit import Batches
-from clerestory.engine.work import Executor, Goal, Grain, Job, Unit
+from clerestory.engine.work import Executor, Goal, Grain, Job, Unit, spread
 
-# Paths of a trial on each worker
-_TRIAL = 1 << 19
+# Paths of a trial on each worker, and what it returns at most [bytes]
+_TRIAL, _SUMS = 1 << 19, 1 << 27
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +54,13 @@ class Foreseen:
 
 @dataclass(frozen=True)
 class _Trial:
-    # Time to prepare [s], paths a second, and the error's part: paths of a receiver
+    # Time to prepare a first job and the next ones in its scene [s], paths a second,
+    # time of a receiver beside its paths [s], and the error's part: paths of a receiver
     # that reach the relative error of 1, as if error fell with the power of GROWTH
     preparation: float
+    next_preparation: float
     rate: float
+    beside: float
     needed: float | None
 
 
@@ -87,46 +99,98 @@ class Plan:
 
 
 def foresee(plan: Plan) -> list[Foreseen]:
-    """Return what each noted job will take, after one trial of each kind of job.
+    """Return what each noted job will take, after a trial of each kind of job.
 
-    The largest job of a kind is tried. Jobs of one kind take as long to prepare and
-    trace as many paths a second, and need as many paths for each row.
+    The largest job of a kind is tried, and the start of the next one in its scene. Jobs
+    of one kind take as long to prepare and trace as many paths a second, and need as
+    many paths for each row.
     """
-    trials: dict[type, _Trial] = {}
+    kinds: dict[type, list[Noted]] = {}
     for noted in sorted(plan.noted, key=lambda n: -n.job.receivers):
-        kind = type(noted.job)
-        if kind not in trials and noted.job.receivers:
-            trials[kind] = _try(noted, plan.place)
-    return [_foreseen(noted, trials.get(type(noted.job))) for noted in plan.noted]
+        if noted.job.receivers:
+            kinds.setdefault(type(noted.job), []).append(noted)
+    trials = {kind: _try(jobs, plan.place) for kind, jobs in kinds.items()}
+    found, built = [], None
+    for noted in plan.noted:
+        place = type(noted.job), noted.job.scene
+        found.append(_foreseen(noted, trials.get(place[0]), again=place == built))
+        built = place
+    return found
 
 
-def _foreseen(noted: Noted, trial: _Trial | None) -> Foreseen:
+def _foreseen(noted: Noted, trial: _Trial | None, *, again: bool) -> Foreseen:
     job, goal = noted.job, noted.goal
     if trial is None:
         return Foreseen(0, 0.0)
     if goal.samples is not None:
-        length = max(1, -(-goal.samples // job.batches))
+        length: float = _length(noted)
     else:
         aim = goal.relative_error or 1.0
         length = max(PILOT, (trial.needed or 0.0) / aim**GROWTH)
     paths = round(length * job.batches * job.receivers)
-    return Foreseen(paths, trial.preparation + paths / trial.rate)
+    seconds = trial.next_preparation if again else trial.preparation
+    seconds += paths / trial.rate + trial.beside * job.receivers
+    return Foreseen(paths, seconds)
 
 
-def _try(noted: Noted, place: Executor) -> _Trial:
+def _length(noted: Noted) -> int:
+    # Points of a batch, where samples are given
+    return max(1, -(-(noted.goal.samples or 1) // noted.job.batches))
+
+
+def _try(kind: Sequence[Noted], place: Executor) -> _Trial:
     # Twice the same: the first time builds the scene and compiles its kernels
-    job, workers = noted.job, place.workers()
-    unit = job.trial(_TRIAL)
+    noted, workers = kind[0], place.workers()
+    job, unit = noted.job, _like_all(noted)
     units = [unit] * workers
-    start = time.perf_counter()
-    sums = list(place.map(job, units)).pop()
-    middle = time.perf_counter()
-    list(place.map(job, units))
-    seconds = time.perf_counter() - middle
+    first, _ = _timed(job, units, place)
+    seconds, sums = _timed(job, units, place)
     pairs = len(unit.rows) * (1 if unit.columns is None else len(unit.columns))
     paths = workers * pairs * unit.count * job.batches
-    preparation = max(0.0, middle - start - seconds)
-    return _Trial(preparation, paths / seconds, _needed(job, unit, sums))
+    preparation = following = max(0.0, first - seconds)
+    for other in [n for n in kind[1:] if n.job.scene is job.scene][:1]:
+        taken, _ = _timed(other.job, [_like_all(other)] * workers, place)
+        following = min(preparation, max(0.0, taken - seconds))
+    return _Trial(
+        preparation,
+        following,
+        paths / seconds,
+        _beside(job, unit, sums),
+        _needed(job, unit, sums),
+    )
+
+
+def _timed(
+    job: Job, units: Sequence[Unit], place: Executor
+) -> tuple[float, np.ndarray]:
+    start = time.perf_counter()
+    sums = list(place.map(job, units)).pop()
+    return time.perf_counter() - start, sums
+
+
+def _like_all(noted: Noted) -> Unit:
+    # A unit of as many paths a row as the run will trace, where that is known
+    job, unit = noted.job, noted.job.trial(_TRIAL)
+    shape = getattr(job, "shape", None)
+    if shape is None or noted.goal.samples is None or unit.count <= _length(noted):
+        return unit
+    length = _length(noted)
+    if job.together:
+        return Unit(unit.rows, 0, length)
+    rows = min(_TRIAL // (length * job.batches), _SUMS // row_bytes(job))
+    return Unit(spread(shape[0], max(1, rows)), 0, length)
+
+
+def _beside(job: Job, unit: Unit, part: np.ndarray) -> float:
+    # Time that a row of a matrix takes to be added, and for its mean and deviations
+    if not hasattr(job, "unfinished"):
+        return 0.0
+    start = time.perf_counter()
+    sums = Sums.none(job, len(unit.rows))
+    sums.add(np.arange(len(unit.rows)), part)
+    sums.count[:] = unit.count
+    estimated(sums, True, Effort(batches=job.batches))
+    return (time.perf_counter() - start) / len(unit.rows)
 
 
 def _needed(job: Job, unit: Unit, sums: np.ndarray) -> float | None:
