@@ -24,7 +24,7 @@ from pathlib import Path
 
 import distributed
 import numpy as np
-from large_model import facade, sensors_of, shell, space_frame
+from hall import facade, sensors_of, shell, space_frame
 
 import clerestory as cl
 from clerestory.cluster.cluster import _GRAIN

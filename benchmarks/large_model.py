@@ -25,25 +25,18 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from hall import facade, polygon_text, sensors_of, shell, space_frame, write_obj
 from matplotlib.ticker import MaxNLocator
 
 import clerestory as cl
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.directions import Frame
 from clerestory.hemisphere.klems import klems
 from clerestory.report.page import write_report
-from clerestory.scene.model import Polygon, TriangleMesh
 from clerestory.study.config import read_study
 from clerestory.study.demo import write_demo
 from clerestory.study.plan import plan_study
 from clerestory.study.run import run_study
-
-# The hall [m], its sensors' height, and the least distance of sensors to walls
-LENGTH, DEPTH, HEIGHT = 200.0, 60.0, 10.0
-DESK, EDGE = 0.8, 1.0
-SILL, HEAD, POST = 0.5, 8.5, 0.5
-
 
 # Stages of a run, by how the display of its phases begins
 STAGES = {
@@ -91,101 +84,6 @@ class Log:
 def peak_gb() -> float:
     """Return the most memory that the process has had [GB]."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-
-
-def quad(corners: list, name: str) -> Polygon:
-    """Return a grey polygon."""
-    return Polygon(np.array(corners, dtype=float), "grey", name)
-
-
-def facade(windows: int) -> tuple[list[Polygon], list[cl.Window]]:
-    """Return the walls around the windows of both long sides, and the windows."""
-    walls, groups = [], []
-    for side, y in enumerate((0.0, DEPTH)):
-        count = windows - windows // 2 if side == 0 else windows // 2
-        inward = np.array([0.0, 1.0 - 2 * side, 0.0])
-        for low, high in ((0.0, SILL), (HEAD, HEIGHT)):
-            walls.append(
-                quad(
-                    [[0, y, low], [LENGTH, y, low], [LENGTH, y, high], [0, y, high]],
-                    "wall",
-                )
-            )
-        width = LENGTH / max(count, 1)
-        for number in range(count):
-            a, b = number * width + POST / 2, (number + 1) * width - POST / 2
-            for left, right in ((number * width, a), (b, (number + 1) * width)):
-                walls.append(
-                    quad(
-                        [[left, y, SILL], [right, y, SILL], [right, y, HEAD],
-                         [left, y, HEAD]],
-                        "post",
-                    )
-                )  # fmt: skip
-            corners = [[a, y, SILL], [a, y, HEAD], [b, y, HEAD], [b, y, SILL]]
-            pane = quad(corners if side == 0 else corners[::-1], "pane")
-            frame = Frame.from_normal_up(inward, np.array([0.0, 0.0, 1.0]))
-            name = f"{'south' if side == 0 else 'north'}{number}"
-            groups.append(cl.Window(name, (pane,), frame, klems("full")))
-    return walls, groups
-
-
-def shell() -> list[Polygon]:
-    """Return floor, ceiling, ends of the hall, and the ground outside."""
-    x, y, z = LENGTH, DEPTH, HEIGHT
-    far = 500.0
-    return [
-        quad([[0, 0, 0], [x, 0, 0], [x, y, 0], [0, y, 0]], "floor"),
-        quad([[0, 0, z], [0, y, z], [x, y, z], [x, 0, z]], "ceiling"),
-        quad([[0, 0, 0], [0, y, 0], [0, y, z], [0, 0, z]], "west"),
-        quad([[x, 0, 0], [x, 0, z], [x, y, z], [x, y, 0]], "east"),
-        quad(
-            [[-far, -far, -0.1], [far, -far, -0.1], [far, far, -0.1],
-             [-far, far, -0.1]],
-            "ground",
-        ),
-    ]  # fmt: skip
-
-
-def space_frame(triangles: int) -> TriangleMesh:
-    """Return the nodes of a space frame below the ceiling: balls of 1520 triangles."""
-    rows, around = 20, 40
-    theta = np.linspace(0, np.pi, rows + 1)
-    phi = np.arange(around) * 2 * np.pi / around
-    ball = np.stack(
-        [
-            np.outer(np.sin(theta), np.cos(phi)),
-            np.outer(np.sin(theta), np.sin(phi)),
-            np.outer(np.cos(theta), np.ones(around)),
-        ],
-        axis=-1,
-    ).reshape(-1, 3)
-    i, j = np.meshgrid(np.arange(rows), np.arange(around), indexing="ij")
-    a, b = i * around + j, i * around + (j + 1) % around
-    faces = np.concatenate(
-        [
-            np.stack([a, a + around, b], -1)[1:].reshape(-1, 3),
-            np.stack([b, a + around, b + around], -1)[:-1].reshape(-1, 3),
-        ]
-    )
-    count = max(1, round(triangles / len(faces)))
-    rng = np.random.default_rng(1)
-    low, high = [1, 1, HEAD], [LENGTH - 1, DEPTH - 1, HEIGHT - 0.3]
-    centres = rng.uniform(low, high, (count, 3))
-    vertices = (0.1 * ball + centres[:, None]).reshape(-1, 3)
-    every = faces + (np.arange(count) * len(ball))[:, None, None]
-    return TriangleMesh(vertices, every.reshape(-1, 3), "grey", "space frame")
-
-
-def sensors_of(count: int) -> cl.Sensors:
-    """Return a grid over the floor that looks up."""
-    step = np.sqrt((LENGTH - 2 * EDGE) * (DEPTH - 2 * EDGE) / count)
-    rows = max(1, round((DEPTH - 2 * EDGE) / step))
-    x = np.linspace(EDGE, LENGTH - EDGE, -(-count // rows))
-    y = np.linspace(EDGE, DEPTH - EDGE, rows)
-    grid = np.stack(np.meshgrid(x, y, indexing="ij"), -1).reshape(-1, 2)[:count]
-    position = np.column_stack([grid, np.full(len(grid), DESK)])
-    return cl.Sensors(position, np.tile([0.0, 0.0, 1.0], (len(grid), 1)))
 
 
 def write_study(options: argparse.Namespace, folder: Path) -> Path:
@@ -239,24 +137,6 @@ csv = false
     return folder / "study.toml"
 
 
-def polygon_text(material: str, number: int, polygon: Polygon) -> str:
-    """Return a polygon as Radiance writes it."""
-    numbers = " ".join(f"{x:.9g}" for x in polygon.vertices.ravel())
-    name = f"{material}.{polygon.name}.{number}"
-    return f"{material} polygon {name} 0 0 {polygon.vertices.size} {numbers}"
-
-
-def write_obj(mesh: TriangleMesh, path: Path) -> None:
-    """Write a mesh as an OBJ file."""
-    with path.open("w") as file:
-        file.write("usemtl grey\n")
-        for form, rows in (("v %.6g %.6g %.6g\n", mesh.vertices),
-                           ("f %d %d %d\n", mesh.faces + 1)):  # fmt: skip
-            for first in range(0, len(rows), 100_000):
-                part = rows[first : first + 100_000]
-                file.write(form * len(part) % tuple(part.ravel().tolist()))
-
-
 def simulate(options: argparse.Namespace, folder: Path) -> Log:
     """Simulate the year of a hall, after a plan of it."""
     study, out = read_study(write_study(options, folder)), folder / "results"
@@ -285,18 +165,26 @@ def simulate(options: argparse.Namespace, folder: Path) -> Log:
     return log
 
 
+# Sizes that a sweep begins with, and how many times larger they grow, one at a time
+BASE = {"triangles": 100_000, "sensors": 1000, "windows": 4, "states": 2}
+GROWTH = {
+    "triangles": (1, 8, 32),
+    "sensors": (1, 4, 16),
+    "windows": (1, 4, 10),
+    "states": (1, 2, 4),
+}
+
+
 def sweep(options: argparse.Namespace) -> dict[str, list[tuple[float, dict]]]:
     """Return the stages of halls that differ in one size each."""
-    base = {"triangles": 100_000, "sensors": 1000, "windows": 4, "states": 2}
+    in_a_process(BASE, options)  # compiles the kernels
+    base = in_a_process(BASE, options)
     found: dict[str, list[tuple[float, dict]]] = {}
-    done: dict[str, dict] = {}
-    for name, middle in base.items():
-        for factor in (1, 2, 4):
-            sizes = base | {name: int(middle * factor)}
-            key = json.dumps(sizes)
-            if key not in done:
-                done[key] = in_a_process(sizes, options)
-            found.setdefault(name, []).append((sizes[name], done[key]))
+    for name, factors in GROWTH.items():
+        found[name] = [(BASE[name], base)]
+        for factor in factors[1:]:
+            sizes = BASE | {name: BASE[name] * factor}
+            found[name].append((sizes[name], in_a_process(sizes, options)))
     return found
 
 
@@ -394,20 +282,31 @@ def flat_text(stages: dict[str, dict], sensors: float) -> str:
 
 
 def growth_table(found: dict[str, list[tuple[float, dict]]]) -> str:
-    """Return seconds and memory at each size as a table."""
-    lines = [
-        "| growing | size | processor s | views, daylight, product | memory [GB] |"
-    ]
-    lines.append("|---|---|---|---|---|")
+    """Return seconds and memory at each size as a table, and what one more takes."""
+    stages = ("read", *STAGES.values(), "report", "total")
+    first = "| growing | size |" + "".join(f" {stage} |" for stage in stages)
+    lines = [f"{first} memory [GB] |", "|---" * (len(stages) + 3) + "|"]
     for name, runs in found.items():
         for size, run in runs:
-            parts = ", ".join(f"{run[s]['cpu']:.1f}" for s in STAGES.values())
-            total = run["total"]
-            lines.append(
-                f"| {name} | {size:,} | {total['cpu']:.1f} | {parts}"
-                f" | {total['peak_gb']:.2f} |"
-            )
-    return "\n".join(lines) + "\n"
+            parts = " | ".join(f"{run[stage]['cpu']:.1f}" for stage in stages)
+            peak = run["total"]["peak_gb"]
+            lines.append(f"| {name} | {size:,} | {parts} | {peak:.2f} |")
+    text = "\n".join(lines) + "\n\nFrom the first size to the last, one more takes:\n\n"
+    return (
+        text + "\n".join(_one_more(name, runs) for name, runs in found.items()) + "\n"
+    )
+
+
+def _one_more(name: str, runs: list[tuple[float, dict]]) -> str:
+    # The slope of each stage, in milliseconds, for a thousand triangles in place of one
+    (small, low), (large, high) = runs[0], runs[-1]
+    many = 1000 if name == "triangles" else 1
+    parts = []
+    for stage in ("read", *STAGES.values(), "report"):
+        slope = many * (high[stage]["cpu"] - low[stage]["cpu"]) / (large - small)
+        parts.append(f"{stage} {1e3 * slope:.1f}")
+    unit = "thousand triangles" if many > 1 else name.removesuffix("s")
+    return f"- {unit}: processor milliseconds: {'; '.join(parts)}"
 
 
 def main() -> None:

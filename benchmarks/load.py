@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from large_model import space_frame, write_obj
+from hall import space_frame, write_obj
 
 import clerestory as cl
 from clerestory.scene.model import TriangleMesh
