@@ -3,6 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
+# Farthest from the normal that light is moved, in the disc below the hemisphere.
+_RIM = 0.9999
+
 
 def from_degrees(
     theta_deg: float | Float[np.ndarray, "*batch"],
@@ -48,6 +51,18 @@ def angle_table(
     """
     squared_chord = np.maximum(2 - 2 * (one @ other.T), 0)
     return np.asarray(2 * np.arcsin(np.minimum(np.sqrt(squared_chord) / 2, 1)))
+
+
+def above(disc: Float[np.ndarray, "*batch 2"]) -> Float[np.ndarray, "*batch 3"]:
+    """Unit vectors above places in the disc; beyond its rim those just within it.
+
+    >>> above(np.array([[0.6, 0.0], [0.0, 3.0]])).round(2).tolist()
+    [[0.6, 0.0, 0.8], [0.0, 1.0, 0.01]]
+    """
+    length = np.linalg.norm(disc, axis=-1, keepdims=True)
+    flat = disc * np.minimum(1, _RIM / np.maximum(length, 1e-12))
+    height = np.sqrt(1 - np.sum(flat**2, axis=-1, keepdims=True))
+    return np.concatenate([flat, height], axis=-1)
 
 
 def straight_on(

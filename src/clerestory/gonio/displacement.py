@@ -2,6 +2,11 @@
 
 Each unit of light of a plan travels from its lobe at the start to its lobe at the end,
 its flux and its squared radius changing evenly; what has no partner fades in its place.
+Where the total flux is known it asks for more or less light than that, and what changes
+between the corners gives or takes the difference: half-way to a cut-off light is that
+of the open side, as much of it as passes, and beside a mirror's beam that grows
+towards grazing incidence scattered light stays what it is.
+
 It travels in the disc below the hemisphere, in which what a flat face, a prism or a
 grating does to light is nearly a shift: a beam between the corners of a triangle
 stands between its beams there by the same weights as the incident direction between
@@ -14,21 +19,15 @@ M. Kurt, N. Bonneel, MAM 2014, for the step into triangles.
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.gonio.angles import above
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.particles import Particles
 
-# Limits and steps in the search for the shares of corners.
-_STEEPEST, _BISECTIONS = 12.0, 40
-
-# Farthest from the normal that lobes move, in the disc.
-_HORIZON = 0.9999
+# Limit of the exponent by which light changes, and the steps in its search.
+_STEEPEST, _STEPS, _STEP_ENDS = 60.0, 20, 1e-9
 
 # Weights that sum to less say nothing.
 _NOTHING = 1e-9
-
-# Differences of the fluxes of corners, relative to their mean, up to which light
-# changes alike, and from which on some of it is cut off.
-_ALIKE = 0.3, 0.7
 
 
 def displace(
@@ -38,7 +37,7 @@ def displace(
     s: float,
     t: float,
     weights: Float[np.ndarray, "3"] | None = None,
-    shares: Float[np.ndarray, "3"] | None = None,
+    total: float | None = None,
 ) -> Lobes:
     """Return the lobes at a place of a triangle or an edge.
 
@@ -47,7 +46,8 @@ def displace(
     corners : lobes of A, B, C; of an edge C is not looked at
     s, t : shares of the way from A to B and from there to C
     weights : of the places of A, B and C, if these are not to follow the way
-    shares : of the fluxes of A, B and C, if these are not to follow the way
+    total : flux of all lobes, if it is not to follow the way; finite or not a number,
+        which says nothing
 
     Examples
     --------
@@ -63,11 +63,15 @@ def displace(
     0.1
     """
     way = np.array([(1 - s) * (1 - t), s * (1 - t), t], dtype=float)
-    a, b, c = way if shares is None else shares
     place = way if weights is None else weights
-    flux = particles.flux @ [a, b, c * (1 - s), c * s]
-    number = particles.corner[flux > 0]
-    flux = flux[flux > 0]
+    ends = particles.flux[:, :3].copy()
+    ends[:, 2] += s * (particles.flux[:, 3] - ends[:, 2])
+    flux = ends @ way
+    lit = flux > 0
+    number, flux, ends = particles.corner[lit], flux[lit], ends[lit]
+    if total is not None and np.isfinite(total):
+        change = np.abs(ends - flux[:, None]) @ way / flux
+        flux = with_total(flux, change, total)
 
     present = number >= 0
     place, way = _among(present, place), _among(present, way)
@@ -76,49 +80,44 @@ def displace(
         at = np.where(present[:, k], number[:, k], 0)
         disc += place[:, k, None] * lobes.centre[at, :2]
         square += way[:, k] * lobes.radius[at] ** 2
-    length = np.hypot(*disc.T)
-    disc *= np.minimum(1, _HORIZON / np.maximum(length, 1e-12))[:, None]
-    height = np.sqrt(1 - np.sum(disc**2, axis=1))
-    centre = np.concatenate([disc, height[:, None]], axis=1)
-    return Lobes(centre, np.sqrt(square), flux)
+    return Lobes(above(disc), np.sqrt(square), flux)
 
 
-def corner_shares(
-    shares: Float[np.ndarray, " corners"],
-    fluxes: Float[np.ndarray, " corners"],
+def with_total(
+    flux: Float[np.ndarray, " particles"],
+    change: Float[np.ndarray, " particles"],
     total: float,
-) -> Float[np.ndarray, " corners"]:
-    """Shares of the corners changed as little as a total flux asks for.
+) -> Float[np.ndarray, " particles"]:
+    """Fluxes that sum to a total, changed most where light differs between corners.
 
-    A corner counts for more by a factor that grows exponentially with its flux. So
-    half-way to a cut-off light is that of the open side, as much of it as passes, and
-    what is scattered on both sides stays what it is. Where the fluxes of the corners
-    differ little, as by Fresnel's formulas, all light changes alike, and shares stay.
+    Each is multiplied by the exponential of its own relative change times a number
+    that all share, so none becomes negative, and where all change alike, as by
+    Fresnel's formulas, all are scaled alike. The number is found by Newton's method.
 
-    >>> corner_shares(np.array([0.5, 0.5]), np.array([0.1, 0.5]), 0.2).round(6).tolist()
-    [0.75, 0.25]
-    >>> corner_shares(np.array([0.5, 0.5]), np.array([0.5, 0.6]), 0.52).tolist()
-    [0.5, 0.5]
+    Parameters
+    ----------
+    change : mean deviation of the fluxes of the corners from that between them, as a
+        share of it
+
+    >>> with_total(np.array([0.3, 0.2]), np.array([1.0, 0.0]), 0.4).round(6).tolist()
+    [0.2, 0.2]
+    >>> with_total(np.array([0.3, 0.2]), np.ones(2), 0.25).round(6).tolist()
+    [0.15, 0.1]
     """
-    mean = float(shares @ fluxes)
-    if mean <= 0:
-        return shares
-    alike, cut_off = _ALIKE
-    apart = float(np.ptp(fluxes[shares > 0])) / mean
-    if apart <= alike:
-        return shares
-    total = mean + (total - mean) * min((apart - alike) / (cut_off - alike), 1)
-    relative = fluxes / mean - 1
-    low, high = -_STEEPEST, _STEEPEST
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        tilted = shares * np.exp(middle * relative)
-        tilted = tilted / tilted.sum()
-        if tilted @ fluxes < total:
-            low = middle
-        else:
-            high = middle
-    return np.asarray(tilted)
+    if not len(flux) or total <= 0:
+        return flux * 0.0
+    power, changed = 0.0, flux
+    for _ in range(_STEPS):
+        sums = float(changed.sum())
+        missing = np.log(total / sums)
+        slope = float(changed @ change) / sums
+        step = missing / max(slope, 1e-300)
+        ahead = float(np.clip(power + step, -_STEEPEST, _STEEPEST))
+        if abs(missing) < _STEP_ENDS or ahead == power:
+            break
+        power = ahead
+        changed = flux * np.exp(power * change)
+    return np.asarray(changed * (total / float(changed.sum())))
 
 
 def _among(

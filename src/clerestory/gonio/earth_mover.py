@@ -22,13 +22,15 @@ def earth_mover(one: Lobes, other: Lobes) -> float:
     """Mean angle that light travels from one distribution to another [rad].
 
     Both are taken per unit of their flux. Light moves between cells of equal
-    projected solid angle, 7° wide at the normal.
+    projected solid angle, 7° wide at the normal. Not a number if one is dark.
 
     >>> a = Lobes(np.array([[0, 0, 1.0]]), np.array([0.1]), np.array([0.5]))
     >>> b = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.1]), np.array([0.2]))
     >>> abs(earth_mover(a, b) - float(np.arccos(0.8))) < 0.02
     True
     """
+    if not (one.total > 0 and other.total > 0):
+        return float("nan")
     give, take = _light(one), _light(other)
     some, others = give > _LEAST, take > _LEAST
     give, take = give[some] / give[some].sum(), take[others] / take[others].sum()

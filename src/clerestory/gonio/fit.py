@@ -12,13 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy import linalg
-from scipy.optimize import nnls
 
 from clerestory.errors import InputError
 from clerestory.gonio.integration import integration_weights
-from clerestory.gonio.lobes import LEAST_RADIUS, MOST_RADIUS, Lobes
+from clerestory.gonio.lobes import LEAST_RADIUS, MOST_RADIUS, NO_LIGHT, Lobes
 from clerestory.gonio.measurement import Scan
+from clerestory.gonio.non_negative import non_negative
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.quadtree import Quadtree
 
@@ -38,9 +37,8 @@ _RADIUS_OVER_WIDTH = 0.6
 # Fits that misplace more of the light than this get twice as many lobes.
 _MISPLACED = 0.05
 
-# Scans that scatter less than this share of the brightest are dark, which is written
-# as this flux.
-_DARK, _NO_LIGHT = 1e-3, 1e-9
+# Scans that scatter less than this share of the brightest are dark.
+_DARK = 1e-3
 
 # Weight of the mean of a cell against the values themselves.
 _PRIOR = 1e-2
@@ -155,7 +153,7 @@ def fit_scans(
 def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
     if abs(total_flux(scan)) < least:
         up = np.array([[0.0, 0.0, 1.0]])
-        return Lobes(up, np.full(1, MOST_RADIUS), np.full(1, _NO_LIGHT))
+        return Lobes(up, np.full(1, MOST_RADIUS), np.full(1, NO_LIGHT))
     return fit_lobes(scan, options)
 
 
@@ -245,7 +243,4 @@ def _solve(
     hold = _PRIOR * np.diag(gram)
     gram[np.diag_indices_from(gram)] += hold
     target += hold * prior
-    factor = linalg.cholesky(gram, lower=False)
-    right = linalg.solve_triangular(factor, target, trans="T")
-    flux, _ = nnls(factor, right, maxiter=30 * len(prior))
-    return np.asarray(flux)
+    return non_negative(gram, target)

@@ -29,6 +29,7 @@ from jaxtyping import Float
 from scipy import linalg
 from scipy.interpolate import PchipInterpolator
 
+from clerestory.gonio.lobes import NO_LIGHT
 from clerestory.gonio.mesh import Mesh
 from clerestory.gonio.symmetry import Symmetry, fold, images
 
@@ -121,7 +122,9 @@ class FluxProcess:
         kernel = _kernel(
             direction, self.known, self.images, self.coordinates, self.reach
         )
-        return np.asarray(np.clip(self.mean + kernel @ self.weight, 0, self.most))
+        return np.asarray(
+            np.clip(self.mean + kernel @ self.weight, NO_LIGHT, self.most)
+        )
 
 
 def flux_surface(

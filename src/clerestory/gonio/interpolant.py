@@ -17,9 +17,9 @@ from clerestory.bsdf.overlap import patches_in_cells
 from clerestory.bsdf.reversed import ReversedFunction
 from clerestory.bsdf.scattering import ScatteringFunction
 from clerestory.bsdf.tree import ScatteringTree
-from clerestory.gonio.angles import straight_on, upright
+from clerestory.gonio.angles import above, straight_on, upright
 from clerestory.gonio.continuation import with_continuations
-from clerestory.gonio.displacement import corner_shares, displace
+from clerestory.gonio.displacement import displace
 from clerestory.gonio.flux import Flux, flux_surface
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.mesh import Place, flat_weights, locate
@@ -222,17 +222,10 @@ class Interpolant(ScatteringFunction):
         number, s, t = int(place.simplex[k]), float(place.s[k]), float(place.t[k])
         on_edge = bool(place.on_edge[k])
         corner = (mesh.edges if on_edge else mesh.triangles)[number]
-        shares = np.array([(1 - s) * (1 - t), s * (1 - t), t])
-        fluxes = np.array([self.network.lobes[v].total for v in corner])
-        if np.isfinite(total):
-            shares[: len(corner)] = corner_shares(shares[: len(corner)], fluxes, total)
         parts = lobes[corner[0]], lobes[corner[1]], lobes[corner[-1]]
         particles = self._travelling(on_edge, number)
         weights, middle = flat_weights(mesh.vertices[corner], place.found[k])
-        found = displace(particles, parts, s=s, t=t, shares=shares, weights=weights)
-        if np.isfinite(total) and found.total > 0:
-            scale = total / found.total
-            found = Lobes(found.centre, found.radius, found.flux * scale)
+        found = displace(particles, parts, s=s, t=t, weights=weights, total=total)
         if on_edge:
             found = _shifted(found, middle, wanted, self.follow)
         return found
@@ -279,9 +272,4 @@ def _shifted(
     turn = (found - wanted[:2]) * follow
     if np.hypot(*turn) < 1e-9:
         return lobes
-    disc = lobes.centre[:, :2] + turn
-    length = np.hypot(*disc.T)
-    disc = disc * np.minimum(1, 0.9999 / np.maximum(length, 1e-12))[:, None]
-    height = np.sqrt(np.maximum(1 - np.sum(disc**2, axis=1), 0))
-    centre = np.concatenate([disc, height[:, None]], axis=1)
-    return Lobes(centre, lobes.radius, lobes.flux)
+    return Lobes(above(lobes.centre[:, :2] + turn), lobes.radius, lobes.flux)

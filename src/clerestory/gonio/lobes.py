@@ -19,6 +19,7 @@ from scipy import special
 from scipy.interpolate import RectBivariateSpline
 
 from clerestory.errors import InputError
+from clerestory.gonio.angles import angle_table
 
 # Pairs of a direction and a lobe that are evaluated together.
 _TOGETHER = 1 << 20
@@ -26,12 +27,19 @@ _TOGETHER = 1 << 20
 # Radii outside these are not told apart [rad]: 0.02° and 115°.
 LEAST_RADIUS, MOST_RADIUS = 3e-4, 2.0
 
+# Share of the light of what is dark, so that it still has a shape.
+NO_LIGHT = 1e-9
+
 # Lobes among which the highest point is sought, and the steps uphill from there.
 _CANDIDATES, _MOST_STEPS, _STEP_ENDS = 64, 200, 1e-5
 
 # Table of what curvature does to the flux of a lobe: nodes in elevation and radius.
 _ELEVATIONS, _RADII, _QUADRATURE = 65, 33, 200
 _FLAT_RADIUS = 0.02
+
+# Sets of lobes whose angles between each other are kept: those of a vertex and its
+# neighbours serve several plans.
+_KEPT = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +146,19 @@ class Lobes:
         self, leaving: Float[np.ndarray, "directions 3"]
     ) -> Float[np.ndarray, "directions lobes"]:
         return np.asarray(np.exp((leaving @ self.centre.T - 1) / self.radius**2))
+
+
+@functools.lru_cache(maxsize=_KEPT)
+def angles_among(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
+    """Angles between the centres of lobes [rad].
+
+    >>> centre = np.array([[0, 0, 1.0], [0, 0.6, 0.8]])
+    >>> angles_among(Lobes(centre, np.ones(2), np.ones(2))).round(4).tolist()
+    [[0.0, 0.6435], [0.6435, 0.0]]
+    """
+    table = angle_table(lobes.centre, lobes.centre)
+    table.setflags(write=False)
+    return table
 
 
 def norm(

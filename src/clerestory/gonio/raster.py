@@ -26,6 +26,9 @@ _CELLS_PER_RADIUS = 0.75
 # … over so many cells to each side: 3.3 radii of the widest.
 _SIDE = 5
 
+# Height of cells beyond the grid: so far below that the light of any lobe there is 0.
+_UNREACHED = -1e4
+
 # A lobe narrower than the finest cells is drawn as wide as half of one.
 _NARROWEST = 0.5
 
@@ -116,7 +119,9 @@ def _draw_everywhere(
     change: float,
 ) -> Float[np.ndarray, " cells"]:
     square = lobes.radius[of] ** 2 + change
-    shape = np.exp((direction @ lobes.centre[of].T - 1) / square)
+    shape = direction @ (lobes.centre[of] / square[:, None]).T
+    shape -= 1 / square
+    np.exp(shape, out=shape)
     light = direction[:, 2] @ shape * (2 * np.pi / len(direction))
     return np.asarray(shape @ (lobes.flux[of] / light))
 
@@ -128,26 +133,45 @@ def _draw_near(
     change: float,
 ) -> Float[np.ndarray, " cells"]:
     wide = round(len(direction) ** 0.5)
+    full = wide + 2 * _SIDE
+    x, y, z = _with_margin(wide)
     centre = lobes.centre[of]
-    a, b = _square(centre)
-    side = np.arange(-_SIDE, _SIDE + 1)
-    row = (a * wide).astype(int)[:, None] + side
-    column = (b * wide).astype(int)[:, None] + side
-    row_in, column_in = (row >= 0) & (row < wide), (column >= 0) & (column < wide)
-    inside = (row_in[:, :, None] & column_in[:, None, :]).reshape(len(of), -1)
-    cell = np.clip(row, 0, wide - 1)[:, :, None] * wide
-    cell = (cell + np.clip(column, 0, wide - 1)[:, None, :]).reshape(len(of), -1)
+    row, column = (np.minimum(a * wide, wide - 1).astype(int) for a in _square(centre))
+    line = np.arange(2 * _SIDE + 1)
+    about = (line[:, None] * full + line).ravel()
+    cell = (row * full + column)[:, None] + about
 
     # Fall off with the squared chord; light is what passes the plane of the layer
-    seen = direction[cell]
-    chord = 2 - 2 * np.einsum("lcj,lj->lc", seen, centre)
-    square = lobes.radius[of] ** 2 + change
-    shape = np.exp(chord / (-2 * square[:, None])) * inside
-    light = np.einsum("lc,lc->l", shape, seen[:, :, 2]) * (2 * np.pi / len(direction))
+    sharp = 1 / (lobes.radius[of] ** 2 + change)
+    along = centre * sharp[:, None]
+    height = z.take(cell)
+    shape = x.take(cell) * along[:, :1]
+    shape += y.take(cell) * along[:, 1:2]
+    shape += height * along[:, 2:]
+    shape -= sharp[:, None]
+    np.exp(shape, out=shape)
+    light = np.einsum("lc,lc->l", shape, height) * (2 * np.pi / len(direction))
     peak = np.divide(lobes.flux[of], light, out=np.zeros(len(of)), where=light > 0)
-    return np.bincount(
-        cell.ravel(), (shape * peak[:, None]).ravel(), minlength=len(direction)
-    )
+    shape *= peak[:, None]
+    table = np.bincount(cell.ravel(), shape.ravel(), minlength=full * full)
+    return table.reshape(full, full)[_SIDE:-_SIDE, _SIDE:-_SIDE].ravel()
+
+
+@functools.lru_cache(maxsize=8)
+def _with_margin(
+    wide: int,
+) -> tuple[
+    Float[np.ndarray, " cells"],
+    Float[np.ndarray, " cells"],
+    Float[np.ndarray, " cells"],
+]:
+    # Coordinates of a grid within a margin that no lobe reaches
+    table = np.zeros((3, wide + 2 * _SIDE, wide + 2 * _SIDE))
+    table[2] = _UNREACHED
+    inner = _centres(wide.bit_length() - 1).T.reshape(3, wide, wide)
+    table[:, _SIDE:-_SIDE, _SIDE:-_SIDE] = inner
+    x, y, z = table.reshape(3, -1)
+    return x, y, z
 
 
 def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]:

@@ -7,9 +7,10 @@ first plans serve to learn how each lobe turns (`turning`): errors along one edg
 outvoted by its other edges and by lobes nearby. Then each lobe is moved by the turn
 that is expected along an edge, from both ends, and transport is planned from there;
 what has to be travelled now is only what the expectation misses, so the reach of lobes
-is shorter. Where moves follow no turn, as those of small lobes in the even light of a
-diffuser, little of it is expected: a share as large as that of the squared moves that
-the turn explains.
+is shorter. It is measured as an angle: in the disc light of a diffuser would come to
+the horizon for nothing. Where moves follow no turn, as those of small lobes in the
+even light of a diffuser, little of it is expected: a share as large as that of the
+squared moves that the turn explains.
 """
 
 from dataclasses import replace
@@ -17,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.gonio.angles import straight_on
+from clerestory.gonio.angles import above, angle_table, straight_on
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network import Network
 from clerestory.gonio.parallel import Report, map_in_order, silent
@@ -47,11 +48,20 @@ def plan_again(
 def _missed(
     start: Turns, end: Turns, turn: Float[np.ndarray, "2"]
 ) -> Float[np.ndarray, "start end"]:
-    # How far lobes are from where the other end expects them, in the disc
-    onward = start.expected(turn)[:, None] - end.lobes.centre[:, :2]
-    back = start.lobes.centre[:, None, :2] - end.expected(-turn)
-    size = np.linalg.norm(onward, axis=-1) + np.linalg.norm(back, axis=-1)
-    return np.asarray(size / 2)
+    # Angles between lobes and where the other end expects them, beyond the rim too
+    onward, over = _lifted(start.expected(turn))
+    back, short = _lifted(end.expected(-turn))
+    there = angle_table(onward, end.lobes.centre) + over[:, None]
+    here = angle_table(start.lobes.centre, back) + short
+    return np.asarray((there + here) / 2)
+
+
+def _lifted(
+    disc: Float[np.ndarray, "lobes 2"],
+) -> tuple[Float[np.ndarray, "lobes 3"], Float[np.ndarray, " lobes"]]:
+    # Directions above the disc, and how far places lie beyond its rim
+    beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
+    return above(disc), beyond
 
 
 def _plan(

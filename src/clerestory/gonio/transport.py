@@ -24,7 +24,7 @@ import ot
 from jaxtyping import Bool, Float, Int
 
 from clerestory.gonio.angles import angle_table
-from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.lobes import Lobes, angles_among
 
 # Reach of a lobe: so many times the angle between the incident directions, for a
 # tilted mirror and a prism turn light by up to twice the angle they are turned by…
@@ -40,8 +40,9 @@ _TOUCHING = 1.5
 # does not become a veil.
 _WIDER = 3.0
 
-# Lobes count fully within the reach and soon no more beyond it.
-_STEEPNESS = 8
+# Lobes count fully within the reach and soon no more beyond it: with the eighth power
+# of the distance, its square squared twice.
+_STEEPNESS = 2
 
 # Light below this share of a plan does not travel, and a lobe that sends less than
 # this share of its own has no partner.
@@ -168,12 +169,12 @@ def _moved(
     give = start.flux * np.minimum(
         1,
         (_near(distance / reach[:, None]) @ end.flux)
-        / (_near(_apart(start) / reach[:, None]) @ start.flux),
+        / (_near(angles_among(start) / reach[:, None]) @ start.flux),
     )
     take = end.flux * np.minimum(
         1,
         (_near(distance.T / reach_end[:, None]) @ start.flux)
-        / (_near(_apart(end) / reach_end[:, None]) @ end.flux),
+        / (_near(angles_among(end) / reach_end[:, None]) @ end.flux),
     )
 
     # An extra lobe on each side takes what vanishes and gives what appears
@@ -193,9 +194,8 @@ def _reach(lobes: Lobes, slack: float) -> Float[np.ndarray, " lobes"]:
     return slack + _REACH_PER_RADIUS * lobes.radius
 
 
-def _apart(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
-    return angle_table(lobes.centre, lobes.centre)
-
-
 def _near(relative: Float[np.ndarray, "one other"]) -> Float[np.ndarray, "one other"]:
-    return np.asarray(1 / (1 + relative**_STEEPNESS))
+    power = relative * relative
+    for _ in range(_STEEPNESS):
+        power *= power
+    return np.asarray(1 / (1 + power))

@@ -8,8 +8,8 @@ incident light to that of the lobe, both in the disc below the hemisphere.
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.gonio.angles import angle_table, straight_on
-from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.angles import above, straight_on
+from clerestory.gonio.lobes import Lobes, angles_among
 from clerestory.gonio.network import Network
 
 # Lobes within so many of their radii turn alike.
@@ -56,18 +56,19 @@ class Turns:
     def __init__(self, network: Network, vertex: int, follow: float) -> None:
         self.lobes = network.lobes[vertex]
         count = len(self.lobes)
-        along, square = np.zeros((count, 2, 2)), np.zeros((count, 2, 2))
+        along, square = np.zeros((2, 2, count)), np.zeros((2, 2, count))
         moved = np.zeros(count)
         for number in np.flatnonzero((network.mesh.edges == vertex).any(axis=1)):
             own, move, turn, flux = _moves(network, int(number), vertex)
-            np.add.at(
-                along, own, flux[:, None, None] * move[:, :, None] * turn[None, None]
-            )
-            np.add.at(square, own, flux[:, None, None] * (turn[:, None] * turn)[None])
-            np.add.at(moved, own, flux * np.sum(move**2, axis=1))
+            weighted = move.T * flux
+            weight = np.bincount(own, flux, count)
+            sums = np.array([np.bincount(own, part, count) for part in weighted])
+            along += sums[:, None] * turn[:, None]
+            square += np.outer(turn, turn)[:, :, None] * weight
+            moved += np.bincount(own, np.sum(weighted * move.T, axis=0), count)
         alike = self._alike()
-        along = np.einsum("ij,jab->iab", alike, along)
-        square = np.einsum("ij,jab->iab", alike, square)
+        along = np.moveaxis(along @ alike.T, -1, 0)
+        square = np.moveaxis(square @ alike.T, -1, 0)
         moved = alike @ moved
         turns = (
             straight_on(network.mesh.vertices)[:, :2]
@@ -98,16 +99,12 @@ class Turns:
     ) -> Lobes:
         """Lobes without light where some would stand after a turn."""
         disc = self.lobes.centre[number, :2] + self.matrix[number] @ turn
-        length = np.hypot(*disc.T)
-        disc = disc * np.minimum(1, 0.9999 / np.maximum(length, 1e-12))[:, None]
-        height = np.sqrt(np.maximum(1 - np.sum(disc**2, axis=1), 0))
-        centre = np.concatenate([disc, height[:, None]], axis=1)
-        return Lobes(centre, self.lobes.radius[number], np.zeros(len(number)))
+        return Lobes(above(disc), self.lobes.radius[number], np.zeros(len(number)))
 
     def _alike(self) -> Float[np.ndarray, "lobes lobes"]:
         # Lobes near to each other, sharp ones more than wide ones
         radius = self.lobes.radius
-        apart = angle_table(self.lobes.centre, self.lobes.centre)
+        apart = angles_among(self.lobes)
         near = np.exp(-0.5 * (apart / (_ALIKE * np.minimum.outer(radius, radius))) ** 2)
         sharp = np.minimum(1, (radius[:, None] / radius) ** 2)
         return np.asarray(near * sharp * (radius < _WIDE))

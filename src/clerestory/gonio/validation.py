@@ -48,7 +48,8 @@ class LeftOut:
     measured, predicted : share of the light that is scattered in all
     peak_deg : angle from the measured to the predicted beam, the middle of what is
         at least half as bright as the peak [°]
-    earth_mover_deg : mean angle by which light has to be moved [°]
+    earth_mover_deg : mean angle by which light has to be moved [°]; not a number where
+        none is predicted
     misplaced : share of the light that is not where it was measured; noise of the
         measurement counts too
     fitted : the same for the scan's own fit, the least that can be reached
@@ -91,7 +92,8 @@ class CrossValidation:
         0.01
         """
         errors = [abs(getattr(s, name)) for s in self.scans if s.inside == inside]
-        return float(np.median(errors)) if errors else float("nan")
+        known = [error for error in errors if np.isfinite(error)]
+        return float(np.median(known)) if known else float("nan")
 
 
 def cross_validate(

@@ -9,7 +9,7 @@ from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.beam import beam_direction
 from clerestory.gonio.energy import conserve_energy
 from clerestory.gonio.export import export_bsdf
-from clerestory.gonio.fitted import Fitted, measured_bsdf
+from clerestory.gonio.fitted import Fitted, fit_measurement, measured_bsdf
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.nodes import connect
@@ -18,7 +18,7 @@ from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.square import disc_from_square
 from clerestory.phases.fingerprint import fingerprint
-from goniometer import film, pane
+from goniometer import Goniophotometer, film, pane, rings
 
 FRONT = np.array([1.0, 1.0, -1.0])  # light from the sky
 CELL = np.sqrt(np.pi) / 16  # width of a cell of a tree of 2^4 along each axis
@@ -215,3 +215,25 @@ def test_one_direction_is_not_enough():
     lobe = Lobes(np.array([[0, 0, 1.0]]), np.array([0.2]), np.array([0.7]))
     with pytest.raises(InputError, match="two or more"):
         connect(from_degrees(np.array([10.0]), np.zeros(1)), [lobe], "isotropic")
+
+
+def coating(incident):
+    """Black coating: scattered light stays the same, a mirror's beam grows."""
+    centre = np.array([incident * [-1, -1, 1], [0, 0, 1.0]])
+    flux = np.array([0.01 + 0.3 * (1 - incident[2]) ** 5, 0.05])
+    return Lobes(centre, np.array([0.15, 1.5]), flux)
+
+
+def test_scattered_light_beside_a_beam_that_grows_stays_what_it_is():
+    """The formula, half-way between 40° and 60°, more than 40° from the beam."""
+    scans = Goniophotometer(points=1500, floor=0.0).measure(
+        coating, rings(azimuths_deg=[0.0], step_deg=20.0, most_deg=60.0)
+    )
+    fitted = fit_measurement(scans)
+    incident = from_degrees(50.0, 0.0)
+    (found,) = fitted.interpolant.lobes_of(incident[None])
+    truth = coating(incident)
+    grid = hemisphere()
+    away = angle_between(grid, truth.centre[0]) > np.radians(40)
+    light = [part.evaluate(grid)[away].mean() for part in (found, truth)]
+    assert light[0] == pytest.approx(light[1], rel=0.03)

@@ -6,8 +6,15 @@ import pytest
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.coverage import survey
+from clerestory.gonio.earth_mover import earth_mover
+from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.measurement import Measurement, Scan
-from clerestory.gonio.validation import cross_validate, smoothing_study
+from clerestory.gonio.validation import (
+    CrossValidation,
+    LeftOut,
+    cross_validate,
+    smoothing_study,
+)
 from goniometer import Goniophotometer, pane, rings
 
 
@@ -105,3 +112,16 @@ def test_a_layer_without_the_symmetry_of_its_directions_is_told():
     coverage = survey(measurement)
     assert coverage.implied == "isotropic"
     assert any("differs between images" in doubt for doubt in coverage.doubts())
+
+
+def test_a_direction_that_is_predicted_dark_has_no_earth_movers_distance():
+    """Left out, the one bright scan is predicted by dark ones: nothing to move."""
+    dark = Lobes(np.array([[0, 0, 1.0]]), np.ones(1), np.zeros(1))
+    bright = Lobes(np.array([[0, 0, 1.0]]), np.ones(1), np.ones(1))
+    assert np.isnan(earth_mover(dark, bright))
+
+
+def test_medians_leave_out_what_is_not_known():
+    known = LeftOut(30, 0, True, 0.5, 0.5, 1.0, 2.0, 0.1, 0.02)
+    dark = LeftOut(40, 0, True, 0.5, 0.0, 1.0, float("nan"), 0.1, 0.02)
+    assert CrossValidation((known, dark), 1.0).median("earth_mover_deg") == 2.0
