@@ -38,6 +38,9 @@ _LONGEST = 1 << 22
 # part of the result: it must not depend on the machine.
 _SUMS = 1 << 29
 
+# Sums that are brought to means at a time [bytes]
+_CACHED = 1 << 20
+
 # One unit of a sum is 2⁻⁴⁰ of a weight; sums stay exact below 2²⁴.
 FIXED_POINT = float(1 << 40)
 
@@ -229,16 +232,21 @@ def row_bytes(job: MatrixJob) -> int:
 
 def estimated(sums: Sums, reached: bool, effort: Effort) -> Estimate:
     """Return means and error components of what was summed."""
-    means = sums.means()
-    mean = means.mean(axis=1)
-    components = None
-    if effort.components:
-        batches = effort.batches
-        means -= mean[:, None]
-        means /= np.sqrt(batches * (batches - 1))
-        components = np.moveaxis(means, (1, 3), (0, 1)).astype(np.float32)
-    paths = int(sums.count.sum()) * effort.batches
-    return Estimate(np.moveaxis(mean, -1, 0), components, paths, reached)
+    rows, batches, columns, channels = sums.total.shape
+    values = np.empty((channels, rows, columns))
+    shape = batches, channels, rows, columns
+    components = np.empty(shape, np.float32) if effort.components else None
+    # A few rows at a time, which stay in the cache
+    few = max(1, _CACHED // sums.total[:1].nbytes)
+    for part in (slice(n, n + few) for n in range(0, rows, few)):
+        means = Sums(sums.total[part], sums.count[part]).means()
+        mean = means.mean(axis=1)
+        values[:, part] = np.moveaxis(mean, -1, 0)
+        if components is not None:
+            means -= mean[:, None]
+            means /= np.sqrt(batches * (batches - 1))
+            components[:, :, part] = np.moveaxis(means, (1, 3), (0, 1))
+    return Estimate(values, components, int(sums.count.sum()) * batches, reached)
 
 
 def _share_of_progress(
