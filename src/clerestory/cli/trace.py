@@ -7,15 +7,12 @@ from typing import Annotated
 import typer
 
 from clerestory.cli.options import (
-    Bounces,
     ClusterAddress,
     DeviceOption,
     Format,
     Output,
     Quiet,
-    RelativeError,
     Resolution,
-    Samples,
     SceneFiles,
     Seed,
     SensorFile,
@@ -26,6 +23,7 @@ from clerestory.cli.options import (
 )
 from clerestory.cli.progress import progress_display
 from clerestory.cli.trace_facade import facade
+from clerestory.cli.trace_options import TraceOptions, spelt_out
 from clerestory.cli.traced import receiver_of, warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
 from clerestory.gonio.layer import read_layer
@@ -72,13 +70,14 @@ app = typer.Typer(no_args_is_help=True, help="Trace transfer matrices.")
 app.command(
     epilog="Example: clerestory trace facade --scene materials.rad room.rad awning.rad"
     " --window window.rad --port ports.rad --relative-error 0.01 -o F.nc"
-)(facade)
+)(spelt_out(facade))
 
 
 @app.command(
     epilog="Example: clerestory trace view --scene materials.rad room.rad"
     " --window window.rad --sensors desks.pts --relative-error 0.01 -o V.mtx"
 )
+@spelt_out
 def view(
     scene: SceneFiles,
     window: WindowFiles,
@@ -87,14 +86,8 @@ def view(
     camera: ViewText = None,
     resolution: Resolution = 400,
     direct: Direct = False,
-    samples: Samples = None,
-    relative_error: RelativeError = None,
-    bounces: Bounces = None,
-    seed: Seed = 1,
-    device: DeviceOption = "auto",
-    cluster: ClusterAddress = None,
-    encoding: Format = "float",
-    quiet: Quiet = False,
+    *,
+    options: TraceOptions,
 ) -> None:
     """View matrix: irradiance of sensors per radiance of window patches [sr].
 
@@ -106,32 +99,25 @@ def view(
     room, windows = read_rad(*scene), read_windows(*window)
     receiver = receiver_of(sensors, camera, resolution)
     warn_of_doubts(room, windows, receiver)
-    effort = {
-        "samples": samples,
-        "relative_error": relative_error,
-        "bounces": bounces,
-        "seed": seed,
-        "device": device,
-    }
-    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
-        progress = display("view matrix")
-        effort["executor"] = executor
+    with (
+        executor_at(options.cluster) as executor,
+        progress_display(quiet=options.quiet) as display,
+    ):
+        tracing = options.tracing(executor, display("view matrix"))
         if isinstance(receiver, Camera):
             traced = picture_view_matrices(
-                room, windows, receiver, direct=direct, progress=progress, **effort
+                room, windows, receiver, direct=direct, **tracing
             )
         else:
             if direct:
-                room, effort["bounces"] = blackened(room), 1
-            traced = view_matrices(
-                room, windows, sensors=receiver, progress=progress, **effort
-            )
+                room, tracing["bounces"] = blackened(room), 1
+            traced = view_matrices(room, windows, sensors=receiver, **tracing)
     write_traced(
         "view",
         traced,
         output,
-        encoding=encoding,
-        quiet=quiet,
+        encoding=options.encoding,
+        quiet=options.quiet,
         begin=begin,
         receiver=receiver,
     )
@@ -202,19 +188,14 @@ def sun(
     epilog="Example: clerestory trace daylight --scene materials.rad room.rad"
     " --window window.rad --sky-subdivision 4 --relative-error 0.01 -o D.mtx"
 )
+@spelt_out
 def daylight(
     scene: SceneFiles,
     window: WindowFiles,
     output: Output,
     subdivision: Subdivision = 4,
-    samples: Samples = None,
-    relative_error: RelativeError = None,
-    bounces: Bounces = None,
-    seed: Seed = 1,
-    device: DeviceOption = "auto",
-    cluster: ClusterAddress = None,
-    encoding: Format = "float",
-    quiet: Quiet = False,
+    *,
+    options: TraceOptions,
 ) -> None:
     """Daylight matrix: radiance of window patches per radiance of sky patches.
 
@@ -223,21 +204,23 @@ def daylight(
     begin = time.perf_counter()
     room, windows = read_rad(*scene), read_windows(*window)
     warn_of_doubts(room, windows)
-    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
+    with (
+        executor_at(options.cluster) as executor,
+        progress_display(quiet=options.quiet) as display,
+    ):
         traced = daylight_matrices(
             room,
             windows,
             subdivision=subdivision,
-            samples=samples,
-            relative_error=relative_error,
-            bounces=bounces,
-            seed=seed,
-            device=device,
-            executor=executor,
-            progress=display("daylight matrix"),
+            **options.tracing(executor, display("daylight matrix")),
         )
     write_traced(
-        "daylight", traced, output, encoding=encoding, quiet=quiet, begin=begin
+        "daylight",
+        traced,
+        output,
+        encoding=options.encoding,
+        quiet=options.quiet,
+        begin=begin,
     )
 
 
@@ -245,42 +228,34 @@ def daylight(
     epilog="Example: clerestory trace coefficients --scene materials.rad room.rad"
     " glazing.rad --sensors desks.pts --sky-subdivision 4 --samples 4096 -o C.mtx"
 )
+@spelt_out
 def coefficients(
     scene: SceneFiles,
     sensors: SensorFile,
     output: Output,
     subdivision: Subdivision = 4,
-    samples: Samples = None,
-    relative_error: RelativeError = None,
-    bounces: Bounces = None,
-    seed: Seed = 1,
-    device: DeviceOption = "auto",
-    cluster: ClusterAddress = None,
-    encoding: Format = "float",
-    quiet: Quiet = False,
+    *,
+    options: TraceOptions,
 ) -> None:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
     begin = time.perf_counter()
     room, points = read_rad(*scene), read_sensors(sensors)
     warn_of_doubts(room, (), points)
-    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
+    with (
+        executor_at(options.cluster) as executor,
+        progress_display(quiet=options.quiet) as display,
+    ):
         traced = daylight_coefficients(
             room,
             sensors=points,
             subdivision=subdivision,
-            samples=samples,
-            relative_error=relative_error,
-            bounces=bounces,
-            seed=seed,
-            device=device,
-            executor=executor,
-            progress=display("daylight coefficients"),
+            **options.tracing(executor, display("daylight coefficients")),
         )
     write_traced(
         "coefficients",
         {"": traced},
         output,
-        encoding=encoding,
-        quiet=quiet,
+        encoding=options.encoding,
+        quiet=options.quiet,
         begin=begin,
     )

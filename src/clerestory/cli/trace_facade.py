@@ -6,20 +6,9 @@ from typing import Annotated
 
 import typer
 
-from clerestory.cli.options import (
-    Bounces,
-    ClusterAddress,
-    DeviceOption,
-    Format,
-    Output,
-    Quiet,
-    RelativeError,
-    Samples,
-    SceneFiles,
-    Seed,
-    WindowFiles,
-)
+from clerestory.cli.options import Output, SceneFiles, WindowFiles
 from clerestory.cli.progress import progress_display
+from clerestory.cli.trace_options import TraceOptions
 from clerestory.cli.traced import warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -42,14 +31,8 @@ def facade(
     window: WindowFiles,
     port: PortFiles,
     output: Output,
-    samples: Samples = None,
-    relative_error: RelativeError = None,
-    bounces: Bounces = None,
-    seed: Seed = 1,
-    device: DeviceOption = "auto",
-    cluster: ClusterAddress = None,
-    encoding: Format = "float",
-    quiet: Quiet = False,
+    *,
+    options: TraceOptions,
 ) -> None:
     """Façade matrix: radiance of window patches per radiance of patches of ports.
 
@@ -60,20 +43,22 @@ def facade(
     room, windows, ports = read_rad(*scene), read_windows(*window), read_windows(*port)
     warn_of_doubts(room, windows)
     traced: dict[str, TransferMatrix] = {}
-    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
+    with (
+        executor_at(options.cluster) as executor,
+        progress_display(quiet=options.quiet) as display,
+    ):
         for number, each in enumerate(windows):
-            found = facade_matrices(
-                room,
-                each,
-                ports,
-                samples=samples,
-                relative_error=relative_error,
-                bounces=bounces,
-                seed=seed + number,
-                device=device,
-                executor=executor,
-                progress=display(f"façade matrix of {each.name}"),
-            )
+            progress = display(f"façade matrix of {each.name}")
+            tracing = options.tracing(executor, progress)
+            tracing["seed"] = options.seed + number
+            found = facade_matrices(room, each, ports, **tracing)
             prefix = f"{each.name}-" if len(windows) > 1 else ""
             traced |= {prefix + name: matrix for name, matrix in found.items()}
-    write_traced("facade", traced, output, encoding=encoding, quiet=quiet, begin=begin)
+    write_traced(
+        "facade",
+        traced,
+        output,
+        encoding=options.encoding,
+        quiet=options.quiet,
+        begin=begin,
+    )

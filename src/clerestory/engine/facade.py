@@ -11,16 +11,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from clerestory.engine.estimate import (
-    Effort,
-    Estimate,
-    Sums,
-    all_or_none,
-    estimate,
-    trial_rows,
-    variance,
-)
+from clerestory.engine.estimate import Effort, Estimate, Sums, estimate, trial_rows
 from clerestory.engine.grey import channels_of
+from clerestory.engine.traces import patches_of, walk_of, window_irradiance
 from clerestory.engine.work import Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
@@ -44,8 +37,7 @@ class FacadeJob:
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
         """Rows, batches, columns and channels."""
-        columns = sum(len(port.partition) for port in self.ports)
-        rows = len(self.window.partition)
+        rows, columns = len(self.window.partition), patches_of(self.ports)
         return rows, self.batches, columns, channels_of(self.scene)
 
     @property
@@ -59,10 +51,7 @@ class FacadeJob:
 
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the window's irradiance from each patch of the ports."""
-        projected = self.window.partition.projected_solid_angles()
-        irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
-        error = float(np.sqrt(np.mean(variance(irradiance, axis=0))))
-        return all_or_none(sums, error, float(np.mean(irradiance)), aim)
+        return window_irradiance(self.window, sums, aim)
 
 
 def trace_facade(
@@ -73,5 +62,4 @@ def trace_facade(
     The relative error is the root mean square, over the ports' patches, of the error
     of the window's irradiance from one patch, relative to the mean patch.
     """
-    walk = effort.bounces, effort.seed, effort.batches, effort.device
-    return estimate(FacadeJob(scene, window, ports, *walk), effort)
+    return estimate(FacadeJob(scene, window, ports, *walk_of(effort)), effort)

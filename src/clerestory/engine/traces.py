@@ -59,8 +59,8 @@ class ViewJob:
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
         """Rows, batches, columns and channels."""
-        columns = sum(len(window.partition) for window in self.windows)
-        return len(self.sensors), self.batches, columns, channels_of(self.scene)
+        rows, columns = len(self.sensors), patches_of(self.windows)
+        return rows, self.batches, columns, channels_of(self.scene)
 
     @property
     def receivers(self) -> int:
@@ -143,10 +143,7 @@ class DaylightJob:
 
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the window's irradiance from each patch of the sky."""
-        projected = self.window.partition.projected_solid_angles()
-        irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
-        error = float(np.sqrt(np.mean(variance(irradiance, axis=0))))
-        return all_or_none(sums, error, float(np.mean(irradiance)), aim)
+        return window_irradiance(self.window, sums, aim)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,8 +173,7 @@ class PixelViewJob:
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
         """Pixels, batches, columns and channels."""
-        columns = sum(len(window.partition) for window in self.windows)
-        pixels = self.columns * self.rows
+        pixels, columns = self.columns * self.rows, patches_of(self.windows)
         return pixels, self.batches, columns, channels_of(self.scene)
 
     @property
@@ -211,7 +207,7 @@ def view_job(
     scene: Scene, windows: tuple[Window, ...], sensors: Sensors, effort: Effort
 ) -> ViewJob:
     """Return the job of `trace_view`, to be traced block by block of sensors."""
-    return ViewJob(scene, windows, sensors, *_walk(effort))
+    return ViewJob(scene, windows, sensors, *walk_of(effort))
 
 
 def trace_coefficients(
@@ -221,7 +217,7 @@ def trace_coefficients(
 
     The relative error of a row is that of the irradiance under a uniform sky.
     """
-    job = CoefficientsJob(scene, sky, sensors, *_walk(effort))
+    job = CoefficientsJob(scene, sky, sensors, *walk_of(effort))
     return estimate(job, effort)
 
 
@@ -234,7 +230,7 @@ def trace_daylight(
     of the window's irradiance from one patch, relative to the mean patch: it holds
     for a sun that stands in any patch, not only for a uniform sky.
     """
-    job = DaylightJob(scene, window, sky, *_walk(effort))
+    job = DaylightJob(scene, window, sky, *walk_of(effort))
     return estimate(job, effort)
 
 
@@ -253,14 +249,30 @@ def trace_pixel_view(
     The relative error is that of the mean pixel under windows of uniform radiance.
     """
     picture = view, columns, rows, direct
-    job = PixelViewJob(scene, windows, *picture, *_walk(effort))
+    job = PixelViewJob(scene, windows, *picture, *walk_of(effort))
     return estimate(job, effort)
 
 
-def _walk(
+def walk_of(
     effort: Effort,
 ) -> tuple[int | None, int, int, Literal["cpu", "cuda"]]:
+    """Return what all jobs end with: bounces, seed, batches and device."""
     return effort.bounces, effort.seed, effort.batches, effort.device
+
+
+def patches_of(windows: tuple[Window, ...]) -> int:
+    """Return how many patches windows have in all."""
+    return sum(len(window.partition) for window in windows)
+
+
+def window_irradiance(
+    window: Window, sums: Sums, aim: float
+) -> tuple[np.ndarray, float]:
+    """Return the judgement of a window's irradiance from each column, all as one."""
+    projected = window.partition.projected_solid_angles()
+    irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
+    error = float(np.sqrt(np.mean(variance(irradiance, axis=0))))
+    return all_or_none(sums, error, float(np.mean(irradiance)), aim)
 
 
 def dim_rows(sums: Sums, aim: float) -> tuple[np.ndarray, float]:

@@ -19,17 +19,16 @@ methods, LBNL, 2017, chapter 7; the F matrix is due to G. Ward (2015).
 
 import warnings
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import numpy as np
 
-from clerestory.engine.device import Device
 from clerestory.engine.facade import trace_facade
-from clerestory.engine.work import Executor
 from clerestory.errors import ClerestoryWarning, MatrixError
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.trace import (
-    Progress,
+    Tracing,
     matrix_effort,
     require_distinct,
     traced_matrix,
@@ -43,46 +42,20 @@ def facade_matrix(
     scene: Scene,
     window: Window,
     port: Window,
-    *,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> TransferMatrix:
     """Façade matrix of one port: radiance of window patches per radiance of its own.
 
     See `facade_matrices`.
     """
-    found = facade_matrices(
-        scene,
-        window,
-        [port],
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-    )
-    return found[port.name]
+    return facade_matrices(scene, window, [port], **tracing)[port.name]
 
 
 def facade_matrices(
     scene: Scene,
     window: Window,
     ports: Sequence[Window],
-    *,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> dict[str, TransferMatrix]:
     """Façade matrices of several ports, traced at once, by the name of the port.
 
@@ -124,17 +97,9 @@ def facade_matrices(
     ((1, 41, 41), 1.0)
     """
     require_distinct([window, *ports])
-    effort = matrix_effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-    )
+    effort = matrix_effort(**tracing)
     estimate = trace_facade(scene, window, tuple(ports), effort)
-    warn_if_short(estimate, f"façade matrix of {window.name!r}", relative_error)
+    warn_if_short(estimate, f"façade matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
     found, first = {}, 0
     for port in ports:

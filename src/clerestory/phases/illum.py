@@ -5,18 +5,16 @@ and stored with the window as an illum. Renderings then aim at the window as at 
 and read its radiance, while the eye still sees the window itself.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.directions import unit
-from clerestory.engine.device import Device
 from clerestory.engine.outgoing import Patches, trace_outgoing
-from clerestory.engine.work import Executor
 from clerestory.errors import InputError
-from clerestory.phases.trace import matrix_effort, warn_if_short
+from clerestory.phases.trace import Tracing, matrix_effort, warn_if_short
 from clerestory.scene.illum_table import LeavingLight, light_pattern
 from clerestory.scene.model import Illum, Material, Polygon, Scene
 from clerestory.scene.triangulate import triangulate
@@ -31,13 +29,7 @@ def precompute_illums(
     *,
     zone: float = np.inf,
     rings: int = 18,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    **tracing: Unpack[Tracing],
 ) -> Scene:
     """Return windows as lamps that send what the windows let in and reflect.
 
@@ -72,20 +64,10 @@ def precompute_illums(
     pieces = [piece for pane in panes.surfaces for piece in _zones(pane, zone)]
     if not pieces:
         raise InputError("no panes given; at least one polygon expected")
-    if samples is None and relative_error is None:
-        relative_error = DEFAULT_RELATIVE_ERROR
-    effort = matrix_effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-    )
+    effort = matrix_effort(default_error=DEFAULT_RELATIVE_ERROR, **tracing)
     patches = _patches(pieces)
     lit = trace_outgoing(room + panes, patches, rings, 2 * rings, effort)
-    warn_if_short(lit, "light of the windows", relative_error)
+    warn_if_short(lit, "light of the windows", effort)
     radiance = lit.value.reshape(len(pieces), rings, 2 * rings, 3)
     materials: dict[str, Material] = {}
     surfaces = []

@@ -11,8 +11,8 @@ five-phase method are one matrix here, as V_d times both material maps is.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Unpack
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -28,14 +28,12 @@ from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.sun import check_window
 from clerestory.phases.three import WindowPhases
-from clerestory.phases.trace import matrix_effort, warn_if_short
+from clerestory.phases.trace import Progress, Tracing, matrix_effort, warn_if_short
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 from clerestory.sky.matrix import SkyMatrix, SkyResponse
 from clerestory.sky.suns import SunMatrix
-
-Progress = Callable[[float, str], None]
 
 # Batches of a pixel: enough to judge its error, few enough for memory
 _BATCHES = 4
@@ -81,13 +79,7 @@ def picture_view_matrices(
     camera: Camera,
     *,
     direct: bool = False,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> dict[str, TransferMatrix]:
     """View matrices of a picture by window name: radiance of pixels per patch's.
 
@@ -106,17 +98,7 @@ def picture_view_matrices(
     names = [window.name for window in windows]
     if not names or len(set(names)) < len(names):
         raise InputError(f"windows {names}; at least one, and different names expected")
-    effort = matrix_effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-        batches=_BATCHES,
-        components=False,
-    )
+    effort = replace(matrix_effort(**tracing), batches=_BATCHES, components=False)
     estimate = trace_pixel_view(
         scene,
         tuple(windows),
@@ -126,7 +108,7 @@ def picture_view_matrices(
         effort,
         direct=direct,
     )
-    warn_if_short(estimate, "view matrix of the picture", relative_error)
+    warn_if_short(estimate, "view matrix of the picture", effort)
     found, first = {}, 0
     for window in windows:
         columns = window_axis("interior", window.partition, window.name)

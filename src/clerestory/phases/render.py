@@ -4,26 +4,22 @@ The scene holds everything: surfaces, lamps, and a sky and sun as sources at inf
 as `gensky` and `gendaylit` describe them. Every pixel and sensor has a standard error.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
-from clerestory.engine.device import Device
 from clerestory.engine.estimate import Effort
 from clerestory.engine.lit import trace_irradiance, trace_picture
-from clerestory.engine.work import Executor
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture, Quantity
-from clerestory.phases.trace import matrix_effort, warn_if_short
+from clerestory.phases.trace import Tracing, matrix_effort, warn_if_short
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
-
-Progress = Callable[[float, str], None]
 
 # Used when neither samples nor an error is asked for.
 DEFAULT_RELATIVE_ERROR = 0.02
@@ -72,13 +68,7 @@ def render(
     *,
     columns: int,
     rows: int,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> Rendering:
     """Trace a picture.
 
@@ -101,8 +91,8 @@ def render(
     InputError : samples and relative_error both given, or a number out of range
     DeviceError : no usable device
     """
-    effort = _effort(samples, relative_error, bounces, seed, device, executor, progress)
-    return _picture(scene, view, columns, rows, effort, relative_error, "radiance")
+    effort = _effort(tracing)
+    return _picture(scene, view, columns, rows, effort, "radiance")
 
 
 def render_irradiance(
@@ -111,13 +101,7 @@ def render_irradiance(
     *,
     columns: int,
     rows: int,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> Rendering:
     """Trace a picture of the irradiance of what is seen, as rpict -i does [W/m²].
 
@@ -125,12 +109,12 @@ def render_irradiance(
     are 0. The gather of a surface is the first bounce, as that of a sensor. See
     `render` for the parameters.
     """
-    if bounces == 0:
+    if tracing.get("bounces") == 0:
         raise InputError(
             "bounces = 0; the first gather of a surface counts: 1 or more expected"
         )
-    effort = _effort(samples, relative_error, bounces, seed, device, executor, progress)
-    return _picture(scene, view, columns, rows, effort, relative_error, "irradiance")
+    effort = _effort(tracing)
+    return _picture(scene, view, columns, rows, effort, "irradiance")
 
 
 def _picture(
@@ -139,7 +123,6 @@ def _picture(
     columns: int,
     rows: int,
     effort: Effort,
-    relative_error: float | None,
     quantity: Quantity,
 ) -> Rendering:
     if columns < 1 or rows < 1 or columns * rows > 1 << 26:
@@ -148,7 +131,7 @@ def _picture(
         )
     _check_light(scene)
     lit = trace_picture(scene, view, columns, rows, effort, quantity=quantity)
-    warn_if_short(lit, "picture", relative_error)
+    warn_if_short(lit, "picture", effort)
     picture = Picture(
         lit.value.reshape(rows, columns, 3).astype(np.float32),
         view=view,
@@ -161,14 +144,7 @@ def _picture(
 def irradiance(
     scene: Scene,
     sensors: Sensors,
-    *,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> Gathered:
     """Trace the irradiance of sensors under the scene's own sky and lamps [W/m²].
 
@@ -177,14 +153,14 @@ def irradiance(
     """
     if len(sensors.position) == 0:
         raise InputError("no sensors given; at least one expected")
-    if bounces == 0:
+    if tracing.get("bounces") == 0:
         raise InputError(
             "bounces = 0; the first gather of a sensor counts: 1 or more expected"
         )
     _check_light(scene)
-    effort = _effort(samples, relative_error, bounces, seed, device, executor, progress)
+    effort = _effort(tracing)
     lit = trace_irradiance(scene, sensors, effort)
-    warn_if_short(lit, "irradiance", relative_error)
+    warn_if_short(lit, "irradiance", effort)
     return Gathered(lit.value, lit.error, lit.paths)
 
 
@@ -200,23 +176,5 @@ def _check_light(scene: Scene) -> None:
         )
 
 
-def _effort(
-    samples: int | None,
-    relative_error: float | None,
-    bounces: int | None,
-    seed: int,
-    device: Device,
-    executor: Executor | None,
-    progress: Progress | None,
-) -> Effort:
-    if samples is None and relative_error is None:
-        relative_error = DEFAULT_RELATIVE_ERROR
-    return matrix_effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-    )
+def _effort(tracing: Tracing) -> Effort:
+    return matrix_effort(default_error=DEFAULT_RELATIVE_ERROR, **tracing)

@@ -9,14 +9,13 @@ everywhere; their deviations are pooled into four error components.
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float32, Int
 
-from clerestory.engine.device import Device
 from clerestory.engine.estimate import Effort, estimate_rows, row_blocks
 from clerestory.engine.traces import ViewJob, view_job
-from clerestory.engine.work import Executor
 from clerestory.matrix.axis import sensor_axis, unknown_axis
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -24,6 +23,7 @@ from clerestory.phases.pooled import FEW, pooled
 from clerestory.phases.store import BlockStore
 from clerestory.phases.trace import (
     Progress,
+    Tracing,
     matrix_effort,
     require_distinct,
     require_sensors,
@@ -119,13 +119,7 @@ def store_views(
     name: str,
     key: str,
     sensors: Sensors,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> StoredViews:
     """Trace the view matrices of all windows into files; see `view_matrices`.
 
@@ -141,33 +135,23 @@ def store_views(
     OutputError : a file cannot be written
     """
     require_distinct(windows)
-    require_sensors(sensors, bounces)
-    effort = matrix_effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=None,
-    )
+    require_sensors(sensors, tracing.get("bounces"))
+    effort = matrix_effort(**tracing)
     job = view_job(scene, tuple(windows), sensors, effort)
     rows = tuple(row_blocks(job))
-    make = _block_maker(job, effort, progress)
+    make = _block_maker(job, effort)
     return StoredViews(store.blocks(name, key, rows, make), rows)
 
 
-def _block_maker(
-    job: ViewJob, effort: Effort, progress: Progress | None
-) -> Callable[[slice], TransferMatrix]:
+def _block_maker(job: ViewJob, effort: Effort) -> Callable[[slice], TransferMatrix]:
     def make(rows: slice) -> TransferMatrix:
         # A plan asks for all rows at once, and takes no memory
         if not effort.executor.accepts(job, effort.goal):
             return _blank(job, rows)
-        told = replace(effort, progress=_progress(progress, rows, job.receivers))
+        told = replace(effort, progress=_progress(effort.progress, rows, job.receivers))
         block = estimate_rows(job, rows, told)
         what = f"view matrices of sensors {rows.start + 1} to {rows.stop}"
-        warn_if_short(block, what, effort.relative_error)
+        warn_if_short(block, what, effort)
         few = pooled(block.components, FEW)
         return _matrix(block.values.astype(np.float32), few)
 

@@ -12,7 +12,7 @@ ray is none.
 
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
@@ -34,18 +34,35 @@ Progress = Callable[[float, str], None]
 DEFAULT_RELATIVE_ERROR = 0.01
 
 
+class Tracing(TypedDict, total=False):
+    """Keywords of all functions that trace; see `view_matrix` for what they mean.
+
+    Attributes
+    ----------
+    samples : paths per row; none by default
+    relative_error : instead of samples: standard error to reach
+    bounces : most reflections; no limit by default
+    seed : whole number ≥ 0; 0 by default
+    device : "auto" by default
+    executor : where the work is done; this process by default
+    progress : called with the share done, 0…1, and a note
+    """
+
+    samples: int | None
+    relative_error: float | None
+    bounces: int | None
+    seed: int
+    device: Device
+    executor: Executor | None
+    progress: Progress | None
+
+
 def view_matrix(
     scene: Scene,
     window: Window,
     *,
     sensors: Sensors,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> TransferMatrix:
     """View matrix of one window: irradiance of sensors per radiance of patches [sr].
 
@@ -72,19 +89,7 @@ def view_matrix(
     InputError : samples and relative_error both given, or a number out of range
     DeviceError : no usable device
     """
-    traced = view_matrices(
-        scene,
-        [window],
-        sensors=sensors,
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-    )
-    return traced[window.name]
+    return view_matrices(scene, [window], sensors=sensors, **tracing)[window.name]
 
 
 def view_matrices(
@@ -92,13 +97,7 @@ def view_matrices(
     windows: Sequence[Window],
     *,
     sensors: Sensors,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> dict[str, TransferMatrix]:
     """View matrices of several windows, traced at once, by window name.
 
@@ -106,16 +105,8 @@ def view_matrices(
     See `view_matrix` for the parameters.
     """
     require_distinct(windows)
-    rows = _sensor_rows(sensors, bounces)
-    effort = matrix_effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-    )
+    rows = _sensor_rows(sensors, tracing.get("bounces"))
+    effort = matrix_effort(**tracing)
     estimate = trace_view(scene, tuple(windows), sensors, effort)
     found, first = {}, 0
     for window in windows:
@@ -123,7 +114,7 @@ def view_matrices(
         part = slice(first, first + columns.size)
         found[window.name] = traced_matrix(estimate, rows, columns, part)
         first += columns.size
-    warn_if_short(estimate, "view matrix", relative_error)
+    warn_if_short(estimate, "view matrix", effort)
     return found
 
 
@@ -132,13 +123,7 @@ def daylight_matrix(
     window: Window,
     *,
     subdivision: int = 4,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> TransferMatrix:
     """Daylight matrix of one window: radiance of its patches per radiance of the sky's.
 
@@ -155,18 +140,10 @@ def daylight_matrix(
 
     The other parameters are those of `view_matrix`.
     """
-    effort = matrix_effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-    )
+    effort = matrix_effort(**tracing)
     sky = reinhart(subdivision)
     estimate = trace_daylight(scene, window, sky, effort)
-    warn_if_short(estimate, f"daylight matrix of {window.name!r}", relative_error)
+    warn_if_short(estimate, f"daylight matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
     return traced_matrix(estimate, rows, sky_axis(sky), slice(None))
 
@@ -176,33 +153,21 @@ def daylight_matrices(
     windows: Sequence[Window],
     *,
     subdivision: int = 4,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> dict[str, TransferMatrix]:
     """Daylight matrices of several windows by window name; see `daylight_matrix`.
 
     The scene is built once for all windows less than 128 m from its middle.
     """
     require_distinct(windows)
-    executor = executor or Local()
+    tracing["executor"] = tracing.get("executor") or Local()
     found = {}
+    seed, progress = tracing.get("seed", 0), tracing.get("progress")
     for number, window in enumerate(windows):
+        tracing["seed"] = seed + number
+        tracing["progress"] = _part(progress, number, len(windows), window.name)
         found[window.name] = daylight_matrix(
-            scene,
-            window,
-            subdivision=subdivision,
-            samples=samples,
-            relative_error=relative_error,
-            bounces=bounces,
-            seed=seed + number,
-            device=device,
-            executor=executor,
-            progress=_part(progress, number, len(windows), window.name),
+            scene, window, subdivision=subdivision, **tracing
         )
     return found
 
@@ -212,74 +177,57 @@ def daylight_coefficients(
     *,
     sensors: Sensors,
     subdivision: int = 4,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **tracing: Unpack[Tracing],
 ) -> TransferMatrix:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr].
 
     A sensor that sees nothing but sky and ground collects π in all. The error aimed
     at is that of the irradiance under a uniform sky. See `view_matrix`.
     """
-    rows = _sensor_rows(sensors, bounces)
-    effort = matrix_effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        device=device,
-        executor=executor,
-        progress=progress,
-    )
+    rows = _sensor_rows(sensors, tracing.get("bounces"))
+    effort = matrix_effort(**tracing)
     sky = reinhart(subdivision)
     estimate = trace_coefficients(scene, sky, sensors, effort)
-    warn_if_short(estimate, "daylight coefficients", relative_error)
+    warn_if_short(estimate, "daylight coefficients", effort)
     return traced_matrix(estimate, rows, sky_axis(sky), slice(None))
 
 
 def matrix_effort(
-    *,
-    samples: int | None,
-    relative_error: float | None,
-    bounces: int | None,
-    seed: int,
-    device: Device,
-    executor: Executor | None,
-    progress: Progress | None,
-    **more: Any,
+    *, default_error: float = DEFAULT_RELATIVE_ERROR, **tracing: Unpack[Tracing]
 ) -> Effort:
     """Check how long to trace, and find the device that it is done on.
+
+    Parameters
+    ----------
+    default_error : relative error to reach where neither it nor samples are given
 
     Raises
     ------
     InputError : samples and relative_error both given, or a number out of range
     """
+    samples, relative_error = tracing.get("samples"), tracing.get("relative_error")
+    bounces, seed = tracing.get("bounces"), tracing.get("seed", 0)
     if samples is not None and relative_error is not None:
         raise InputError("both samples and relative_error given; one of them expected")
     if samples is not None and not 1 <= samples <= 1 << 26:
         raise InputError(f"samples = {samples}; a whole number from 1 to 2^26 expected")
     if samples is None and relative_error is None:
-        relative_error = DEFAULT_RELATIVE_ERROR
+        relative_error = default_error
     if relative_error is not None and not 1e-5 <= relative_error < 1:
         raise InputError(f"relative_error = {relative_error}; 0.00001 to 1 expected")
     if bounces is not None and bounces < 0:
         raise InputError(f"bounces = {bounces}; 0 or more expected")
     if not 0 <= seed < 1 << 32:
         raise InputError(f"seed = {seed}; a whole number from 0 to 2^32 - 1 expected")
-    executor = executor or Local()
+    executor = tracing.get("executor") or Local()
     return Effort(
         samples=samples,
         relative_error=relative_error,
         bounces=bounces,
         seed=seed,
-        progress=progress,
-        device=executor.resolve(device),
+        progress=tracing.get("progress"),
+        device=executor.resolve(tracing.get("device", "auto")),
         executor=executor,
-        **more,
     )
 
 
@@ -331,11 +279,11 @@ def traced_matrix(
     return TransferMatrix(values, rows, columns, components)
 
 
-def warn_if_short(estimate: Any, what: str, relative_error: float | None) -> None:
+def warn_if_short(estimate: Any, what: str, effort: Effort) -> None:
     """Warn when a trace ended before it reached the error aimed at."""
     if not estimate.reached:
         warnings.warn(
-            f"{what}: the relative error {relative_error} was not reached"
+            f"{what}: the relative error {effort.relative_error} was not reached"
             f" after {estimate.paths:,} paths; look at the standard errors",
             ClerestoryWarning,
             stacklevel=3,
