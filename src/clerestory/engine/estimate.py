@@ -10,16 +10,17 @@ the result; after each round the sums decide which rows go on.
 """
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Literal, final
 
 import numpy as np
-from jaxtyping import Bool, Float, Int, UInt64
+from jaxtyping import Bool, Int
 
-from clerestory.engine.work import Executor, Goal, Grain, Job, Local, Unit, spread
-
-BATCHES = 16
+from clerestory.engine.sums import BATCHES, Estimate, Sums, estimated
+from clerestory.engine.work import Executor, Goal, Grain, Local, Unit, spread
+from clerestory.scene.model import Scene
 
 # Sample points of a batch in the first round, when an error is aimed at.
 PILOT = 32
@@ -37,12 +38,6 @@ _LONGEST = 1 << 22
 # Most sums held at a time [bytes]. Rows are judged block by block, so this number is
 # part of the result: it must not depend on the machine.
 _SUMS = 1 << 29
-
-# Sums that are brought to means at a time [bytes]
-_CACHED = 1 << 20
-
-# One unit of a sum is 2⁻⁴⁰ of a weight; sums stay exact below 2²⁴.
-FIXED_POINT = float(1 << 40)
 
 Progress = Callable[[float, str], None]
 
@@ -80,85 +75,48 @@ class Effort:
         return Goal(self.samples, self.relative_error)
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """A traced matrix.
-
-    Attributes
-    ----------
-    values : mean over the batches
-    components : error components; the sum of their squares is the variance; None if
-        they are not kept
-    paths : traced in all
-    reached : whether the relative error aimed at was reached in all rows
-    """
-
-    values: Float[np.ndarray, "channel row column"]
-    components: Float[np.ndarray, "component channel row column"] | None
-    paths: int
-    reached: bool
-
-
 # Rows that a trial takes, unless all are judged as one
 _TRIAL_ROWS = 64
 
 
-def trial_rows(job: "MatrixJob", paths: int) -> Unit:
-    """Return a unit of rows spread over the matrix, for a trial."""
-    rows, batches, _, _ = job.shape
-    few = np.arange(rows) if job.together else spread(rows, _TRIAL_ROWS)
-    return Unit(few, 0, int(np.clip(paths // (len(few) * batches), 1, _STRETCH)))
-
-
-class MatrixJob(Job, Protocol):
-    """A job whose units return sums of weights in fixed point.
+class MatrixJob(ABC):
+    """A job whose units return sums of weights in fixed point; see `Job`.
 
     Attributes
     ----------
-    shape : rows, batches, columns and channels of the whole matrix
     together : whether all rows are judged as one
     """
 
+    tracer: ClassVar[tuple[str, str]]
     together: ClassVar[bool]
 
+    scene: Scene
+    device: Literal["cpu", "cuda"]
+
     @property
+    @abstractmethod
     def shape(self) -> tuple[int, int, int, int]:
         """Rows, batches, columns and channels of the whole matrix."""
 
+    @property
+    @final
+    def receivers(self) -> int:
+        """Rows of the matrix."""
+        return self.shape[0]
+
+    @final
+    def trial(self, paths: int) -> Unit:
+        """Return a unit of rows spread over the matrix."""
+        rows, batches, _, _ = self.shape
+        few = np.arange(rows) if self.together else spread(rows, _TRIAL_ROWS)
+        return Unit(few, 0, int(np.clip(paths // (len(few) * batches), 1, _STRETCH)))
+
+    @abstractmethod
     def unfinished(self, sums: "Sums", aim: float) -> tuple[np.ndarray, float]:
         """Return which rows need more paths for a relative error, and the worst ratio.
 
         The ratio is how many times the error aimed at remains.
         """
-
-
-@dataclass
-class Sums:
-    """Fixed-point sums of some rows, and how many points each batch has seen."""
-
-    total: UInt64[np.ndarray, "row batch column channel"]
-    count: Int[np.ndarray, " row"]
-
-    @classmethod
-    def none(cls, job: MatrixJob, rows: int) -> "Sums":
-        """Return sums of some rows that have seen nothing yet."""
-        shape = rows, *job.shape[1:]
-        return cls(np.zeros(shape, np.uint64), np.zeros(rows, np.int64))
-
-    def add(self, rows: Int[np.ndarray, " some"], part: np.ndarray) -> None:
-        """Add what a unit returned to some rows; in place if they are consecutive."""
-        if rows[-1] - rows[0] == len(rows) - 1:
-            self.total[rows[0] : rows[-1] + 1] += part
-        else:
-            self.total[rows] += part
-
-    def means(self) -> Float[np.ndarray, "row batch column channel"]:
-        """Mean weight of each batch's paths."""
-        return self.total / (FIXED_POINT * self.count[:, None, None, None])
-
-    def collected(self) -> Float[np.ndarray, "row batch channel"]:
-        """Mean weight of each batch's paths, all columns together."""
-        return self.total.sum(axis=2) / (FIXED_POINT * self.count[:, None, None])
 
 
 def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
@@ -206,7 +164,7 @@ def estimate_rows(job: MatrixJob, rows: slice, effort: Effort) -> Estimate:
     What it returns is the same to the bit whether other blocks are traced or not.
     """
     sums, reached = _trace_rows(job, np.arange(rows.start, rows.stop), effort)
-    return estimated(sums, reached, effort)
+    return estimated(sums, reached=reached, components=effort.components)
 
 
 def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
@@ -230,25 +188,6 @@ def row_bytes(job: MatrixJob) -> int:
     return batches * columns * channels * 8
 
 
-def estimated(sums: Sums, reached: bool, effort: Effort) -> Estimate:
-    """Return means and error components of what was summed."""
-    rows, batches, columns, channels = sums.total.shape
-    values = np.empty((channels, rows, columns))
-    shape = batches, channels, rows, columns
-    components = np.empty(shape, np.float32) if effort.components else None
-    # A few rows at a time, which stay in the cache
-    few = max(1, _CACHED // sums.total[:1].nbytes)
-    for part in (slice(n, n + few) for n in range(0, rows, few)):
-        means = Sums(sums.total[part], sums.count[part]).means()
-        mean = means.mean(axis=1)
-        values[:, part] = np.moveaxis(mean, -1, 0)
-        if components is not None:
-            means -= mean[:, None]
-            means /= np.sqrt(batches * (batches - 1))
-            components[:, :, part] = np.moveaxis(means, (1, 3), (0, 1))
-    return Estimate(values, components, int(sums.count.sum()) * batches, reached)
-
-
 def _share_of_progress(
     progress: Progress | None, start: float, share: float
 ) -> Progress:
@@ -261,7 +200,7 @@ def _trace_rows(
     job: MatrixJob, numbers: Int[np.ndarray, " row"], effort: Effort
 ) -> tuple[Sums, bool]:
     # Lengthen the batches until the samples are spent or the error is reached
-    sums = Sums.none(job, len(numbers))
+    sums = Sums.none((len(numbers), *job.shape[1:]))
     if effort.samples is not None:
         length = -(-effort.samples // effort.batches)
         everything = np.full(len(numbers), True)

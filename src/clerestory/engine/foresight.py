@@ -15,15 +15,9 @@ from typing import Literal
 import numpy as np
 
 from clerestory.engine.device import Device
-from clerestory.engine.estimate import (
-    GROWTH,
-    PILOT,
-    Effort,
-    Sums,
-    estimated,
-    row_bytes,
-)
+from clerestory.engine.estimate import GROWTH, PILOT, row_bytes
 from clerestory.engine.lit import Batches
+from clerestory.engine.sums import Sums, estimated
 from clerestory.engine.work import Executor, Goal, Grain, Job, Unit, spread
 
 # Paths of a trial on each worker, and what it returns at most [bytes]
@@ -186,10 +180,10 @@ def _beside(job: Job, unit: Unit, part: np.ndarray) -> float:
     if not hasattr(job, "unfinished"):
         return 0.0
     start = time.perf_counter()
-    sums = Sums.none(job, len(unit.rows))
+    sums = Sums.none((len(unit.rows), *job.shape[1:]))
     sums.add(np.arange(len(unit.rows)), part)
     sums.count[:] = unit.count
-    estimated(sums, True, Effort(batches=job.batches))
+    estimated(sums, reached=True, components=True)
     return (time.perf_counter() - start) / len(unit.rows)
 
 

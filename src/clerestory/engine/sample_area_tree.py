@@ -13,11 +13,11 @@ import numpy as np
 from jaxtyping import Float, Int, Int64
 
 from clerestory.constants import LUMINANCE_WEIGHTS
-from clerestory.engine.estimate import FIXED_POINT
 from clerestory.engine.points import points
 from clerestory.engine.sample_area import Slab, follow, lower_slab, start
 from clerestory.engine.square import disc_from_square, square_from_disc
 from clerestory.engine.starts import Lanes, lanes
+from clerestory.engine.sums import FIXED_POINT
 from clerestory.engine.walk import Target
 from clerestory.errors import DeviceError
 

@@ -16,10 +16,10 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine import points as sampling
-from clerestory.engine.estimate import FIXED_POINT
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.points import Points
+from clerestory.engine.sums import FIXED_POINT
 
 # A weight is cut into two whole numbers of twenty bits and more, which processors
 # convert fastest.
