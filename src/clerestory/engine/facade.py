@@ -11,16 +11,15 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from clerestory.engine.estimate import Effort, Estimate, Sums, estimate, trial_rows
+from clerestory.engine.estimate import Effort, Estimate, MatrixJob, Sums, estimate
 from clerestory.engine.grey import channels_of
 from clerestory.engine.traces import patches_of, walk_of, window_irradiance
-from clerestory.engine.work import Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 
 
 @dataclass(frozen=True, eq=False)
-class FacadeJob:
+class FacadeJob(MatrixJob):
     """From the outer side of a window's patches to those of ports before it."""
 
     tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_facade")
@@ -39,15 +38,6 @@ class FacadeJob:
         """Rows, batches, columns and channels."""
         rows, columns = len(self.window.partition), patches_of(self.ports)
         return rows, self.batches, columns, channels_of(self.scene)
-
-    @property
-    def receivers(self) -> int:
-        """Rows of the matrix."""
-        return self.shape[0]
-
-    def trial(self, paths: int) -> Unit:
-        """Return a unit of rows spread over the matrix."""
-        return trial_rows(self, paths)
 
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the window's irradiance from each patch of the ports."""

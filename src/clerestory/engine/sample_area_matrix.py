@@ -13,10 +13,10 @@ from clerestory.engine.device import in_use
 from clerestory.engine.estimate import (
     Effort,
     Estimate,
+    MatrixJob,
     Sums,
     all_or_none,
     estimate,
-    trial_rows,
     variance,
 )
 from clerestory.engine.grey import channels_of
@@ -61,7 +61,7 @@ class Patches:
 
 
 @dataclass(frozen=True, eq=False)
-class SlabJob:
+class SlabJob(MatrixJob):
     """From the incident patches of a sample area to the patches both ways out."""
 
     tracer: ClassVar[tuple[str, str]] = ("sample_area_matrix", "prepare_slab")
@@ -84,15 +84,6 @@ class SlabJob:
         """Rows, batches, columns and channels."""
         rows = len(self.sides) * len(self.incidents)
         return rows, self.batches, 2 * len(self.partition), channels_of(self.scene)
-
-    @property
-    def receivers(self) -> int:
-        """Rows of the matrix."""
-        return self.shape[0]
-
-    def trial(self, paths: int) -> Unit:
-        """Return a unit of rows spread over the matrix."""
-        return trial_rows(self, paths)
 
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the BSDF of all pairs of patches."""

@@ -18,14 +18,13 @@ from jaxtyping import Float
 from clerestory.engine.estimate import (
     Effort,
     Estimate,
+    MatrixJob,
     Sums,
     all_or_none,
     estimate,
-    trial_rows,
     variance,
 )
 from clerestory.engine.grey import channels_of
-from clerestory.engine.work import Unit
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
@@ -37,7 +36,7 @@ _DARK = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class ViewJob:
+class ViewJob(MatrixJob):
     """From irradiance sensors to the patches of windows.
 
     Attributes
@@ -62,22 +61,13 @@ class ViewJob:
         rows, columns = len(self.sensors), patches_of(self.windows)
         return rows, self.batches, columns, channels_of(self.scene)
 
-    @property
-    def receivers(self) -> int:
-        """Rows of the matrix."""
-        return self.shape[0]
-
-    def trial(self, paths: int) -> Unit:
-        """Return a unit of rows spread over the matrix."""
-        return trial_rows(self, paths)
-
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge each sensor's irradiance under windows of uniform radiance."""
         return dim_rows(sums, aim)
 
 
 @dataclass(frozen=True, eq=False)
-class CoefficientsJob:
+class CoefficientsJob(MatrixJob):
     """From irradiance sensors to the patches of the sky."""
 
     tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_coefficients")
@@ -97,22 +87,13 @@ class CoefficientsJob:
         rows, columns = len(self.sensors), len(self.sky)
         return rows, self.batches, columns, channels_of(self.scene)
 
-    @property
-    def receivers(self) -> int:
-        """Rows of the matrix."""
-        return self.shape[0]
-
-    def trial(self, paths: int) -> Unit:
-        """Return a unit of rows spread over the matrix."""
-        return trial_rows(self, paths)
-
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge each sensor's irradiance under a uniform sky."""
         return dim_rows(sums, aim)
 
 
 @dataclass(frozen=True, eq=False)
-class DaylightJob:
+class DaylightJob(MatrixJob):
     """From the outer side of a window's patches to the patches of the sky."""
 
     tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_daylight")
@@ -132,22 +113,13 @@ class DaylightJob:
         rows, columns = len(self.window.partition), len(self.sky)
         return rows, self.batches, columns, channels_of(self.scene)
 
-    @property
-    def receivers(self) -> int:
-        """Rows of the matrix."""
-        return self.shape[0]
-
-    def trial(self, paths: int) -> Unit:
-        """Return a unit of rows spread over the matrix."""
-        return trial_rows(self, paths)
-
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the window's irradiance from each patch of the sky."""
         return window_irradiance(self.window, sums, aim)
 
 
 @dataclass(frozen=True, eq=False)
-class PixelViewJob:
+class PixelViewJob(MatrixJob):
     """From the pixels of a view to the patches of windows.
 
     Attributes
@@ -175,15 +147,6 @@ class PixelViewJob:
         """Pixels, batches, columns and channels."""
         pixels, columns = self.columns * self.rows, patches_of(self.windows)
         return pixels, self.batches, columns, channels_of(self.scene)
-
-    @property
-    def receivers(self) -> int:
-        """Rows of the matrix."""
-        return self.shape[0]
-
-    def trial(self, paths: int) -> Unit:
-        """Return a unit of rows spread over the matrix."""
-        return trial_rows(self, paths)
 
     def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
         """Judge the mean pixel under windows of uniform radiance."""

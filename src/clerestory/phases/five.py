@@ -82,6 +82,20 @@ def five_phase(
     VTDS = three_phase_sum([w.whole for w in windows], sky, progress=progress)
     VdTDdSds = three_phase_sum([w.direct for w in windows], sun_in_patches)
     CdsSsun = sun_illuminance([w.sun for w in windows], suns)
+    return sum_of_terms(VTDS, VdTDdSds, CdsSsun)
+
+
+# Names of the equation's terms in results
+TERMS = ("three_phase", "direct_in_patches", "direct_sun")
+
+
+def sum_of_terms(
+    VTDS: xr.Dataset, VdTDdSds: xr.Dataset, CdsSsun: xr.Dataset
+) -> xr.Dataset:
+    """Return I = V T D S − V_d T D_d S_ds + C_ds S_sun, with its error and its terms.
+
+    The terms are traced independently of each other.
+    """
     total = VTDS["illuminance"] - VdTDdSds["illuminance"] + CdsSsun["illuminance"]
 
     terms = (VTDS, VdTDdSds, CdsSsun)
@@ -92,10 +106,6 @@ def five_phase(
     for name in ("illuminance", "standard_error", *TERMS):
         result[name].attrs["units"] = "lux"
     return result
-
-
-# Names of the equation's terms in results
-TERMS = ("three_phase", "direct_in_patches", "direct_sun")
 
 
 def sun_illuminance(

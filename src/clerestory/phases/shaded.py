@@ -19,7 +19,7 @@ from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
-from clerestory.phases.five import TERMS, sun_illuminance
+from clerestory.phases.five import sum_of_terms, sun_illuminance
 from clerestory.phases.product import Progress
 from clerestory.phases.three import WindowPhases
 from clerestory.sky.matrix import SkyMatrix, SkyResponse
@@ -156,16 +156,7 @@ def shaded_five_phase(
     VTDS = shaded_three_phase(whole, sky, states, progress=progress)
     VdTDdSds = shaded_three_phase(direct, sun_in_patches, states)
     CdsSsun = shaded_sun(sun, suns, states)
-    total = VTDS["illuminance"] - VdTDdSds["illuminance"] + CdsSsun["illuminance"]
-
-    terms = (VTDS, VdTDdSds, CdsSsun)
-    error = np.sqrt(sum(term["standard_error"] ** 2 for term in terms))
-    result = VTDS.assign(illuminance=total, standard_error=error)
-    for name, term in zip(TERMS, terms, strict=True):
-        result[name] = term["illuminance"]
-    for name in ("illuminance", "standard_error", *TERMS):
-        result[name].attrs["units"] = "lux"
-    return result
+    return sum_of_terms(VTDS, VdTDdSds, CdsSsun)
 
 
 def shaded_sun(
