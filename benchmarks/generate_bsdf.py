@@ -1,11 +1,12 @@
 """BSDFs generated from geometry against genBSDF's Python port, at equal error.
 
-    python benchmarks/generate_bsdf.py [--runs 5] [--defaults] [--trees] [--write FILE]
+    python benchmarks/generate_bsdf.py [--runs 3] [--parts matrices …] [--write FILE]
 
 The crash-course blind: 80 mm slats every 72 mm at 45°, reflectance 0.48, 14 slats of
 1 m; both sides, transmission and reflection, five bounces. Errors are root mean
 squares over all values, over their mean, against a long run of ours. Work is seconds
 of all processors × variance, which other programs on the machine hardly disturb.
+genBSDF's defaults take minutes, and run once. The page is written anew with all parts.
 """
 
 import argparse
@@ -49,6 +50,7 @@ NAMES = (
     "transmission_back",
     "reflection_back",
 )
+PARTS_OF_PAGE = ("matrices", "defaults", "trees")
 TUNED = ["-ad", "1", "-lw", "1e-6"]
 
 
@@ -190,7 +192,8 @@ def duel(
     work = {n: np.median(used[n]) * np.mean(square[n]) for n in used}
     peers = [c.name for c in contenders if c.peer]
     heads = " | ".join(f"× {name}" for name in peers)
-    lines = [f"### {title}", "", f"{stamp()}; medians of {runs} runs in turns.", ""]
+    how = "one run of each" if runs == 1 else f"medians of {runs} runs in turns"
+    lines = [f"## {title}", "", f"{stamp()}; {how}.", ""]
     lines += [f"| | seconds | processor seconds | error | {heads} |"]
     lines += ["|---|---|---|---|" + "---|" * len(peers)]
     for name in used:
@@ -231,14 +234,17 @@ def matrices(scene: bytes, runs: int, *, defaults: bool) -> str:
     def read(path: Path) -> np.ndarray:
         return read_matrices(cl.read_bsdf(path))
 
-    found = [theirs("tuned (-ad 1 -lw 1e-6, 8000 samples)", TUNED, 8000)]
+    tuned = theirs("tuned (-ad 1 -lw 1e-6, 8000 samples)", TUNED, 8000)
+    reference = read_matrices(ours(1 << 18, 12345))
     if defaults:
-        found.append(theirs("its defaults (-ad 700) at 500 samples", [], 500))
-    found += [of(count) for count in (2048, 8192, 32768)]
+        found = [tuned, theirs("its defaults (-ad 700) at 500 samples", [], 500)]
+        found += [of(count) for count in (2048, 8192, 32768)]
+        found.append(of(8192, ", reciprocal", reciprocal=True))
+        return duel("The same beside its defaults", found, reference, runs)
+    found = [tuned, *(of(count) for count in (2048, 8192, 32768))]
     found.append(of(2048, ", without its mirror", symmetry=False))
     found.append(of(8192, ", without its mirror", symmetry=False))
     found.append(Contender("2,048 paths a patch, new process to file", command, read))
-    reference = read_matrices(ours(1 << 18, 12345))
     return duel("Klems matrices of a blind, both sides", found, reference, runs)
 
 
@@ -268,23 +274,23 @@ def trees(scene: bytes, runs: int) -> str:
 def main() -> None:
     """Read the command line, run, print and write."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--defaults", action="store_true", help="the slow peer too")
-    parser.add_argument(
-        "--trees", action="store_true", help="trees instead of matrices"
-    )
-    parser.add_argument("--write", type=Path, help="Markdown file to add to")
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--parts", nargs="+", choices=PARTS_OF_PAGE, default=None)
+    parser.add_argument("--write", type=Path, help="Markdown file to write")
     options = parser.parse_args()
     os.environ.update(ENVIRONMENT)
     scene = format_rad(blind().scene, bsdf_file={}).encode()
-    if options.trees:
-        table = trees(scene, options.runs)
-    else:
-        table = matrices(scene, options.runs, defaults=options.defaults)
-    print(table)
+    page = "# BSDFs from geometry beside genBSDF\n"
+    for part in options.parts or PARTS_OF_PAGE:
+        if part == "trees":
+            table = trees(scene, options.runs)
+        else:
+            slow = part == "defaults"
+            table = matrices(scene, 1 if slow else options.runs, defaults=slow)
+        print(table, flush=True)
+        page += "\n" + table + "\n"
     if options.write:
-        old = options.write.read_text() if options.write.exists() else ""
-        options.write.write_text((old + "\n" if old else "") + table + "\n")
+        options.write.write_text(page)
 
 
 if __name__ == "__main__":

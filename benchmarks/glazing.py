@@ -5,10 +5,14 @@
 DATA is a folder with LBNL's products and expected results (`wincalc/products`,
 `wincalc/expected`). With --stacks, stacks are computed by pywincalc too, which takes
 minutes. Differences are the largest of all directions, sides and both bands, absolute.
+
+LBNL's results of several layers (`tests/parity/wincalc_systems.py`) are asked whether
+what passes, what goes back and what layers keep make up all light.
 """
 
 import argparse
 import json
+import sys
 import time
 import warnings
 from importlib.metadata import version
@@ -23,6 +27,9 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.glazing.read import read_layer
 from clerestory.glazing.stack import StackedLayers, stack_layers
 from clerestory.hemisphere.klems import klems
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "parity"))
+from wincalc_systems import FOUR_LAYERS, SCATTERING
 
 QUARTER = klems("quarter")
 METHODS = {"solar": "solar", "visible": "photopic"}
@@ -117,6 +124,24 @@ def differences(results: dict, stacked: StackedLayers) -> tuple[float, float]:
     return share, kept
 
 
+def sums() -> list[str]:
+    """Return what the shares of LBNL's own results of several layers add up to."""
+    few = [
+        abs(along[side] + along[side + 2] + sum(kept[side]) - 1)
+        for along, _, kept in SCATTERING.values()
+        for side in (0, 1)
+    ]
+    lines = ["", "## Whether LBNL's expected shares add up", ""]
+    lines += ["| layers | light | what passes, goes back and is kept, in all |"]
+    lines += ["|---|---|---|"]
+    lines.append(f"| two and three | {len(few)} cases | 1, to {max(few):.0e} |")
+    for (channel, side), (passed, thrown, kept) in FOUR_LAYERS.items():
+        lines.append(
+            f"| four | {channel}, {side} | {passed + thrown + sum(kept):.4f} |"
+        )
+    return [*lines, "", "Ours add up to 1 by construction, which tests show."]
+
+
 def main() -> None:
     """Read the command line, compare, print and write."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -132,6 +157,7 @@ def main() -> None:
     for case in SINGLE:
         a, b, c = single(options.data, case)
         lines.append(f"| {case} | {a:.5f} | {b:.5f} | {c:.5f} |")
+    lines += sums()
     if options.stacks:
         lines += ["", f"## Stacks, against pywincalc {version('pywincalc')}", ""]
         lines += ["| stack | shares | absorptance | pywincalc [s] | ours [s] |"]

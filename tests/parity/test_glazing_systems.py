@@ -5,7 +5,7 @@ Bound: 0.5 % absolute, in the light passed on, thrown back and kept.
 
 import numpy as np
 import pytest
-from wincalc_systems import CLEAR, SCATTERING
+from wincalc_systems import CLEAR, FOUR_LAYERS, SCATTERING
 
 from clerestory.bsdf.scattering import FUNCTIONS
 from clerestory.glazing import angular
@@ -152,10 +152,37 @@ def test_the_wheel_takes_every_coated_pane_for_bronze_glass(
         return weights @ oblique.transmission_front[:, 0]
 
     assert ours() > theirs + 0.002
-    never = 2.0
+
+    # Nor does it choose once for a pane, by what it passes of the sun: two of these
+    # would then be taken for clear glass
+    along = weights @ pane.at(pane.wavelength_nm).transmission_front
+    assert (along > 0.645) == (name in ("nfrc_21467", "nfrc_2191"))
+    always, never = -1.0, 2.0
+    monkeypatch.setattr(angular, "_CLEAR_ABOVE", always)
+    assert ours() > theirs + 0.002
     monkeypatch.setattr(angular, "_CLEAR_ABOVE", never)
     assert ours() == pytest.approx(theirs, abs=BOUND)
     assert ours() == pytest.approx(theirs, rel=1e-3)
+
+
+@pytest.mark.parametrize("case", SCATTERING)
+def test_shares_of_two_and_three_layers_of_wincalc_add_up(case):
+    """Why its layers can be held against ours: no light is lost or made, to a digit."""
+    (t_front, t_back, r_front, r_back), _, (front, back) = SCATTERING[case]
+    assert t_front + r_front + sum(front) == pytest.approx(1, abs=3e-6)
+    assert t_back + r_back + sum(back) == pytest.approx(1, abs=3e-6)
+
+
+def test_shares_of_four_layers_of_wincalc_do_not_add_up():
+    """Why its panes before a shade are not held against ours, whose shares add up."""
+    total = {
+        case: passed + thrown + sum(kept)
+        for case, (passed, thrown, kept) in FOUR_LAYERS.items()
+    }
+    assert total["solar", "front"] == pytest.approx(1.0022, abs=1e-4)
+    assert total["solar", "back"] == pytest.approx(1.0068, abs=1e-4)
+    assert total["visible", "front"] == pytest.approx(0.9965, abs=1e-4)
+    assert total["visible", "back"] == pytest.approx(1.0057, abs=1e-4)
 
 
 def test_absorptance_is_what_single_bounces_leave(products, shared_data):

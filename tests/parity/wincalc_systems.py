@@ -145,3 +145,12 @@ CLEAR = {
         ((0.019804, 0.016626), (0.019804, 0.016626)),
     ),
 }
+
+# The same of two low-e panes around a clear one before a shade, along the normal: from
+# each side what passes, what goes back, and what each layer keeps.
+FOUR_LAYERS = {
+    ("solar", "front"): (0.014513, 0.125619, (0.767205, 0.011894, 0.01783, 0.065144)),
+    ("solar", "back"): (0.011835, 0.405266, (0.050034, 0.005034, 0.019813, 0.514828)),
+    ("visible", "front"): (0.030125, 0.113707, (0.6851, 0.007307, 0.025091, 0.135199)),
+    ("visible", "back"): (0.024665, 0.403145, (0.061865, 0.002043, 0.008921, 0.505045)),
+}
