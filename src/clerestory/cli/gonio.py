@@ -3,14 +3,12 @@
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
-from jaxtyping import Float
 
 from clerestory.bsdf.plausibility import check as check_bsdf
 from clerestory.bsdf.resample import reciprocal_mean
-from clerestory.bsdf.scattering import Function
 from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.cli.gonio_input import direction_of, picture_format, read_files
 from clerestory.cli.gonio_options import (
     Blank,
     FacingChoice,
@@ -26,6 +24,7 @@ from clerestory.cli.gonio_options import (
     SymmetryChoice,
 )
 from clerestory.cli.gonio_text import (
+    direction_lines,
     fit_lines,
     measurement_lines,
     validation_lines,
@@ -34,15 +33,12 @@ from clerestory.cli.options import Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.files import replace_file
-from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.coverage import survey
 from clerestory.gonio.energy import conserve_energy
 from clerestory.gonio.export import Target, export_bsdf
 from clerestory.gonio.fit import FitOptions
 from clerestory.gonio.fitted import Fitted, fit_measurement
-from clerestory.gonio.formats.pabopto import Facing
-from clerestory.gonio.measurement import Measurement
-from clerestory.gonio.read import Format, read_measurement
+from clerestory.gonio.more_scans import worth_measuring
 from clerestory.gonio.storage import read_fits, write_fits
 from clerestory.gonio.validation import smoothing_study
 from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure
@@ -50,7 +46,6 @@ from clerestory.report.gonio_plots import between_figure, error_figure, fit_figu
 app = typer.Typer(no_args_is_help=True, help="Goniophotometer measurements.")
 
 _DIGITS = 6
-_PICTURES = (".png", ".svg", ".pdf")
 
 
 @app.command(epilog="Example: clerestory gonio info scans/*.txt")
@@ -67,7 +62,7 @@ def info(
     Exit status: 1 if there are doubts that can change results.
     """
     doubts = 0
-    for measurement in _read(files, form, function, facing, blank, merge=merge):
+    for measurement in read_files(files, form, function, facing, blank, merge=merge):
         coverage = survey(measurement)
         doubts += len(coverage.doubts())
         for line in measurement_lines(measurement, coverage):
@@ -91,7 +86,7 @@ def fit(
     quiet: Quiet = False,
 ) -> None:
     """Fit lobes to every scan and plan how light moves between them."""
-    measurements = _read(files, form, function, facing, blank, merge=merge)
+    measurements = read_files(files, form, function, facing, blank, merge=merge)
     options = FitOptions(lobes=lobes, smoothing=smoothing)
     with progress_display(quiet=quiet) as progress:
         fits = [
@@ -127,12 +122,16 @@ def check(
         list[float] | None,
         typer.Option("--smoothing", help="Factor to try; repeatable. 1 if not given."),
     ] = None,
+    more: Annotated[
+        int,
+        typer.Option("--next", help="Name so many directions worth a scan.", min=0),
+    ] = 0,
     processes: Processes = 1,
     quiet: Quiet = False,
 ) -> None:
     """Leave out each incident direction in turn and compare what the others predict."""
-    kind = None if output is None else _picture(output)
-    measurements = _read(files, form, function, facing, blank, merge=merge)
+    kind = None if output is None else picture_format(output)
+    measurements = read_files(files, form, function, facing, blank, merge=merge)
     if output is not None and len(measurements) > 1:
         raise InputError(
             f"{len(measurements)} functions for one picture; files of one expected"
@@ -149,6 +148,14 @@ def check(
             )
         for result in results:
             for line in validation_lines(result):
+                typer.echo(line)
+        if more:
+            found = worth_measuring(
+                results[0],
+                symmetry=symmetry or measurement.symmetry,
+                count=more,
+            )
+            for line in direction_lines(found):
                 typer.echo(line)
         if output is not None:
             with replace_file(output) as stream:
@@ -242,8 +249,8 @@ def plot(
     quiet: Quiet = False,
 ) -> None:
     """Draw measured points, fitted lobes and the mesh, or light between two scans."""
-    kind = _picture(output)
-    measurement = _read(files, form, function, facing, blank, merge=merge)[0]
+    kind = picture_format(output)
+    measurement = read_files(files, form, function, facing, blank, merge=merge)[0]
     if scan >= len(measurement.scans):
         raise InputError(f"scan {scan}; 0 to {len(measurement.scans) - 1} expected")
     if between and len(between) != 2:
@@ -257,44 +264,9 @@ def plot(
             progress=progress,
         )
     if between:
-        start, end = (_direction(text) for text in between)
+        start, end = (direction_of(text) for text in between)
         figure = between_figure(fitted.interpolant, start, end)
     else:
         figure = fit_figure(measurement, fitted.interpolant, scan)
     with replace_file(output) as stream:
         figure.savefig(stream, format=kind, dpi=150)
-
-
-def _read(
-    files: list[Path],
-    form: Format | None,
-    function: Function | None,
-    facing: Facing,
-    blank: Path | None,
-    *,
-    merge: bool,
-) -> tuple[Measurement, ...]:
-    return read_measurement(
-        *files, form=form, function=function, facing=facing, blank=blank, merge=merge
-    )
-
-
-def _picture(output: Path) -> str:
-    kind = output.suffix.lower()
-    if kind not in _PICTURES:
-        raise InputError(
-            f"picture {output.name!r}; a name in {', '.join(_PICTURES)} expected"
-        )
-    return kind[1:]
-
-
-def _direction(text: str) -> Float[np.ndarray, "3"]:
-    try:
-        theta, phi = (float(word) for word in text.split(","))
-    except ValueError as error:
-        raise InputError(
-            f"direction {text!r}; two angles such as 40,90 expected"
-        ) from error
-    if not 0 <= theta < 90:
-        raise InputError(f"direction {text!r}; θ from 0 to below 90° expected")
-    return from_degrees(theta, phi)

@@ -2,6 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+from jaxtyping import Float
+
 from clerestory.gonio.coverage import Coverage
 from clerestory.gonio.fitted import Fitted
 from clerestory.gonio.measurement import Measurement
@@ -91,3 +94,12 @@ def validation_lines(validation: CrossValidation) -> Iterator[str]:
                 f"median of {count} {words}: flux {flux:.4f}, peak {peak:.1f}°,"
                 f" earth mover's distance {mover:.2f}°, elsewhere {place:.1%}"
             )
+
+
+def direction_lines(directions: Float[np.ndarray, "directions 3"]) -> Iterator[str]:
+    """Yield incident directions that are worth a scan."""
+    yield "worth a scan, the best first:"
+    yield _TABLE.format("θ [°]", "φ [°]", *[""] * 6).rstrip()
+    for x, y, z in directions:
+        theta, phi = np.degrees([np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)])
+        yield _TABLE.format(f"{theta:.1f}", f"{phi % 360:.1f}", *[""] * 6).rstrip()

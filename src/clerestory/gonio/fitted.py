@@ -12,7 +12,7 @@ from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.measurement import Measurement
 from clerestory.gonio.nodes import connect
 from clerestory.gonio.parallel import Report, silent
-from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
+from clerestory.gonio.symmetry import Symmetry
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def fit_measurement(
     InputError : too few directions, or a scan that scatters no light
     """
     if symmetry is None:
-        symmetry = measurement.claimed or deduce_symmetry(measurement.incidents)
+        symmetry = measurement.symmetry
     fits = fit_scans(
         measurement.scans,
         options=options,

@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from clerestory.bsdf.scattering import Function
 from clerestory.errors import InputError
-from clerestory.gonio.symmetry import Symmetry
+from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
 
 # Incident directions nearer than this are one and the same [rad]: 0.05°.
 SAME_DIRECTION = np.radians(0.05)
@@ -132,6 +132,11 @@ class Measurement:
                 " join them with merge_scans or leave one out",
                 file=second.source,
             )
+
+    @property
+    def symmetry(self) -> Symmetry:
+        """Symmetry the file claims, or else what the incident directions imply."""
+        return self.claimed or deduce_symmetry(self.incidents)
 
     @property
     def incidents(self) -> Float[np.ndarray, "scans 3"]:

@@ -16,7 +16,7 @@ squared moves that the turn explains.
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.gonio.angles import above, angle_table, straight_on
 from clerestory.gonio.lobes import Lobes
@@ -33,15 +33,36 @@ def plan_again(
     network: Network, *, processes: int = 1, report: Report = silent
 ) -> Network:
     """Return a network whose plans start from where lobes are expected to turn to."""
+    every = np.arange(len(network.mesh.edges))
+    return replan(network, every, processes=processes, report=report)
+
+
+def replan(
+    network: Network,
+    chosen: Int[np.ndarray, " chosen"],
+    *,
+    processes: int = 1,
+    report: Report = silent,
+) -> Network:
+    """Return a network of which some plans are made again, as by `plan_again`.
+
+    Parameters
+    ----------
+    chosen : numbers of the edges
+    """
     follow = followed(network)
-    turns = [Turns(network, vertex, follow) for vertex in range(len(network.lobes))]
+    edges = network.mesh.edges[chosen]
+    turns = {vertex: Turns(network, vertex, follow) for vertex in np.unique(edges)}
     work = []
-    for a, b in network.mesh.edges:
+    for a, b in edges:
         ends = straight_on(network.mesh.vertices[[a, b]])[:, :2]
         turn = ends[1] - ends[0]
         distance = _missed(turns[a], turns[b], turn)
         work.append((network.lobes[a], network.lobes[b], distance, turn))
-    plans = map_in_order(_plan, work, processes=processes, report=report)
+    made = map_in_order(_plan, work, processes=processes, report=report)
+    plans = list(network.plans)
+    for number, plan in zip(chosen, made, strict=True):
+        plans[number] = plan
     return replace(network, plans=tuple(plans))
 
 

@@ -10,9 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
-from clerestory.gonio.angles import angle_between
+from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.beam import beam_direction
 from clerestory.gonio.earth_mover import earth_mover
 from clerestory.gonio.fit import (
@@ -30,8 +31,8 @@ from clerestory.gonio.mesh import locate
 from clerestory.gonio.network import Network
 from clerestory.gonio.nodes import join
 from clerestory.gonio.parallel import Report, silent
-from clerestory.gonio.replanning import plan_again
-from clerestory.gonio.symmetry import Symmetry, deduce_symmetry, fold
+from clerestory.gonio.replanning import replan
+from clerestory.gonio.symmetry import Symmetry, fold
 
 # Fewest scans of which one can be left out.
 _FEWEST = 3
@@ -121,7 +122,7 @@ def cross_validate(
             " out"
         )
     if symmetry is None:
-        symmetry = measurement.claimed or deduce_symmetry(measurement.incidents)
+        symmetry = measurement.symmetry
     fits = fit_scans(
         scans,
         options=options,
@@ -181,7 +182,8 @@ def _left_out(
     others = [n for n in range(len(scans)) if n != k]
     incidents = np.array([scans[n].incident for n in others])
     known = network.known_plans()
-    rest = plan_again(join(incidents, [fits[n] for n in others], symmetry, known=known))
+    rest = join(incidents, [fits[n] for n in others], symmetry, known=known)
+    rest = replan(rest, _about(rest, symmetry, scan))
     lobes = Interpolant(rest, symmetry).lobes(scan.incident)
     return LeftOut(
         scan.theta_deg,
@@ -196,10 +198,28 @@ def _left_out(
     )
 
 
+def _about(
+    network: Network, symmetry: Symmetry, scan: Scan
+) -> Int[np.ndarray, " edges"]:
+    # Edges that the light from a direction depends on: those of the corners about it
+    mesh = network.mesh
+    place = locate(mesh, _folded(network, symmetry, scan))
+    simplex = mesh.edges if place.on_edge[0] else mesh.triangles
+    corners = simplex[place.simplex[0]]
+    return np.flatnonzero(np.isin(mesh.edges, corners).any(axis=1))
+
+
 def _inside(network: Network, symmetry: Symmetry, scan: Scan) -> bool:
-    incident = scan.incident[None]
+    folded = _folded(network, symmetry, scan)
     if symmetry == "isotropic":
         theta = np.arctan2(network.mesh.vertices[:, 0], network.mesh.vertices[:, 2])
         return bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
-    folded, _ = fold(incident, symmetry, network.quadrant)
     return not bool(locate(network.mesh, folded).on_edge[0])
+
+
+def _folded(
+    network: Network, symmetry: Symmetry, scan: Scan
+) -> Float[np.ndarray, "1 3"]:
+    if symmetry == "isotropic":
+        return from_degrees(scan.theta_deg, 0.0)[None]
+    return fold(scan.incident[None], symmetry, network.quadrant)[0]

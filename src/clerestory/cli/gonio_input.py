@@ -1,0 +1,53 @@
+"""What the commands of `clerestory gonio` make of their arguments."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.scattering import Function
+from clerestory.errors import InputError
+from clerestory.gonio.angles import from_degrees
+from clerestory.gonio.formats.pabopto import Facing
+from clerestory.gonio.measurement import Measurement
+from clerestory.gonio.read import Format, read_measurement
+
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+def read_files(
+    files: list[Path],
+    form: Format | None,
+    function: Function | None,
+    facing: Facing,
+    blank: Path | None,
+    *,
+    merge: bool,
+) -> tuple[Measurement, ...]:
+    """Return the measurements of files."""
+    return read_measurement(
+        *files, form=form, function=function, facing=facing, blank=blank, merge=merge
+    )
+
+
+def picture_format(output: Path) -> str:
+    """Return the format of a picture by its name."""
+    kind = output.suffix.lower()
+    if kind not in _PICTURES:
+        raise InputError(
+            f"picture {output.name!r}; a name in {', '.join(_PICTURES)} expected"
+        )
+    return kind[1:]
+
+
+def direction_of(text: str) -> Float[np.ndarray, "3"]:
+    """Return the direction of two angles with a comma between."""
+    try:
+        theta, phi = (float(word) for word in text.split(","))
+    except ValueError as error:
+        raise InputError(
+            f"direction {text!r}; two angles such as 40,90 expected"
+        ) from error
+    if not 0 <= theta < 90:
+        raise InputError(f"direction {text!r}; θ from 0 to below 90° expected")
+    return from_degrees(theta, phi)
