@@ -14,13 +14,11 @@ import clerestory as cl
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
 from clerestory.phases.pictures import (
     Camera,
-    PicturePhases,
-    kept,
     picture_sun_coefficients,
     picture_view_matrices,
-    pictures_over_time,
 )
 from clerestory.phases.sun import blackened, sun_coefficients
 from clerestory.phases.three import WindowPhases

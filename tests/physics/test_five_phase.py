@@ -13,13 +13,11 @@ from clerestory.errors import InputError, MatrixError
 from clerestory.hemisphere.klems import klems
 from clerestory.phases.facade import facade_daylight, facade_matrices
 from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
 from clerestory.phases.pictures import (
     Camera,
-    PicturePhases,
-    kept,
     picture_sun_coefficients,
     picture_view_matrices,
-    pictures_over_time,
 )
 from clerestory.phases.render import irradiance, render
 from clerestory.phases.sun import blackened, sun_coefficients

@@ -16,14 +16,12 @@ from jaxtyping import Int
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
+from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
 from clerestory.phases.pictures import (
     Camera,
-    PicturePhases,
     SunPictures,
-    kept,
     picture_sun_coefficients,
     picture_view_matrices,
-    pictures_over_time,
     sun_pictures,
 )
 from clerestory.phases.shaded import ShadedWindow, States
