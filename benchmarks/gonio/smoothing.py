@@ -21,21 +21,22 @@ def lines(folder):
     yield "|---|---|---|---|---|---|---|"
     for name, measurement in data_sets(folder):
         for factor in (0.6, 1.0, 1.6):
-            result = cross_validate(
-                measurement,
-                symmetry="isotropic",
-                options=FitOptions(smoothing=factor),
-            )
-            names = ("flux_error", "peak_deg", "earth_mover_deg", "misplaced", "fitted")
-            values = [result.median(n) for n in names]
-            line = " | ".join(
-                f"{v:.{d}f}" for v, d in zip(values, (4, 2, 2, 3, 3), strict=True)
-            )
-            yield f"| {name} | {factor:g} | {line} |"
+            yield row(name, measurement, factor, symmetry="isotropic")
+    (lenslets,) = read_measurement(folder / "rt300s" / "IMX455.bsdf")
+    yield row("IMX455", lenslets, 1.0)
     for name, measurement in [*data_sets(folder)][1:]:
         data_figures(name.split()[0].lower(), measurement, symmetry="isotropic")
-    (lenslets,) = read_measurement(folder / "rt300s" / "IMX455.bsdf")
     data_figures("imx455", lenslets)
+
+
+def row(name, measurement, factor, symmetry=None):
+    """Line of the table."""
+    options = FitOptions(smoothing=factor)
+    result = cross_validate(measurement, symmetry=symmetry, options=options)
+    names = ("flux_error", "peak_deg", "earth_mover_deg", "misplaced", "fitted")
+    digits = zip(names, (4, 2, 2, 3, 3), strict=True)
+    values = [f"{result.median(n):.{d}f}" for n, d in digits]
+    return f"| {name} | {factor:g} | {' | '.join(values)} |"
 
 
 def data_figures(key, measurement, symmetry=None):

@@ -129,7 +129,7 @@ class Measurement:
             raise InputError(
                 f"incident direction {second.words} is also that of"
                 f" {first.source or 'another scan'}; one scan a direction expected:"
-                " join them with merge_scans or leave one out",
+                " join them (--merge, merge_scans) or leave one out",
                 file=second.source,
             )
 

@@ -118,8 +118,7 @@ def cross_validate(
     scans = measurement.scans
     if len(scans) < _FEWEST:
         raise InputError(
-            f"{len(scans)} incident directions; {_FEWEST} or more expected to leave one"
-            " out"
+            f"scans: {len(scans)}; {_FEWEST} or more expected to leave one out"
         )
     if symmetry is None:
         symmetry = measurement.symmetry
