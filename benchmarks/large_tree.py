@@ -5,6 +5,10 @@ as by a prismatic film, over a diffuse floor. The tree has 2⁷ cells along each
 axes, 268 million at full size; cells that hardly differ are one, as in genBSDF -t4 7.
 
     python benchmarks/large_tree.py [-o docs/benchmarks/large-tree.md]
+
+A room behind the film is then rendered, once with the tree and once with its mean over
+Klems' patches, in turns, with few and with many samples: the difference is what samples
+cost; what they do not account for is spent once, on lowering and compiling.
 """
 
 import argparse
@@ -17,12 +21,16 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float
+from tree_picture import DISC_DEG, VIEW, disc, room, window
 
+import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product import Product
+from clerestory.bsdf.resample import to_matrices
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_combine import bits_of
 from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.square import disc_from_square
 
 HALVINGS = 7
@@ -30,6 +38,9 @@ FULL_UNTIL = 4  # halvings down to which no cell is joined with its neighbours
 TURNED_UP = 0.45  # shift of the disc point of the lobe, along y
 WIDTH = 0.022  # standard deviation of the lobe, in units of the disc's radius
 PEAK, FLOOR = 0.6, 0.05  # shares of the light in the lobe and spread evenly
+COLUMNS, ROWS = 48, 36  # of the picture of a room behind the film
+FEW, MANY = 64, 320  # samples a pixel
+TURNS = 3
 DIFFERENT = 0.2  # of √((largest − smallest) / (√mean + 0.03)), as in rttree_reduce
 
 READ = """
@@ -113,6 +124,45 @@ def _differs(
     return result
 
 
+def in_scene(tree: ScatteringTree) -> str:
+    """Return a table of what a room costs behind the tree and behind a matrix."""
+    name = "transmission_back"
+    behind_tree = Bsdf({("visible", name): tree})
+    behind_matrix = to_matrices(behind_tree, klems("full"))
+    light = room(disc(DISC_DEG, 6))
+    scenes = {
+        "Klems matrix": light + window(behind_matrix),
+        "tree": light + window(behind_tree),
+    }
+    seconds: dict[tuple[str, int], list[float]] = {
+        (layer, samples): [] for layer in scenes for samples in (FEW, MANY)
+    }
+    for turn in range(TURNS + 1):
+        for (layer, samples), found in seconds.items():
+            began = time.process_time()
+            size = {"columns": COLUMNS, "rows": ROWS}
+            view = cl.parse_view(VIEW)
+            cl.render(scenes[layer], view, **size, samples=samples, seed=turn)
+            if turn > 0:
+                found.append(time.process_time() - began)
+    lines = [
+        "| behind | per million samples [s] | once [s] |",
+        "| --- | --- | --- |",
+    ]
+    costs = {}
+    for layer in scenes:
+        few, many = (float(np.median(seconds[layer, n])) for n in (FEW, MANY))
+        costs[layer] = (many - few) / (MANY - FEW) / (COLUMNS * ROWS) * 1e6
+        once = few - costs[layer] * FEW * COLUMNS * ROWS / 1e6
+        lines.append(f"| {layer} | {costs[layer]:.2f} | {once:.2f} |")
+    ratio = costs["tree"] / costs["Klems matrix"]
+    return (
+        "\n## In a scene\n\nA picture of a room behind the film, under sun and sky:"
+        f" processor seconds, medians of {TURNS} runs in turns. The tree costs"
+        f" {ratio:.2f} times a Klems matrix.\n\n" + "\n".join(lines) + "\n"
+    )
+
+
 def table(tree: ScatteringTree, path: Path) -> str:
     """Return the page with what a fresh process measured."""
     done = subprocess.run(
@@ -157,7 +207,7 @@ def main() -> None:
         write_bsdf(
             path, Bsdf({("visible", "transmission_front"): tree}, product), digits=5
         )
-        page = table(tree, path)
+        page = table(tree, path) + in_scene(tree)
     print(page)
     if options.output:
         options.output.write_text(page, encoding="utf-8")

@@ -1,17 +1,25 @@
-"""A room behind a blind: pictures through its tree and through its geometry.
+"""A room behind four systems: pictures through a tree and through the geometry.
 
     python benchmarks/tree_picture.py [--columns 96] [--samples 1024] [--halvings 6]
-        [--figure PNG] [--write FILE]
+        [--systems blind-0 …] [--figure PNG] [--write FILE]
 
-A room of 3 × 4 × 2.8 m with one window to the south, a blind of flat slats before it,
-a low sun and an even sky. One picture meets the slats, the other a surface with the
-tree that was traced from them. What is seen of the room is compared, block by block of
-pixels, larger than the stripes that slats throw; the window is left out. A tree blurs
-the edge of the sun's patch by the width of its cells, which the slats do not.
+A room of 3 × 4 × 2.8 m with one window to the south, a system before it, a low sun and
+an even sky. One picture meets the geometry, the other a surface with the tree that was
+traced from it. What is seen of the room is compared, block by block of pixels, larger
+than the stripes that slats throw; the window is left out.
+
+A tree has one value for all directions of a cell, the mean over them. The geometry is
+therefore shown twice: under the sun, and under the same light spread evenly over the
+tree's cell that the sun stands in. The second is what a tree without fault shows; what
+the first differs from it is the price of its cells. Light of the sun through a film can
+only be met by chance: the film has a disc of 60° with the light of the sun instead.
+
+Microlouvre and film are enlarged: nothing but proportions matters to a tree.
 """
 
 import argparse
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,14 +29,24 @@ import numpy as np
 from duel import stamp
 
 import clerestory as cl
+from clerestory.bsdfgen.microlouvre import microlouvre
+from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.slats import venetian
+from clerestory.bsdfgen.system import System
+from clerestory.hemisphere.square import disc_from_square, square_from_disc
 from clerestory.scene.model import BsdfSurface, Polygon, Scene
 
-# Half of the window's width, its lower and its upper edge, and how far slats reach on.
+# Half of the window's width, its lower and upper edge, and how far systems reach on.
 HALF, SILL, HEAD, BEYOND = 0.72, 0.9, 2.34, 0.72
-SPACING = 0.072
 BLOCK = 8
-SUN = np.array([0.25, -0.9, 0.36])
+
+# The sun stands in the cell that holds this direction (x, z), off the cell's middle,
+# but with its whole disc inside.
+NEAR, OFF = (0.25, 0.36), 0.3
+DISC_DEG, RADIANCE = 0.533, 2e6
+
+# Suns along each side of a cell: at 2^6 cells an axis, discs of its size touch.
+SPREAD = 4
 VIEW = "-vtv -vp -1.3 0.3 1.7 -vd 0.5 1 -0.35 -vu 0 0 1 -vh 82 -vv 66"
 ROOM = """void plastic white 0 0 5 .7 .7 .7 0 0
 void plastic grey 0 0 5 .3 .3 .3 0 0
@@ -40,11 +58,53 @@ white polygon east 0 0 12 1.5 0 0  1.5 0 2.8  1.5 4 2.8  1.5 4 0
 white polygon north 0 0 12 -1.5 4 0  1.5 4 0  1.5 4 2.8  -1.5 4 2.8
 """
 WALL = "{material} polygon {material}_wall 0 0 30 {corners}\n"
-LIGHT = """void glow sky 0 0 4 4 4 4 0
+SKY = """void glow sky 0 0 4 4 4 4 0
 sky source dome 0 0 4 0 0 1 360
-void light solar 0 0 3 2e6 2e6 2e6
-solar source sun 0 0 4 {} {} {} 0.533
 """
+LIGHT = """void light solar{n} 0 0 3 {r} {r} {r}
+solar{n} source sun{n} 0 0 4 {x} {y} {z} {wide}
+"""
+
+
+def _blind(tilt_deg: float) -> System:
+    return venetian(slat_width=0.08, spacing=0.072, tilt_deg=tilt_deg, reflectance=0.48)
+
+
+def _louvre() -> System:
+    return microlouvre(depth=0.02, thickness=0.00352)
+
+
+def _film() -> System:
+    return prismatic(pitch=0.02, base=0.02)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A system with its light.
+
+    Attributes
+    ----------
+    name : for the table
+    make : makes the system
+    wide_deg : of the disc that lights it
+    """
+
+    name: str
+    make: Callable[[], System]
+    wide_deg: float = DISC_DEG
+
+    @property
+    def spread(self) -> bool:
+        """Whether the light is also spread over the tree's cell."""
+        return self.wide_deg == DISC_DEG
+
+
+CASES = {
+    "blind-0": Case("blind, 0°", lambda: _blind(0)),
+    "blind-45": Case("blind, 45°", lambda: _blind(45)),
+    "microlouvre": Case("microlouvre", _louvre),
+    "film": Case("prismatic film", _film, wide_deg=60.0),
+}
 
 
 @dataclass(frozen=True)
@@ -53,25 +113,27 @@ class Pair:
 
     Attributes
     ----------
-    tilt_deg : of the slats
-    slats, tree : luminance of the pixels [cd/m²]
+    name : of the system
+    light : what lights the geometry
+    geometry, tree : luminance of the pixels [cd/m²]
     error : standard error of the ratio of block means
-    ratio : tree over slats, by block; not a number at the window
+    ratio : tree over geometry, by block; not a number at the window
     cells : values of the tree's transmission
     """
 
-    tilt_deg: float
-    slats: np.ndarray
+    name: str
+    light: str
+    geometry: np.ndarray
     tree: np.ndarray
     error: np.ndarray
     ratio: np.ndarray
     cells: int
 
 
-def room() -> Scene:
+def room(light: str) -> Scene:
     """Return the room with its hole, black outside, and the light."""
     a, b = SILL, HEAD
-    parts = [ROOM, LIGHT.format(*(SUN / np.linalg.norm(SUN)))]
+    parts = [ROOM, SKY, light]
     for material, y in (("white", 0.0), ("black", -2e-4)):
         hole = [(HALF, 0), (HALF, b), (-HALF, b), (-HALF, a), (HALF, a), (HALF, 0)]
         outline = [(-1.5, 0), (-1.5, 2.8), (1.5, 2.8), (1.5, 0), *hole]
@@ -83,62 +145,116 @@ def room() -> Scene:
         return cl.read_rad(path)
 
 
-def behind_slats(tilt_deg: float) -> Scene:
-    """Return the room with the slats before its window."""
-    count = round((HEAD - SILL + 2 * BEYOND) / SPACING)
-    blind = venetian(**_shape(tilt_deg), slats=count, length=2 * (HALF + BEYOND))
-    low, high = blind.area.bounds
-    middle = np.array([*(low + high)[:2] / 2, high[2] + 4e-4])
-    scene = replace(blind.scene, surfaces=())
+def in_cell(halvings: int, first: float, second: float) -> np.ndarray:
+    """Return a direction in the sun's cell, by shares of the cell's edges."""
+    edge = 1 << halvings
+    corner = np.floor(np.array(square_from_disc(*NEAR)) * edge)
+    x, z = disc_from_square(*((corner + np.array([first, second])) / edge))
+    return np.array([x, -np.sqrt(1 - x * x - z * z), z])
+
+
+def disc(wide_deg: float, halvings: int) -> str:
+    """Return a disc in the sun's place with the light of the sun."""
+    dimmer = np.sin(np.radians([DISC_DEG / 2, wide_deg / 2])) ** 2
+    r = RADIANCE * dimmer[0] / dimmer[1]
+    x, y, z = in_cell(halvings, OFF, OFF)
+    return LIGHT.format(n=0, r=r, x=x, y=y, z=z, wide=wide_deg)
+
+
+def spread_sun(halvings: int) -> str:
+    """Return suns that light the window from all over the cell of the sun alike."""
+    level = in_cell(halvings, OFF, OFF)[1]
+    lines = []
+    for n, place in enumerate(np.ndindex(SPREAD, SPREAD)):
+        x, y, z = in_cell(halvings, *((np.array(place) + 0.5) / SPREAD))
+        r = RADIANCE / SPREAD**2 * level / y
+        lines.append(LIGHT.format(n=n, r=r, x=x, y=y, z=z, wide=DISC_DEG))
+    return "".join(lines)
+
+
+def before_window(system: System) -> Scene:
+    """Return a system that is drawn along x, repeated before the window and beyond."""
+    high, wide = (HEAD - SILL) / 2 + BEYOND, HALF + BEYOND
+    front = system.area.bounds[1, 2] + 4e-4
     placed = []
-    for slat in blind.scene.surfaces:
-        x, y, z = (slat.vertices - middle).T
-        corners = np.stack([-x, z, y + (SILL + HEAD) / 2], axis=1)
-        placed.append(replace(slat, vertices=corners))
-    return room() + replace(scene, surfaces=tuple(placed))
+    for part, shift in _repeated(system, high):
+        x, y, z = part.vertices.T
+        x = np.where(x < x.mean(), wide, -wide)
+        up = y + shift if np.ptp(y) < 2 * high else np.clip(y, -high, high)
+        corners = np.stack([x, z - front, up + (SILL + HEAD) / 2], axis=1)
+        placed.append(replace(part, vertices=corners))
+    return replace(system.scene, surfaces=tuple(placed))
 
 
-def behind_tree(tilt_deg: float, halvings: int) -> tuple[Scene, int]:
-    """Return the room with the blind's tree in its window, and the tree's size."""
-    bsdf = cl.generate_bsdf(
-        venetian(**_shape(tilt_deg)), basis="tree4", halvings=halvings, samples=256
-    )
-    layer = BsdfSurface("blind", bsdf, 0.0, np.array([0.0, 0, 1]))
+def _repeated(system: System, high: float) -> list[tuple[Polygon, float]]:
+    # Polygons of one period with their shifts, and a sheet as high as all of them
+    size = float(system.area.size[1])
+    found = []
+    for part in system.scene.surfaces:
+        y = part.vertices[:, 1]
+        if np.ptp(y) > size:
+            tall = part.vertices * [1, 1e3, 1] - [0, 500 * size, 0]
+            found.append((replace(part, vertices=tall), 0.0))
+        elif 0 <= y.mean() < size:
+            turns = range(-int(high / size) - 2, int(high / size) + 2)
+            shifts = [turn * size for turn in turns]
+            found += [(part, s) for s in shifts if abs(y.mean() + s) < high]
+    return found
+
+
+def behind_tree(system: System, halvings: int) -> tuple[Scene, int]:
+    """Return the system's tree as a surface in the window, and the tree's size."""
+    bsdf = cl.generate_bsdf(system, basis="tree4", halvings=halvings, samples=256)
+    cells = bsdf.functions["visible", "transmission_back"]
+    return window(bsdf), int(np.count_nonzero(cells.slots >= 0))
+
+
+def window(bsdf: cl.Bsdf) -> Scene:
+    """Return the window with a layer in it."""
+    layer = BsdfSurface("layer", bsdf, 0.0, np.array([0.0, 0, 1]))
     corners = [(-HALF, SILL), (-HALF, HEAD), (HALF, HEAD), (HALF, SILL)]
     pane = np.array([(x, 0.0, z) for x, z in corners])
-    window = Scene({"blind": layer}, (Polygon(pane, "blind", "window"),))
-    cells = bsdf.functions["visible", "transmission_back"]
-    return room() + window, int(np.count_nonzero(cells.slots >= 0))
+    return Scene({"layer": layer}, (Polygon(pane, "layer", "window"),))
 
 
-def _shape(tilt_deg: float) -> dict[str, float]:
-    return {
-        "slat_width": 0.08,
-        "spacing": SPACING,
-        "tilt_deg": tilt_deg,
-        "reflectance": 0.48,
-    }
-
-
-def compare(tilt_deg: float, columns: int, samples: int, halvings: int) -> Pair:
-    """Render both pictures and compare them."""
+def compare(case: Case, columns: int, samples: int, halvings: int) -> list[Pair]:
+    """Render the pictures and compare them."""
     view = cl.parse_view(VIEW)
     size = dict(zip(("columns", "rows"), view.size_for(columns), strict=True))
     size = {name: BLOCK * (count // BLOCK) for name, count in size.items()}
-    scene, cells = behind_tree(tilt_deg, halvings)
-    made = [
-        cl.render(one, view, **size, samples=samples, seed=seed)
-        for seed, one in ((1, behind_slats(tilt_deg)), (2, scene))
-    ]
-    seen = [one.picture.luminance() for one in made]
-    noise = [179 * one.error.mean(axis=2) for one in made]
-    room_seen = _looks_at_room(view, **size)
-    means = [_blocks(np.where(room_seen, part, np.nan)) for part in seen]
-    errors = [
-        np.sqrt(_blocks(np.where(room_seen, part**2, np.nan))) / BLOCK for part in noise
-    ]
-    relative = np.hypot(errors[0] / means[0], errors[1] / means[1])
-    return Pair(tilt_deg, *seen, relative, means[1] / means[0], cells)
+    system = case.make()
+    layer, cells = behind_tree(system, halvings)
+    parts = before_window(system)
+    own = disc(case.wide_deg, halvings)
+    lights = {"sun" if case.spread else f"disc of {case.wide_deg:.0f}°": own}
+    if case.spread:
+        lights["sun over its cell"] = spread_sun(halvings)
+
+    def seen(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
+        made = cl.render(scene, view, **size, samples=samples, seed=seed)
+        return made.picture.luminance(), 179 * made.error.mean(axis=2)
+
+    tree = seen(room(own) + layer, 1)
+    inside = _looks_at_room(view, **size)
+    pairs = []
+    for seed, (light, text) in enumerate(lights.items(), 2):
+        geometry = seen(room(text) + parts, seed)
+        means, errors = zip(
+            *(
+                (
+                    _blocks(np.where(inside, mean, np.nan)),
+                    np.sqrt(_blocks(np.where(inside, error**2, np.nan))) / BLOCK,
+                )
+                for mean, error in (geometry, tree)
+            ),
+            strict=True,
+        )
+        relative = np.hypot(errors[0] / means[0], errors[1] / means[1])
+        ratio = means[1] / means[0]
+        pairs.append(
+            Pair(case.name, light, geometry[0], tree[0], relative, ratio, cells)
+        )
+    return pairs
 
 
 def _looks_at_room(view: "cl.View", *, columns: int, rows: int) -> np.ndarray:
@@ -161,17 +277,18 @@ def draw(pairs: list[Pair], path: Path) -> None:
         len(pairs), 3, figsize=(10, 2.7 * len(pairs)), layout="constrained"
     )
     for pair, row in zip(pairs, np.atleast_2d(axes), strict=True):
-        most = float(np.quantile(pair.slats, 0.98))
+        most = float(np.quantile(pair.geometry, 0.98))
         scale = mpl.colors.PowerNorm(0.45, 0, most)
+        titles = f"{pair.name}: geometry, {pair.light}", f"{pair.name}: tree"
         for axis, picture, title in zip(
-            row, (pair.slats, pair.tree), ("slats", "tree"), strict=False
+            row, (pair.geometry, pair.tree), titles, strict=False
         ):
             shown = axis.imshow(picture, norm=scale, cmap="gray")
-            axis.set_title(f"{title}, tilt {pair.tilt_deg:.0f}°")
+            axis.set_title(title, fontsize=10)
         figure.colorbar(shown, ax=row[:2], label="cd/m²", shrink=0.8)
         ratio = mpl.colors.LogNorm(0.8, 1.25)
         map_ = row[2].imshow(pair.ratio, norm=ratio, cmap="RdBu_r")
-        row[2].set_title("tree over slats, blocks of 8 × 8")
+        row[2].set_title("tree over geometry, blocks of 8 × 8", fontsize=10)
         bar = figure.colorbar(
             map_, ax=row[2], shrink=0.8, ticks=[0.8, 0.9, 1, 1.1, 1.25]
         )
@@ -191,20 +308,21 @@ def table(pairs: list[Pair], halvings: int) -> str:
         f"{stamp()}; trees of 2^{halvings} cells an axis, blocks of {BLOCK} × {BLOCK}"
         " pixels, the window left out.",
         "",
-        "| tilt | cells | mean, tree over slats | blocks off, median | 90 % within"
-        " | noise of a block, median | off by more than 3 times its noise and 5 %"
+        "| system | light on the geometry | cells | mean, tree over geometry"
+        " | blocks off, median | 90 % within | noise of a block, median"
+        " | off by more than 3 times its noise and 5 %"
         " | correlation of log luminance |",
-        "|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     for pair in pairs:
         known = np.isfinite(pair.ratio)
         off = np.abs(pair.ratio[known] - 1)
-        blocks = _blocks(pair.slats)[known]
+        blocks = _blocks(pair.geometry)[known]
         far = off > np.maximum(3 * pair.error[known], 0.05)
         both = np.corrcoef(np.log(blocks), np.log(blocks * pair.ratio[known]))[0, 1]
         mean = float((blocks * pair.ratio[known]).sum() / blocks.sum())
         lines.append(
-            f"| {pair.tilt_deg:.0f}° | {pair.cells:,} | {mean:.3f}"
+            f"| {pair.name} | {pair.light} | {pair.cells:,} | {mean:.3f}"
             f" | {np.median(off):.3f} | {np.quantile(off, 0.9):.3f}"
             f" | {np.nanmedian(pair.error):.3f}"
             f" | {far.sum()} of {len(off)}"
@@ -219,16 +337,17 @@ def main() -> None:
     parser.add_argument("--columns", type=int, default=96)
     parser.add_argument("--samples", type=int, default=1024)
     parser.add_argument("--halvings", type=int, default=6)
-    parser.add_argument("--tilts", type=float, nargs="+", default=[0.0, 45.0])
+    parser.add_argument("--systems", nargs="+", choices=CASES, default=list(CASES))
     parser.add_argument("--figure", type=Path, help="picture to write")
     parser.add_argument("--write", type=Path, help="Markdown file to write")
     options = parser.parse_args()
-    pairs = [
-        compare(tilt, options.columns, options.samples, options.halvings)
-        for tilt in options.tilts
-    ]
+    pairs: list[Pair] = []
+    for name in options.systems:
+        pairs += compare(
+            CASES[name], options.columns, options.samples, options.halvings
+        )
+        print(table(pairs, options.halvings), flush=True)
     text = table(pairs, options.halvings)
-    print(text)
     if options.figure:
         draw(pairs, options.figure)
     if options.write:

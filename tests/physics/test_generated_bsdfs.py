@@ -20,6 +20,7 @@ from clerestory.bsdfgen.screen import perforated, woven
 from clerestory.bsdfgen.slats import venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
+from clerestory.hemisphere.square import disc_from_square
 from clerestory.scene.model import Metal, Plastic, Polygon, Scene
 
 FUNCTIONS = (
@@ -363,8 +364,11 @@ def test_trees_keep_the_light_of_matrices(device, kind):
         assert 0 < error < cells.extrema()[1]
 
 
-def counted(system, halvings, device, *, samples):
-    """Bare counts of the light in all from each incident cell, light from the room."""
+def counted(system, halvings, device, *, samples, back=True):
+    """Bare counts of light from each incident cell: all from the room, or what passes.
+
+    What passes is that of light from the sky.
+    """
     engine = devices.load(device, "sample_area_tree")
     area = system.area
     slab = engine.lower_slab(system.scene, area.slab(), periodic=area.periodic)
@@ -372,14 +376,14 @@ def counted(system, halvings, device, *, samples):
     rows = np.arange(grid.incidents)
     light = np.zeros((1 << halvings, 1 << halvings))
     for block in range(grid.blocks):
-        start = {"back": True, "segments": 1 << 30, "seed": 9}
+        start = {"back": back, "segments": 1 << 30, "seed": 9}
         found = engine.trace_block(slab, grid, block, [(rows, 0, samples)], **start)
         number = block * grid.incidents + rows
         one, other = (
             sum((n >> bit) & (1 << bit) for bit in range(halvings))
             for n in (number, number >> 1)
         )
-        for score in found:
+        for score in found if back else found[:1]:
             which = incident_part(score.cell, rank=4, levels=grid.block)
             sums = np.bincount(which, score.sums[:, 0], minlength=len(rows))
             light[one, other] += sums / samples
@@ -418,6 +422,37 @@ def test_trees_keep_the_light_of_each_incident_patch(device, kind, halvings, sam
     error = np.sqrt(2 * bare * np.maximum(1 - bare, 0.25) / paths)
     assert np.all(np.abs(total - bare) < 0.005 + 2 * error)
     assert np.all(total < 1.005 + 2 * error)
+
+
+def test_trees_from_the_room_keep_the_light_of_the_sky(device):
+    """One transmission is read both ways: by reciprocity, the sun shines through it.
+
+    Level slats pass light by its profile angle, over which diffuse cells are joined.
+    Bare counts are those of light from the sky; what leaves through a cell has more
+    noise than what comes to it, since each path is there or not.
+    """
+    halvings, samples = 5, 512
+    system = venetian(slat_width=0.08, spacing=0.072, reflectance=0.48)
+    tree = cl.generate_bsdf(
+        system,
+        basis="tree4",
+        halvings=halvings,
+        samples=samples,
+        sides="back",
+        device=device,
+    )
+    edge = (np.arange(1 << halvings) + 0.5) / (1 << halvings)
+    place = np.meshgrid(edge, edge, indexing="ij")
+    x, y = (part.ravel() for part in disc_from_square(*place))
+    direction = np.stack([x, y, np.sqrt(1 - x * x - y * y)], axis=1)
+    total = part(tree, "transmission_back").reciprocal().hemispherical(direction)
+    bare = counted(system, halvings, device, samples=samples, back=False)
+    profile_deg = np.degrees(np.arctan2(np.abs(y), direction[:, 2]))
+    for low in range(0, 80, 10):
+        of = (profile_deg >= low) & (profile_deg < low + 10)
+        mean = bare[of].mean()
+        error = np.sqrt(mean * (2 - mean) / (samples * of.sum()))
+        assert total[of].mean() == pytest.approx(mean, abs=0.005 + 3 * error)
 
 
 def test_straight_light_keeps_its_energy_in_trees(device):

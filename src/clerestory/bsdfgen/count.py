@@ -13,7 +13,7 @@ from jaxtyping import Float, Int, Int64
 
 from clerestory.bsdfgen.branches import incident_part
 from clerestory.bsdfgen.effort import TraceEffort
-from clerestory.bsdfgen.keep_light import IncidentLight
+from clerestory.bsdfgen.keep_light import SummedLight
 from clerestory.bsdfgen.refine import (
     Cells,
     Light,
@@ -42,10 +42,12 @@ class Part:
     ----------
     finest : light of the finest cells
     incident : light in all from each incident cell
+    leaving : light in all through each leaving cell of the whole tree, rank 4 only
     """
 
     finest: Light
-    incident: IncidentLight
+    incident: SummedLight
+    leaving: SummedLight
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,9 +157,21 @@ class Counter:
         # what roulette adds where nothing is lost
         share = np.bincount(incident, luminous, minlength=grid.incidents) / every
         variance = share * np.maximum(1 - share, _ROULETTE) / every
-        return Part(
-            finest_light(place, mean, noise, self.weights),
-            IncidentLight(share, variance),
+        finest = finest_light(place, mean, noise, self.weights)
+        return Part(finest, SummedLight(share, variance), self._leaving(finest))
+
+    def _leaving(self, finest: Light) -> SummedLight:
+        # What each leaving cell has from the incident cells of this block
+        grid = self.grid
+        if grid.rank == 3:
+            return SummedLight(np.zeros(0), np.zeros(0))
+        coarse, inner = np.divmod(finest.place, 1 << grid.rank * grid.block)
+        cell = incident_part(inner >> 2, rank=grid.rank, levels=grid.block)
+        cell |= coarse << 2 * grid.block
+        number, size = 4**grid.depth, np.pi / 4**grid.depth
+        return SummedLight(
+            np.bincount(cell, finest.mean @ self.weights, number) * size,
+            np.bincount(cell, finest.noise, number) * size**2,
         )
 
     def _cells(self, part: Part) -> Cells:

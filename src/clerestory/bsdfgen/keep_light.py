@@ -1,4 +1,4 @@
-"""Cells of a tree that keep the light of each incident cell.
+"""Cells of a tree that keep the light of each incident cell, or of each leaving one.
 
 Cells are joined where their differences are no more than noise, each block for itself.
 But what a block loses from one incident cell to its neighbour, all others lose alike
@@ -39,8 +39,8 @@ _CHANGE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class IncidentLight:
-    """Light that leaves each incident cell of a block.
+class SummedLight:
+    """Light in all from each incident cell, or by reciprocity from each leaving one.
 
     Attributes
     ----------
@@ -54,11 +54,12 @@ class IncidentLight:
 
 def keep_light(
     cells: Cells,
-    light: IncidentLight,
+    light: SummedLight,
     weights: Float[np.ndarray, " channel"],
     *,
     rank: int,
     depth: int,
+    by_leaving: bool = False,
 ) -> Cells:
     """Return cells whose joined values are cut and scaled to keep the incident light.
 
@@ -67,6 +68,8 @@ def keep_light(
     light : as it was counted
     weights : share of each channel in the luminous value
     depth : halvings of each coordinate down to the finest cells
+    by_leaving : whether light is that of leaving cells, which take the place of the
+        incident ones; for rank 4
 
     Examples
     --------
@@ -75,12 +78,12 @@ def keep_light(
     >>> one = Cells(np.array([0], dtype=np.int32), np.array([[0.2]]), np.zeros(1),
     ...             np.array([0]), np.array([1]))
     >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
-    >>> light = IncidentLight(share, np.zeros(4))
+    >>> light = SummedLight(share, np.zeros(4))
     >>> kept = keep_light(one, light, np.ones(1), rank=4, depth=1)
     >>> kept.value[:4, 0].round(3).tolist()
     [0.1, 0.3, 0.1, 0.3]
     """
-    tally = _Tally(light.share, weights, rank, depth)
+    tally = _Tally(light.share, weights, rank, depth, 2 if by_leaving else 0)
     joined = cells.height > 0
     scale, together = tally.scales(cells, joined)
     cut = cells
@@ -133,6 +136,7 @@ class _Tally:
     weights: Float[np.ndarray, " channel"]
     rank: int
     depth: int
+    skip: int  # bits of a digit before those of the cells whose light is kept
 
     def light(
         self, cells: Cells, of: Bool[np.ndarray, " cell"]
@@ -159,7 +163,8 @@ class _Tally:
     ) -> Int[np.ndarray, " some"]:
         """Number of the incident cell of some cells of a height."""
         levels = self.depth - height
-        return incident_part(cells.place[which], rank=self.rank, levels=levels)
+        place = cells.place[which] >> self.skip
+        return incident_part(place, rank=self.rank, levels=levels)
 
     def scales(
         self, cells: Cells, joined: Bool[np.ndarray, " cell"]

@@ -10,7 +10,8 @@ from clerestory.bsdf.tree_combine import bits_of
 from clerestory.bsdfgen.bands import band_values, chromaticity
 from clerestory.bsdfgen.branches import joined
 from clerestory.bsdfgen.count import Counter, Part
-from clerestory.bsdfgen.keep_light import IncidentLight, keep_light
+from clerestory.bsdfgen.keep_both import keep_both
+from clerestory.bsdfgen.keep_light import SummedLight, keep_light
 from clerestory.bsdfgen.refine import Cells, Light, chosen_cells, climbed
 from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
 from clerestory.constants import LUMINANCE_WEIGHTS
@@ -75,11 +76,17 @@ def _chosen(
     rank, depth = grid.rank, grid.depth
     levels = climbed(_whole(blocks, grid), weights, rank=rank, levels=depth)
     cells = chosen_cells(levels, rank=rank)
-    light = IncidentLight(
+    light = SummedLight(
         np.concatenate([part.incident.share for part in blocks]),
         np.concatenate([part.incident.variance for part in blocks]),
     )
-    return keep_light(cells, light, weights, rank=rank, depth=depth)
+    if rank == 3:
+        return keep_light(cells, light, weights, rank=rank, depth=depth)
+    leaving = SummedLight(
+        np.sum([part.leaving.share for part in blocks], axis=0),
+        np.sum([part.leaving.variance for part in blocks], axis=0),
+    )
+    return keep_both(cells, light, leaving, weights, depth=depth)
 
 
 def _whole(blocks: list[Part], grid: Any) -> Light:

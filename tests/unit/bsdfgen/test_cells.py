@@ -5,7 +5,7 @@ import pytest
 
 from clerestory.bsdf.tree_table import look_up
 from clerestory.bsdfgen.branches import incident_part, joined
-from clerestory.bsdfgen.keep_light import IncidentLight, keep_light
+from clerestory.bsdfgen.keep_light import SummedLight, keep_light
 from clerestory.bsdfgen.refine import chosen_cells, climbed, finest_light
 
 WHOLE = np.array([1.0])
@@ -109,7 +109,7 @@ def test_joined_cells_keep_the_light_of_each_incident_cell():
     incident, count, value, noise = steep_block(paths=paths)
     cells = chosen_cells(levels(value, noise, 4, depth), rank=4)
     counted = np.bincount(incident, count) / paths
-    light = IncidentLight(counted, np.zeros(len(counted)))
+    light = SummedLight(counted, np.zeros(len(counted)))
     kept = keep_light(cells, light, WHOLE, rank=4, depth=depth)
     size = np.pi / 4**depth
 
@@ -129,7 +129,7 @@ def test_slots_of_cut_cells_lead_to_their_values():
     depth = 3
     incident, count, value, noise = steep_block()
     cells = chosen_cells(levels(value, noise, 4, depth), rank=4)
-    light = IncidentLight(np.bincount(incident, count) / 200, np.zeros(64))
+    light = SummedLight(np.bincount(incident, count) / 200, np.zeros(64))
     kept = keep_light(cells, light, WHOLE, rank=4, depth=depth)
     for number in (0, len(kept.place) // 2, len(kept.place) - 1):
         place, height = int(kept.place[number]), int(kept.height[number])
@@ -144,6 +144,6 @@ def test_light_that_is_hardly_known_cuts_nothing():
     incident, count, value, noise = steep_block()
     cells = chosen_cells(levels(value, noise, 4, 3), rank=4)
     share = np.bincount(incident, count) / 200
-    vague = IncidentLight(share, np.full(64, 100.0))
+    vague = SummedLight(share, np.full(64, 100.0))
     kept = keep_light(cells, vague, WHOLE, rank=4, depth=3)
     assert np.array_equal(kept.slots, cells.slots)
