@@ -30,6 +30,10 @@ _TOLERANCE = 0.004
 _SPAN = 5
 _SURE = 0.3
 
+# Light that leaves through a cell is known no better than its standard error: paths
+# start evenly, but leave by chance.
+_SURE_LEAVING = 2.0
+
 # Cells that take a change hold so many times as much light, at least.
 _STRETCH = 3.0
 
@@ -85,13 +89,12 @@ def keep_light(
     """
     tally = _Tally(light.share, weights, rank, depth, 2 if by_leaving else 0)
     joined = cells.height > 0
+    doubt = (_SURE_LEAVING if by_leaving else _SURE) ** 2 * light.variance
     scale, together = tally.scales(cells, joined)
     cut = cells
     for height in range(int(cells.height.max(initial=0)), 0, -1):
         wide = 1 << (rank - 2) * height
-        moved = _moved(
-            scale, together, light.variance, height, bits=rank - 2, depth=depth
-        )
+        moved = _moved(scale, together, doubt, height, bits=rank - 2, depth=depth)
         finer = _means(tally.light(cut, joined & (cut.height < height)), wide)
         need = np.minimum(_STRETCH * moved, _means(together, wide)) - finer
         split = tally.brightest(cut, joined & (cut.height == height), need * wide)
@@ -102,7 +105,7 @@ def keep_light(
 def _moved(
     scale: Float[np.ndarray, " incident"],
     together: Float[np.ndarray, " incident"],
-    variance: Float[np.ndarray, " incident"],
+    doubt: Float[np.ndarray, " incident"],
     height: int,
     *,
     bits: int,
@@ -115,7 +118,7 @@ def _moved(
     most = np.zeros(len(scale) // wide)
     for part in range(height):
         few = 1 << bits * part
-        unsure = _SURE * np.sqrt(_means(variance, few) / few)
+        unsure = np.sqrt(_means(doubt, few) / few)
         limit = _TOLERANCE * max(1.0, 2.0 ** (depth - part - _SPAN))
         moved = np.abs(_means(off, few))
         moved[moved <= np.maximum(limit, unsure)] = 0
