@@ -1,0 +1,252 @@
+"""Truth behind a clear film: paths through its real prisms, sun by its own rays.
+
+No shadow ray finds the sun through prisms. So rays of the sun are traced through the
+film first, from all of its disc; what leaves the film into the room is a cloud of
+directions, exact as the prisms are. Paths then run from sensors and eyes against the
+light. At every matt surface of the room a path borrows the direction of one of these
+rays, chosen by chance, and asks whether it arrives from the sunlit part of the window;
+at every surface outdoors it asks for the sun itself. Paths meet the film as what it
+is, prisms of a dielectric, from either side: sky, sunlit ground and reveal shine
+through it, and the room's own light is mirrored by it. An eye that sees nothing but
+prisms sees the sun's disc behind them.
+
+No BSDF of the film takes part, neither patches nor trees. Left out is sun that the
+film mirrors back outdoors, on to the sill and the ground.
+"""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+import clerestory as cl
+from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.pixels import PixelRays
+from clerestory.engine.sky_light import SkyLight
+from clerestory.engine.upload import vectors
+from clerestory.engine.walk import offset
+from clerestory.phases.pictures import Camera
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+from truth.beams import MOST, Beams, beams, random_numbers
+from truth.setting import HEIGHT, PLANE, SILL, WIDTH, Kind, cameras, demo
+
+ORIGIN = np.array([WIDTH / 2, PLANE, SILL + HEIGHT / 2])
+_LUX = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+
+# Share of directions that aim at the window, and when weak paths may end
+_AIMED = 0.5
+_FREE = 6
+
+
+@dataclass
+class FilmRoom:
+    """A room behind a film at one moment, around the middle of its window."""
+
+    model: LoweredScene
+    sky: SkyLight
+    beams: Beams
+
+
+class Film:
+    """The truth behind a film."""
+
+    def __init__(self, kind: Kind):
+        scene, _, self.sensors, _ = demo()
+        film = kind.geometry()
+        self.room, self.film = (
+            lower(part, origin=ORIGIN) for part in (scene + film, film)
+        )
+        self.known: dict[datetime, FilmRoom] = {}
+
+    def at(self, light: Scene) -> FilmRoom:
+        """Return the room under a sky with its sun."""
+        sky = SkyLight.of(light)
+        return FilmRoom(self.room, sky, beams(self.film, sky))
+
+    def when(self, hours: cl.Weather, moment: datetime) -> FilmRoom:
+        """Return the room at a moment; it is made once."""
+        if moment not in self.known:
+            self.known[moment] = self.at(cl.sky_at(hours, moment))
+        return self.known[moment]
+
+    def under(self, light: Scene, *, samples: int, seed: int) -> np.ndarray:
+        """Illuminance of the sensors under a sky with its sun [lux]."""
+        return illuminance(self.at(light), self.sensors, samples=samples, seed=seed)
+
+    def illuminance(
+        self, hours: cl.Weather, moment: datetime, *, samples: int, seed: int
+    ) -> np.ndarray:
+        """Illuminance of the sensors [lux]."""
+        lit = self.when(hours, moment)
+        return illuminance(lit, self.sensors, samples=samples, seed=seed)
+
+    def pictures(
+        self, hours: cl.Weather, moment: datetime, *, samples: int, seed: int
+    ) -> list[np.ndarray]:
+        """Radiance of the pixels of each eye's picture (pixel, channel)."""
+        lit = self.when(hours, moment)
+        return [
+            picture(lit, camera, samples=samples, seed=seed + number)
+            for number, camera in enumerate(cameras())
+        ]
+
+
+def _window_pdf(point, direction):
+    """Return the density of aiming at the window, over its area alike [1/sr]."""
+    distance = -point.y / direction.y
+    x, z = point.x + distance * direction.x, point.z + distance * direction.z
+    inside = (abs(x) <= WIDTH / 2) & (abs(z) <= HEIGHT / 2)
+    reached = (direction.y < 0) & (point.y > 0) & inside
+    area = WIDTH * HEIGHT * abs(direction.y)
+    return dr.select(reached, dr.square(distance) / area, 0)
+
+
+def _borrowed(room: FilmRoom, point, pick):
+    """Return a direction to borrowed sun, its irradiance, how far the window is."""
+    sun = room.beams
+    number = dr.minimum(mi.UInt32(pick * mi.Float(sun.count)), sun.count - 1)
+    towards = -dr.gather(mi.Vector3f, sun.direction, number)
+    distance = -point.y / towards.y
+    x, z = point.x + distance * towards.x, point.z + distance * towards.z
+    low_x, high_x, low_z, high_z = sun.lit
+    lit = (x > low_x) & (x < high_x) & (z > low_z) & (z < high_z)
+    irradiance = dr.select(lit, dr.gather(mi.Float, sun.irradiance, number), 0)
+    return towards, irradiance, distance
+
+
+@dr.syntax
+def follow(room: FilmRoom, rng, ray, weight, sharp, active):
+    """Return the light along rays.
+
+    Parameters
+    ----------
+    sharp : whether an eye looks along the ray, which sees the sun itself
+    """
+    model, sky = room.model, room.sky
+    context = mi.BSDFContext()
+
+    # ------------------------------- Loop state -------------------------------
+    light = mi.Color3f(0)
+    sharp = mi.Bool(sharp)
+    vertex = mi.UInt32(0)
+
+    while active:
+        si = model.scene.ray_intersect(ray, active)
+        met = active & si.is_valid()
+
+        # Take the sky; the sun's disc only where nothing matt stands between
+        away = active & ~met
+        sun, _ = sky.radiance_of_suns(ray.d, away & sharp)
+        shone = sky.radiance_of_dome(ray.d) + dr.select(sharp, sun, 0)
+        light += dr.select(away, weight * shone, 0)
+
+        # Ask for the sun: borrowed rays of it in the room, itself outdoors
+        bsdf = si.bsdf()
+        matt = met & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
+        indoors = si.p.y > 0
+        a, b, c = rng.next_float32(), rng.next_float32(), rng.next_float32()
+        towards, irradiance, distance = _borrowed(room, si.p, a)
+        itself, density, radiance = sky.aim(a, b, c)
+        towards = dr.select(indoors, towards, itself)
+        start = offset(model, si, towards, matt)
+        far = dr.select(indoors, distance - 1e-4, dr.largest(mi.Float))
+        value = bsdf.eval(context, si, si.to_local(towards), matt)
+        arriving = dr.select(indoors, mi.Color3f(irradiance), radiance / density)
+        asked = matt & (dr.max(value * arriving) > 0) & (far > 0)
+        hidden = model.scene.ray_test(mi.Ray3f(start, towards, far, 0, []), asked)
+        light += dr.select(asked & ~hidden, weight * value * arriving, 0)
+
+        # Go on: towards the window, as the material proposes, or as prisms bend
+        a, b, c = rng.next_float32(), rng.next_float32(), rng.next_float32()
+        d, e = rng.next_float32(), rng.next_float32()
+        aimed = matt & indoors
+        goal = mi.Point3f((d - 0.5) * WIDTH, 0, (e - 0.5) * HEIGHT)
+        to_window = aimed & (rng.next_float32() < _AIMED)
+        sample, factor = bsdf.sample(context, si, a, mi.Point2f(b, c), met)
+        proposed = si.to_world(sample.wo)
+        onward = dr.select(to_window, dr.normalize(goal - si.p), proposed)
+        local = si.to_local(onward)
+        mixed = _AIMED * _window_pdf(si.p, onward)
+        mixed += (1 - _AIMED) * bsdf.pdf(context, si, local, aimed)
+        both = bsdf.eval(context, si, local, aimed) / mixed
+        weight *= dr.select(aimed, dr.select(mixed > 0, both, 0), factor)
+        ray = mi.Ray3f(offset(model, si, onward, met), onward)
+        sharp &= ~matt
+
+        # Let weak paths end by chance
+        vertex += 1
+        survive = dr.select(vertex < _FREE, 1, dr.minimum(dr.max(weight), 0.95))
+        survive = dr.select(matt, survive, 1)
+        active = met & (vertex < MOST) & (rng.next_float32() < survive)
+        weight /= survive
+        active &= dr.max(weight) > 0
+
+    return light
+
+
+def illuminance(
+    room: FilmRoom, sensors: Sensors, *, samples: int, seed: int
+) -> np.ndarray:
+    """Illuminance of sensors [lux]."""
+    count = len(sensors)
+    found = _gathered(
+        room,
+        vectors(mi.Point3f, sensors.position - ORIGIN),
+        vectors(mi.Vector3f, sensors.direction),
+        dr.opaque(mi.UInt32, samples),
+        count * samples,
+        dr.opaque(mi.UInt32, seed),
+    )
+    return _means(found, count, samples) @ _LUX
+
+
+def _gathered(room, position, normal, samples, lanes, seed):
+    """Return what reaches sensors by single paths."""
+    lane = dr.arange(mi.UInt32, lanes)
+    rng = random_numbers(lane, seed)
+    o = dr.gather(mi.Point3f, position, lane // samples)
+    n = dr.gather(mi.Vector3f, normal, lane // samples)
+    frame = mi.Frame3f(n)
+
+    # Sun of the sensor itself
+    towards, irradiance, distance = _borrowed(room, o, rng.next_float32())
+    cosine = dr.maximum(dr.dot(n, towards), 0)
+    asked = (irradiance * cosine > 0) & (distance > 0)
+    line = mi.Ray3f(o, towards, distance - 1e-4, 0, [])
+    clear = asked & ~room.model.scene.ray_test(line, asked)
+    light = mi.Color3f(dr.select(clear, irradiance * cosine, 0))
+
+    # Leave towards the window, or by the cosine
+    a, b = rng.next_float32(), rng.next_float32()
+    goal = mi.Point3f((a - 0.5) * WIDTH, 0, (b - 0.5) * HEIGHT)
+    local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(a, b))
+    to_window = rng.next_float32() < _AIMED
+    d = dr.select(to_window, dr.normalize(goal - o), frame.to_world(local))
+    cosine = dr.dot(n, d)
+    pdf = _AIMED * _window_pdf(o, d)
+    pdf += (1 - _AIMED) * dr.maximum(cosine, 0) * dr.inv_pi
+    active = cosine > 0
+    weight = mi.Color3f(dr.select(active, cosine / pdf, 0))
+    return light + follow(room, rng, mi.Ray3f(o, d), weight, False, active)
+
+
+def picture(room: FilmRoom, camera: Camera, *, samples: int, seed: int) -> np.ndarray:
+    """Radiance of a camera's pixels (pixel, channel)."""
+    rays = PixelRays.of(camera.view, camera.columns, camera.rows)
+    count = len(camera)
+    lane = dr.arange(mi.UInt32, count * samples)
+    rng = random_numbers(lane, dr.opaque(mi.UInt32, seed))
+    pixel = lane // dr.opaque(mi.UInt32, samples)
+    x, y = rng.next_float32(), rng.next_float32()
+    ray, valid = rays.through(pixel, x, y, ORIGIN)
+    found = follow(room, rng, ray, mi.Color3f(1), True, valid)
+    return _means(found, count, samples)
+
+
+def _means(found: mi.Color3f, rows: int, samples: int) -> np.ndarray:
+    total = dr.block_reduce(dr.ReduceOp.Add, found, samples)
+    return np.array(total).T.reshape(rows, 3).astype(float) / samples
