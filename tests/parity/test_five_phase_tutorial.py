@@ -90,7 +90,9 @@ def test_each_matrix_is_that_of_radiance(symbol, pair):
 def test_sensors_are_within_three_per_cent(pair):
     """Every sensor in every hour in which Radiance has 100 lx, but for the noise.
 
-    One value of a thousand may lie beyond, for C's reason.
+    One value of a thousand may lie beyond, for C's reason. All sensors together are
+    within a per cent in each hour, but for the noise of Radiance's D, which its runs
+    tell: about 0.5 % a run in hours of one bright sky patch.
     """
     lux, error, theirs = pair.illuminance()
     expected = theirs.mean
@@ -100,8 +102,13 @@ def test_sensors_are_within_three_per_cent(pair):
     apart = abs(lux - expected)
     assert np.mean((apart > 0.03 * expected + 4 * noise)[counted]) < 0.001
     assert np.mean((apart < 0.03 * expected)[counted]) > 0.98
-    mean, other = lux.mean(axis=0), expected.mean(axis=0)
-    assert mean[other > 100] == pytest.approx(other[other > 100], rel=0.01)
+    hourly = Many(theirs.values.mean(axis=1))
+    bright = hourly.mean > 100
+    mean, other = lux.mean(axis=0)[bright], hourly.mean[bright]
+    noise = np.sqrt(np.mean(hourly.variance[bright] / other**2))
+    assert noise < 0.005
+    assert np.all(abs(mean / other - 1) < 0.01 + 3 * noise)
+    assert mean.sum() == pytest.approx(other.sum(), rel=0.005)
 
 
 @pytest.mark.slow
