@@ -84,18 +84,23 @@ class Vertex:
     aim: "PortalAim"
 
     def portal_pdf(self, lit: LitScene, direction, active):
-        """Return the density of aiming at any portal [1/sr], where that is done."""
+        """Return densities of aiming at any portal [1/sr], where that is done.
+
+        Returns
+        -------
+        onward, sought : of paths that go on, and of seeking what suns light
+        """
         active = active & self.aim.aims
         return lit.portals.pdf(self.point, self.aim.cell, direction, active)
 
-    def mixture(self, there, own):
+    def mixture(self, onward, own):
         """Return the pdf with which the path goes on along a direction.
 
         Parameters
         ----------
-        there, own : density of aiming at portals, and of the material's sampling
+        onward, own : density of aiming at portals, and of the material's sampling
         """
-        return self.aim.chance * there + (1 - self.aim.chance) * own
+        return self.aim.chance * onward + (1 - self.aim.chance) * own
 
 
 @dataclass
@@ -179,7 +184,8 @@ def sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, active):
     direction, pdf, radiance = sun.direction, sun.pdf, sun.radiance
     value, own = vertex.scatter(direction)
     lit_up = active & (dr.max(value) > 0)
-    mixed = vertex.mixture(vertex.portal_pdf(lit, direction, lit_up), own)
+    onward, _ = vertex.portal_pdf(lit, direction, lit_up)
+    mixed = vertex.mixture(onward, own)
     start = vertex.leave(direction, lit_up)
     seen = passed(lit.model, start, lambda o: mi.Ray3f(o, direction), lit_up, True)
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
@@ -187,7 +193,7 @@ def sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, active):
 
 def seeks(lit: LitScene) -> bool:
     """Whether there is anything to seek that suns may light."""
-    return bool(lit.sky.suns and (lit.portals.count or lit.lobes.groups))
+    return bool(lit.sky.suns and (lit.portals.sunny or lit.lobes.groups))
 
 
 def sought_sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, draw: Draw, active):
@@ -199,40 +205,49 @@ def sought_sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, draw: Draw, acti
     """
     u, v, pick = draw.other(8), draw.other(9), draw.other(10)
     direction = mi.Vector3f(0, 0, 1)
-    if lit.portals.count:
-        direction = lit.portals.aim(vertex.point, vertex.aim.cell, u, v)
+    portals = lit.portals
+    if portals.sunny:
+        direction = portals.aim(portals.sought, vertex.point, vertex.aim.cell, u, v)
     if lit.lobes.groups:
         along = lit.lobes.draw(dr.minimum(pick / _LOBES, 1), sun.direction, u, v)
-        chosen = pick < _LOBES if lit.portals.count else mi.Bool(True)
+        chosen = pick < _LOBES if portals.sunny else mi.Bool(True)
         direction = dr.select(chosen, along, direction)
     value, own = vertex.scatter(direction)
     lit_up = active & (dr.max(value) > 0)
-    there = vertex.portal_pdf(lit, direction, lit_up)
-    pdf = vertex.mixture(there, own) + sought_pdf(lit, sun, direction, there)
+    onward, sought = vertex.portal_pdf(lit, direction, lit_up)
+    pdf = vertex.mixture(onward, own) + sought_pdf(lit, sun, direction, sought)
     ray = mi.Ray3f(vertex.leave(direction, lit_up), direction)
-    hit = lit.model.scene.ray_intersect_preliminary(ray, active=lit_up)
-    lit_up &= hit.is_valid()
-    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, lit_up)
-    lit_up &= is_sought(lit.model, dr.reinterpret_array(mi.UInt32, si.shape), lit_up)
-    si.sh_frame = mi.Frame3f(si.n)
-    si.wi = si.to_local(-direction)
-    straight = materials.lamp_context()
-    place = at_surface(lit.model, si, straight, 0, lit_up, PortalAim.none())
-    light = sunlight(lit, place, sun, lit_up)
+    light = sunlit(lit, sun, ray, lit_up)
     return dr.select(lit_up & (pdf > 0), value * light / pdf, 0)
 
 
-def sought_pdf(lit: LitScene, sun: SunAim, direction, there):
+def sunlit(lit: LitScene, sun: SunAim, ray: mi.Ray3f, active):
+    """Return the light of a sun that comes back along a ray from what it meets.
+
+    None comes from what is not sought: see `is_sought`.
+    """
+    hit = lit.model.scene.ray_intersect_preliminary(ray, active=active)
+    active = active & hit.is_valid()
+    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
+    active &= is_sought(lit.model, dr.reinterpret_array(mi.UInt32, si.shape), active)
+    si.sh_frame = mi.Frame3f(si.n)
+    si.wi = si.to_local(-ray.d)
+    straight = materials.lamp_context()
+    place = at_surface(lit.model, si, straight, 0, active, PortalAim.none())
+    return dr.select(active, sunlight(lit, place, sun, active), 0)
+
+
+def sought_pdf(lit: LitScene, sun: SunAim, direction, at_portals):
     """Return the density with which a vertex seeks sunlit places along a direction.
 
     Parameters
     ----------
-    there : density of aiming at portals
+    at_portals : density of seeking them at portals
     """
     if not lit.lobes.groups:
-        return there
+        return at_portals
     along = lit.lobes.pdf(direction, sun.direction)
-    return _LOBES * along + (1 - _LOBES) * there if lit.portals.count else along
+    return _LOBES * along + (1 - _LOBES) * at_portals if lit.portals.sunny else along
 
 
 def is_sought(model: LoweredScene, shape, active):
@@ -275,7 +290,8 @@ def lamplight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     lit_up = active & (dr.max(value) > 0) & (cosine > 1e-6)
     radiance = lamps.emitted(lamp, -direction, lit_up)
     lit_up &= dr.max(radiance) > 0
-    mixed = vertex.mixture(vertex.portal_pdf(lit, direction, lit_up), own)
+    onward, _ = vertex.portal_pdf(lit, direction, lit_up)
+    mixed = vertex.mixture(onward, own)
     start = vertex.leave(direction, lit_up)
     seen = passed(lit.model, start, lambda o: towards(o, point), lit_up)
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)

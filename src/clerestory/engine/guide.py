@@ -5,8 +5,8 @@ the root mean square of each (the single-sample model with disjoint parts: the v
 Σ mᵢ/pᵢ is least for pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i). Here the parts
 are the light from each portal and that from anywhere else. Their moments are measured
 at places of the room before it is traced, in cells of space and of the way a surface
-faces. Few paths are enough: chances that are a little wrong cost a little noise, never
-light.
+faces: for paths that go on there, and for rays that seek what a sun lights. Few paths
+are enough: chances that are a little wrong cost a little noise, never light.
 
 Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 chapter 9.
@@ -20,9 +20,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine import points as sampling
-from clerestory.engine.aims import LitScene
+from clerestory.engine.aims import LitScene, SunAim, sunlit
 from clerestory.engine.cells import Cells
-from clerestory.engine.look import NOTHING, look
+from clerestory.engine.look import look
 from clerestory.engine.places import Places
 from clerestory.engine.points import points
 from clerestory.engine.portals import Portals, Rectangles
@@ -35,8 +35,10 @@ _MOST, _LEAST = 0.25, 0.02
 # Glances in the whole room that count as much as one glance in a cell.
 _PRIOR = 8.0
 
-# Segments that a glance follows.
+# Segments that a glance follows, and the pdf of its first: so small that all that was
+# aimed at from its origin is left to the aim.
 _SEGMENTS = 4
+_LEFT = 1e-20
 
 
 def guided(
@@ -56,58 +58,80 @@ def guided(
         vectors(kind, values)
         for kind, values in ((mi.Point3f, places.point), (mi.Vector3f, places.normal))
     )
-    found = _glances(trial, places)
-    if not found[:, :-1].any():
-        return trial
-    size = _sizes(found, cells.number(point, normal).numpy(), cells.count)
-    most = size[:, :-1] / np.maximum(size[:, :-1].sum(axis=1, keepdims=True), 1e-30)
-    kept = most.max(axis=0) > _LEAST
-    portals = (windows + patches).some(kept)
-    return replace(
-        lit, portals=_portals(portals, size[:, np.append(kept, True)], cells)
+    number = cells.number(point, normal).numpy()
+    onward, sought = (
+        _sizes(found, number, cells.count) for found in _glances(trial, places)
     )
+    most = np.maximum(_shares(onward[:, :-1]), _shares(sought)).max(axis=0)
+    kept = most > _LEAST
+    if not kept.any():
+        return trial
+    total, other = onward[:, :-1].sum(axis=1), onward[:, -1]
+    portals = Portals.of(
+        (windows + patches).some(kept),
+        cells,
+        _even(_shares(onward[:, :-1][:, kept])),
+        _shares(sought[:, kept]),
+        np.minimum(_MOST, total / np.maximum(total + other, 1e-30)),
+    )
+    return replace(lit, portals=portals)
 
 
-def _portals(
-    rectangles: Rectangles, size: Float[np.ndarray, "cell part"], cells: Cells
-) -> Portals:
-    # Chances in proportion to the sizes; even where none is of any worth
-    total, other = size[:, :-1].sum(axis=1), size[:, -1]
-    share = np.full((cells.count, len(rectangles)), 1 / len(rectangles))
-    known = total > 0
-    share[known] = size[known, :-1] / total[known, None]
-    aimed = np.minimum(_MOST, total / np.maximum(total + other, 1e-30))
-    return Portals.of(rectangles, cells, share, aimed)
+def _shares(size: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
+    # Chances in proportion to the sizes, 0 where none is of any worth
+    shares: Float[np.ndarray, "cell part"]
+    shares = size / np.maximum(size.sum(axis=1, keepdims=True), 1e-30)
+    return shares
 
 
-def _glances(lit: LitScene, places: Places) -> Float[np.ndarray, "place part"]:
-    # What one sample towards each portal, and one anywhere else, tells of irradiance
+def _even(shares: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
+    # Even chances where none is of any worth
+    none = shares.sum(axis=1, keepdims=True) == 0
+    return np.where(none, 1 / shares.shape[1], shares)
+
+
+def _glances(
+    lit: LitScene, places: Places
+) -> tuple[Float[np.ndarray, "place part"], Float[np.ndarray, "place portal"]]:
+    # What one sample towards each portal, and one anywhere else, tells of irradiance:
+    # from a path that goes on there, without what is aimed at from the place itself;
+    # and from asking what a sun lights there
     portals = lit.portals
     parts = portals.count + 1
     lanes = dr.arange(mi.UInt32, len(places) * parts)
     place, part = lanes // parts, lanes % parts
     seed = mi.UInt32(3)
-    u, v = (sampling.random_number(seed, lanes, mi.UInt32(n)) for n in range(2))
+    u, v, pick, x, y = (
+        sampling.random_number(seed, lanes, mi.UInt32(n)) for n in range(5)
+    )
     origin = dr.gather(mi.Point3f, vectors(mi.Point3f, places.start), place)
     normal = dr.gather(mi.Vector3f, vectors(mi.Vector3f, places.normal), place)
     one = dr.minimum(part, portals.count - 1)
     there = portals.towards(one, origin, u, v)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     aimed = part < portals.count
-    direction = dr.select(aimed, there, mi.Frame3f(normal).to_world(local))
-    cosine = dr.dot(direction, normal)
-    density = portals.density(one, origin, direction)
-    at_portal = portals.pdf(origin, mi.UInt32(0), direction, mi.Bool(True)) > 0
-    elsewhere = dr.select(at_portal, 0, dr.pi)
-    weight = dr.select(aimed, dr.select(density > 0, cosine / density, 0), elsewhere)
+    ray = mi.Ray3f(origin, dr.select(aimed, there, mi.Frame3f(normal).to_world(local)))
+    cosine = dr.dot(ray.d, normal)
+    at_portals, _ = portals.pdf(origin, mi.UInt32(0), ray.d, mi.Bool(True))
+    # Where portals overlap, each has its share in proportion to its density
+    shared = dr.select(at_portals > 0, cosine / (portals.count * at_portals), 0)
+    weight = dr.select(aimed, shared, dr.select(at_portals > 0, 0, dr.pi))
+    works = (cosine > 0) & (weight > 0)
     with launching():
-        light = look(
-            lit, points(0, 1), mi.Ray3f(origin, direction), lanes, mi.UInt32(0),
-            mi.Color3f(1), mi.Float(0), mi.Float(NOTHING), mi.Bool(False),
-            dr.opaque(mi.UInt32, _SEGMENTS), (cosine > 0) & (weight > 0),
+        onward = look(
+            lit, points(0, 1), ray, lanes, mi.UInt32(0), mi.Color3f(1),
+            mi.Float(_LEFT), mi.Float(1), mi.Bool(False),
+            dr.opaque(mi.UInt32, _SEGMENTS), works,
         )  # fmt: skip
-        found = dr.select(cosine > 0, weight * dr.mean(light), 0).numpy()
-    return found.astype(float).reshape(len(places), parts)
+        sought = mi.Color3f(0)
+        if lit.sky.suns:
+            sought = sunlit(lit, SunAim(*lit.sky.aim(pick, x, y)), ray, works & aimed)
+        found = [
+            dr.select(works, weight * dr.mean(light), 0).numpy().astype(float)
+            for light in (onward, sought)
+        ]
+    both = [light.reshape(len(places), parts) for light in found]
+    return both[0], both[1][:, :-1]
 
 
 def _sizes(
@@ -115,12 +139,14 @@ def _sizes(
     cell: Int[np.ndarray, " place"],
     cells: int,
 ) -> Float[np.ndarray, "cell part"]:
-    # Root mean square of what glances in a cell found, and some of all glances
+    # Root mean square of what glances in a cell found, over that of all parts, and some
+    # of all glances: those out in the sun count no more than those in the shade
     square = glances**2
     total = np.zeros((cells, glances.shape[1]))
     np.add.at(total, cell, square)
     seen = np.bincount(cell, minlength=cells)[:, None]
-    size: Float[np.ndarray, "cell part"] = np.sqrt(
-        (total + _PRIOR * square.mean(axis=0)) / (seen + _PRIOR)
-    )
+    part = total / np.maximum(total.sum(axis=1, keepdims=True), 1e-30)
+    whole = (seen * part).sum(axis=0) / seen.sum()
+    size: Float[np.ndarray, "cell part"]
+    size = np.sqrt((seen * part + _PRIOR * whole) / (seen + _PRIOR))
     return size

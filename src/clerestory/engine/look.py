@@ -48,7 +48,7 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
     Returns
     -------
     light : irradiance from what is aimed at directly
-    ray, weight, pdf, there : how the path goes on, as `look` takes it
+    ray, weight, pdf, sought : how the path goes on, as `look` takes it
     """
 
     def scatter(direction):
@@ -69,13 +69,13 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
     direction = mi.Frame3f(normal).to_world(local)
     if lit.portals.count:
         aimed = draw.number(sampling.LOBE) < portal.chance
-        target = lit.portals.aim(position, portal.cell, u, v)
+        target = lit.portals.aim(lit.portals.share, position, portal.cell, u, v)
         direction = dr.select(aimed, target, direction)
     value, own = scatter(direction)
-    there = vertex.portal_pdf(lit, direction, mi.Bool(True))
-    pdf = vertex.mixture(there, own)
+    onward, sought = vertex.portal_pdf(lit, direction, mi.Bool(True))
+    pdf = vertex.mixture(onward, own)
     weight = dr.select(pdf > 0, value / pdf, 0)
-    return light, mi.Ray3f(position, direction), weight, pdf, there
+    return light, mi.Ray3f(position, direction), weight, pdf, sought
 
 
 @dr.syntax
@@ -87,7 +87,7 @@ def look(
     index: mi.UInt32,
     weight: mi.Color3f,
     pdf: mi.Float,
-    there: mi.Float,
+    sought: mi.Float,
     sharp: mi.Bool,
     segments: mi.UInt32,
     active: mi.Bool,
@@ -99,8 +99,8 @@ def look(
     ray : first segment of each path
     weight : what its light counts
     pdf : of the first direction; 0: nothing was aimed at from its origin
-    there : density with which portals were aimed at along it; `NOTHING` where what
-        suns light was not sought from its origin
+    sought : density with which what suns light was sought at portals along it;
+        `NOTHING` where it was not sought from its origin
     sharp : whether the eye looks along the first segment
     segments : most segments between diffuse scattering
     """
@@ -117,7 +117,7 @@ def look(
     vertex = mi.UInt32(1)  # vertices so far, the start included
     # Mirrors since a vertex at which suns were aimed at; 2: more, or something else
     relay = dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2))
-    looked = mi.Bool(there >= 0)  # whether the last vertex sought what suns light
+    looked = mi.Bool(sought >= 0)  # whether the last vertex sought what suns light
 
     while active:
         hit = scene.ray_intersect_preliminary(ray, active=active)
@@ -178,8 +178,8 @@ def look(
             direct = sunlight(lit, place, sun, near)
             if dr.hint(seeks(lit), mode="scalar"):
                 shared = looked & (pdf > 0) & is_sought(model, shape, near)
-                sought = sought_pdf(lit, sun, ray.d, there)
-                direct *= dr.select(shared, pdf / (pdf + sought), 1)
+                aim = sought_pdf(lit, sun, ray.d, sought)
+                direct *= dr.select(shared, pdf / (pdf + aim), 1)
                 gained += sought_sunlight(lit, place, sun, draw, matt)
             gained += direct + mirrored_sunlight(lit, place, draw, near)
         light += dr.select(near, weight * gained, 0)
@@ -191,7 +191,7 @@ def look(
         to_portal = chance < aimed
         lobe = dr.clip((chance - aimed) / (1 - aimed), 0, 0.9999999)
         if dr.hint(lit.portals.count > 0, mode="scalar"):
-            target = lit.portals.aim(si.p, portal.cell, u, v)
+            target = lit.portals.aim(lit.portals.share, si.p, portal.cell, u, v)
             value, own, sample, factor = bsdf.eval_pdf_sample(
                 context, si, si.to_local(target), lobe, mi.Point2f(u, v), works
             )
@@ -205,8 +205,8 @@ def look(
         kind = sample.sampled_type
         null = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Null) | ignored
         delta = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Delta) & ~null
-        there = place.portal_pdf(lit, direction, works)
-        mixed = place.mixture(there, own)
+        onward, sought = place.portal_pdf(lit, direction, works)
+        mixed = place.mixture(onward, own)
         both = dr.select(mixed > 0, value / mixed, 0)
         spread = aimed > 0
         kept = dr.select(spread & ~delta, both, factor / (1 - aimed))

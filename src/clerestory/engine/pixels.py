@@ -52,9 +52,9 @@ def prepare_picture(job: PictureJob) -> Tracer:
         )
         ray, valid = rays.through(row, x, y, origin)
         position, normal, found = seen_surface(lit.model, ray, valid)
-        gained, ray, weight, pdf, there = gather_at_sensor(lit, draw, position, normal)
+        gained, ray, weight, pdf, sought = gather_at_sensor(lit, draw, position, normal)
         gained += look(
-            lit, draw.points, ray, draw.seed, draw.index, weight, pdf, there,
+            lit, draw.points, ray, draw.seed, draw.index, weight, pdf, sought,
             mi.Bool(False), dr.opaque(mi.UInt32, max(limit - 1, 0)),
             found & (dr.max(weight) > 0),
         )  # fmt: skip
@@ -89,10 +89,10 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
     def gathered(draw: Draw, row):
         o = dr.gather(mi.Point3f, position, row)
         n = dr.gather(mi.Vector3f, normal, row)
-        light, ray, weight, pdf, there = gather_at_sensor(lit, draw, o, n)
+        light, ray, weight, pdf, sought = gather_at_sensor(lit, draw, o, n)
         active = dr.max(weight) > 0
         return light + look(
-            lit, draw.points, ray, draw.seed, draw.index, weight, pdf, there,
+            lit, draw.points, ray, draw.seed, draw.index, weight, pdf, sought,
             mi.Bool(False), dr.opaque(mi.UInt32, limit), active,
         )  # fmt: skip
 

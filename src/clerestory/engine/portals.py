@@ -6,7 +6,9 @@ direction, so both together stay unbiased whatever the rectangles leave out.
 
 Rectangles are aimed at by the solid angle they subtend (see `windows`). Places that the
 sun shines on directly join the windows (see `sun_patches`). How often each is aimed at
-is told for cells of the room (see `guide`).
+is told for cells of the room (see `guide`): once for paths that go on there, and once
+for rays that only ask what the sun lights there (`aims.sought_sunlight`), which are
+worth most where paths are worth little.
 """
 
 from dataclasses import astuple, dataclass
@@ -72,8 +74,10 @@ class Portals:
     count : of rectangles
     corner, edge_u, edge_v : of each [m]
     cells : of the room
-    share : of each rectangle in what is aimed at them, cell by cell
+    share : of each rectangle in the paths that go on towards them, cell by cell
+    sought : of each rectangle in the rays that seek what suns light
     aimed : chance that a path goes on towards any of them
+    sunny : whether suns light anything in any of them
     """
 
     count: int
@@ -82,7 +86,9 @@ class Portals:
     edge_v: mi.Vector3f
     cells: Cells
     share: mi.Float
+    sought: mi.Float
     aimed: mi.Float
+    sunny: bool
 
     @classmethod
     def of(
@@ -90,6 +96,7 @@ class Portals:
         rectangles: Rectangles,
         cells: Cells,
         share: Float[np.ndarray, "cell rectangle"],
+        sought: Float[np.ndarray, "cell rectangle"],
         aimed: Float[np.ndarray, " cell"],
     ) -> "Portals":
         """Return rectangles that are aimed at by the cell of a place."""
@@ -100,7 +107,9 @@ class Portals:
             vectors(mi.Vector3f, rectangles.edge_v),
             cells,
             mi.Float(some(share.ravel().astype(np.float32))),
+            mi.Float(some(sought.ravel().astype(np.float32))),
             mi.Float(aimed.astype(np.float32)),
+            bool(sought.any()),
         )
         dr.make_opaque(portals.corner, portals.edge_u, portals.edge_v)
         return portals
@@ -111,7 +120,7 @@ class Portals:
         cells = Cells.around(np.zeros((0, 3)))
         count = len(rectangles)
         even = np.full((cells.count, count), 1 / max(count, 1))
-        return cls.of(rectangles, cells, even, np.full(cells.count, _UNKNOWN))
+        return cls.of(rectangles, cells, even, even, np.full(cells.count, _UNKNOWN))
 
     def _view(self, number, origin) -> RectangleView:
         corner = dr.gather(mi.Point3f, self.corner, number) - origin
@@ -151,14 +160,19 @@ class Portals:
         return density
 
     @dr.syntax
-    def aim(self, origin, cell, u, v):
-        """Return a direction to a point of a rectangle; by its cell."""
+    def aim(self, shares, origin, cell, u, v):
+        """Return a direction to a point of a rectangle; by its cell.
+
+        Parameters
+        ----------
+        shares : `share` or `sought`
+        """
         target = mi.Float(u)
         before = mi.Float(0)
         chosen = mi.UInt32(0)
         number = mi.UInt32(0)
         while number < self.count:
-            here = dr.gather(mi.Float, self.share, cell * self.count + number)
+            here = dr.gather(mi.Float, shares, cell * self.count + number)
             take = (target >= before) & (here > 0)
             chosen = dr.select(take, number, chosen)
             u = dr.select(take, (target - before) / here, u)
@@ -168,15 +182,24 @@ class Portals:
 
     @dr.syntax
     def pdf(self, origin, cell, direction, active):
-        """Return the density of aiming along a direction [1/sr]."""
-        density = mi.Float(0)
+        """Return densities of aiming along a direction [1/sr].
+
+        Returns
+        -------
+        onward, sought : of paths that go on, and of seeking what suns light
+        """
+        onward, sought = mi.Float(0), mi.Float(0)
         number = mi.UInt32(0)
         while active & (number < self.count):
-            share = dr.gather(mi.Float, self.share, cell * self.count + number)
-            if share > 0:
-                density += share * self.density(number, origin, direction)
+            at = cell * self.count + number
+            share = dr.gather(mi.Float, self.share, at)
+            seeking = dr.gather(mi.Float, self.sought, at)
+            if (share > 0) | (seeking > 0):
+                density = self.density(number, origin, direction)
+                onward += share * density
+                sought += seeking * density
             number += 1
-        return density
+        return onward, sought
 
 
 def window_rectangles(scene: Scene, origin: Float[np.ndarray, "3"]) -> Rectangles:
