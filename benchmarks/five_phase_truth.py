@@ -28,6 +28,8 @@ from truth.slats import Slats
 import clerestory as cl
 from clerestory.engine.device import load
 
+FILM = 4
+
 
 @dataclass(frozen=True)
 class Effort:
@@ -35,7 +37,8 @@ class Effort:
 
     Attributes
     ----------
-    sensor, pixel : of the truth: of a sensor and hour, of a pixel and hour
+    sensor, pixel : of the truth: of a sensor and hour, of a pixel and hour; behind a
+        clear film `FILM` times as many, for its paths are blinder
     row, coefficient : of the methods' matrices: of a row, of a pixel
     check : of a sensor, in the blind check of the film
     """
@@ -64,14 +67,14 @@ def dgp(pictures: np.ndarray) -> np.ndarray:
 def truth(kind: Kind, wanted: str, effort: Effort) -> dict[str, np.ndarray]:
     """Return illuminance [lux] or DGP, and that of two halves of the paths."""
     made = _film(kind) if kind.clear else Slats(kind)
+    more = FILM if kind.clear else 1
+    sensor, pixel = more * effort.sensor, more * effort.pixel
     if wanted == "lux":
         times = [time.item() for time in weather().times]
         halves = [
             np.stack(
                 [
-                    made.illuminance(
-                        weather(), time, samples=effort.sensor // 2, seed=seed
-                    )
+                    made.illuminance(weather(), time, samples=sensor // 2, seed=seed)
                     for time in times
                 ],
                 axis=1,
@@ -82,7 +85,7 @@ def truth(kind: Kind, wanted: str, effort: Effort) -> dict[str, np.ndarray]:
     times = [time.item() for time in pictured().times]
     found = [
         [
-            made.pictures(pictured(), time, samples=effort.pixel // 2, seed=seed)
+            made.pictures(pictured(), time, samples=pixel // 2, seed=seed)
             for time in times
         ]
         for seed in (7, 77)
@@ -157,7 +160,7 @@ def main() -> None:
         if kind.clear:
             prove = partial(check.compared, _film(kind), kind, effort.check)
             proof = kept(folder, "proof", prove)
-    text = tables.page(made, proof, paths=(effort.sensor, effort.pixel))
+    text = tables.page(made, proof, paths=(effort.sensor, effort.pixel), film=FILM)
     print(text)
     if options.write:
         options.write.write_text(text)

@@ -22,9 +22,13 @@ from truth.setting import Kind, cameras, demo, pictured, weather
 
 @cache
 def bsdfs(kind: Kind) -> tuple[Bsdf, Bsdf]:
-    """Return the system's BSDF in Klems patches, and its tensor tree."""
+    """Return the system's BSDF in Klems patches, and its tensor tree.
+
+    Prisms scatter the sun into narrow beams, for which a tree's cells are made small.
+    """
+    halvings, samples = (7, 512) if kind.clear else (6, 2000)
     return cl.generate_bsdf(kind.cell, samples=20000, geometry=False), cl.generate_bsdf(
-        kind.cell, basis="tree4", halvings=6, samples=2000, sides="front",
+        kind.cell, basis="tree4", halvings=halvings, samples=samples, sides="front",
         geometry=False,
     )  # fmt: skip
 

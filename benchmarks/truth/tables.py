@@ -12,9 +12,20 @@ _Arrays = dict[str, np.ndarray]
 
 
 def page(
-    results: dict[Kind, _Arrays], proof: _Arrays, *, paths: tuple[int, int]
+    results: dict[Kind, _Arrays],
+    proof: _Arrays,
+    *,
+    paths: tuple[int, int],
+    film: int,
 ) -> str:
-    """Return the whole page."""
+    """Return the whole page.
+
+    Parameters
+    ----------
+    proof : of the film's truth; empty where there is none
+    paths : of the truth, of a sensor and of a pixel
+    film : times as many behind the film
+    """
     level = demo()[3]
     head = " | ".join(f"{m} < {x:.0%}" for m in ("3-phase", "5-phase") for x in LIMITS)
     lines = [
@@ -24,8 +35,8 @@ def page(
         f" {int(level.sum())} horizontal and {int((~level).sum())} vertical sensors;"
         f" DGP of {int((~level).sum())} eyes in {len(pictured().times)} of these hours,"
         f" from pictures of {EDGE} × {EDGE} pixels. The truth takes {paths[0]:,} paths"
-        f" a sensor and hour and {paths[1]:,} a pixel and hour. Made by"
-        " `benchmarks/five_phase_truth.py`.",
+        f" a sensor and hour and {paths[1]:,} a pixel and hour, behind the film {film}"
+        " times as many. Made by `benchmarks/five_phase_truth.py`.",
         "",
         f"| share of values that differ by | {head} |",
         "|---|" + "---|" * 6,
