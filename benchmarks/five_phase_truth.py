@@ -28,6 +28,7 @@ from truth.slats import Slats
 import clerestory as cl
 from clerestory.engine.device import load
 
+# Paths behind a clear film for each of those behind slats
 FILM = 4
 
 
