@@ -32,6 +32,21 @@ def test_cells_tell_places_and_facings_apart(cells):
     assert np.all(np.array(grid.number(far, up)) < grid.count)
 
 
+def test_places_in_the_sun_do_not_outvote_those_in_the_shade(device):
+    """A cell's own glances tell its shares, however bright it is elsewhere.
+
+    Thirty glances in each of two cells: in the shade one part has all the light, out
+    in the sun, ten thousand times as bright, the other. Eight of all glances beside
+    thirty of its own give a part (30 + 8/2)/38 of the squares.
+    """
+    sizes = load(device, "guide")._sizes
+    glances = np.repeat([[1.0, 0.0], [0.0, 1e4]], 30, axis=0)
+    found = sizes(glances, np.repeat([0, 1], 30), 3) ** 2
+    assert found[0] == pytest.approx([34 / 38, 4 / 38])
+    assert found[1] == pytest.approx([4 / 38, 34 / 38])
+    assert found[2] == pytest.approx([0.5, 0.5])
+
+
 def box_with_two_panes(first, second):
     """A black box under a sky, with panes of given transmissivity in its roof."""
 
