@@ -3,9 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
-from jaxtyping import Float
 
 from clerestory.bsdf.comparison import compare as compare_bsdfs
 from clerestory.bsdf.finding import Finding
@@ -22,6 +20,7 @@ from clerestory.cli.bsdf_report import (
     findings_json,
     info_lines,
 )
+from clerestory.cli.two_angles import two_angles
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.report.bsdf_plot import (
@@ -221,7 +220,9 @@ def _draw(
             f"picture {output.name!r}; a name in {', '.join(_PICTURES)} expected"
         )
     directions = [patch_direction(k, function) for k in patches or []]
-    directions += [_direction(text, function) for text in sources or []]
+    directions += [
+        direction_from_angles(*two_angles(text), function) for text in sources or []
+    ]
     bsdfs = [read_bsdf(file) for file in files]
     names = [file.stem for file in files]
     if curve:
@@ -236,13 +237,3 @@ def _draw(
         )
     with replace_file(output) as stream:
         figure.savefig(stream, format=kind[1:], dpi=150)
-
-
-def _direction(text: str, function: Function) -> Float[np.ndarray, "3"]:
-    try:
-        theta, phi = (float(word) for word in text.split(","))
-    except ValueError as error:
-        raise InputError(
-            f"direction {text!r}; two angles such as 40,90 expected"
-        ) from error
-    return direction_from_angles(theta, phi, function)

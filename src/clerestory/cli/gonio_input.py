@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.scattering import Function
+from clerestory.cli.two_angles import two_angles
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.formats.pabopto import Facing
@@ -42,12 +43,7 @@ def picture_format(output: Path) -> str:
 
 def direction_of(text: str) -> Float[np.ndarray, "3"]:
     """Return the direction of two angles with a comma between."""
-    try:
-        theta, phi = (float(word) for word in text.split(","))
-    except ValueError as error:
-        raise InputError(
-            f"direction {text!r}; two angles such as 40,90 expected"
-        ) from error
+    theta, phi = two_angles(text)
     if not 0 <= theta < 90:
         raise InputError(f"direction {text!r}; θ from 0 to below 90° expected")
     return from_degrees(theta, phi)
