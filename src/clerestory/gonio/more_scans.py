@@ -40,11 +40,13 @@ def worth_measuring(
     50.0
     """
     scans = validation.scans
-    theta = np.array([scan.theta_deg for scan in scans])
-    known = from_degrees(theta, np.array([scan.phi_deg for scan in scans]))
+    theta, phi = np.array(
+        [(scan.theta_deg, scan.phi_deg) for scan in scans], dtype=float
+    ).T
+    known = from_degrees(theta, phi)
     share = np.array([min(scan.misplaced, 1.0) for scan in scans])
     if symmetry == "isotropic":
-        azimuth = scans[int(np.argmax(theta))].phi_deg
+        azimuth = float(phi[np.argmax(theta)])
         known = from_degrees(theta, azimuth)
         candidates = from_degrees(np.linspace(0, theta.max(), 200), azimuth)
         factors = np.ones((1, 3))
