@@ -4,8 +4,13 @@ A number has one digit a level, the coarsest in the highest bits. A digit of a t
 rank 3 or 4 has one bit a dimension; the incident direction has the lowest ones.
 """
 
+from functools import cache
+
 import numpy as np
 from jaxtyping import Int
+
+# Bits of the numbers whose parts are looked up in a table.
+_TABLE_BITS = 16
 
 _Number = Int[np.ndarray, "*batch"]
 
@@ -16,9 +21,23 @@ def incident_part(number: _Number, *, rank: int, levels: int) -> _Number:
     >>> incident_part(np.array([0b1110_1101]), rank=4, levels=2).tolist()
     [9]
     """
-    bits = rank - 2
     found = np.zeros_like(number)
-    for level in range(levels):
+    together = _TABLE_BITS // rank
+    for first in range(0, levels, together):
+        digits = min(together, levels - first)
+        some = (number >> rank * first) & ((1 << rank * digits) - 1)
+        part = _incident_parts(rank, digits)[some].astype(number.dtype)
+        found |= part << (rank - 2) * first
+    return found
+
+
+@cache
+def _incident_parts(rank: int, digits: int) -> Int[np.ndarray, " number"]:
+    # The incident part of all numbers of a few digits
+    number = np.arange(1 << rank * digits)
+    found = np.zeros_like(number)
+    bits = rank - 2
+    for level in range(digits):
         digit = (number >> rank * level) & ((1 << bits) - 1)
         found |= digit << bits * level
     return found

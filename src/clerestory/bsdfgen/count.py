@@ -19,7 +19,6 @@ from clerestory.bsdfgen.refine import (
     Light,
     chosen_cells,
     climbed,
-    finest_light,
 )
 
 # Share of the paths in the first round, and paths from each cell in it if an error is
@@ -157,7 +156,8 @@ class Counter:
         # what roulette adds where nothing is lost
         share = np.bincount(incident, luminous, minlength=grid.incidents) / every
         variance = share * np.maximum(1 - share, _ROULETTE) / every
-        finest = finest_light(place, mean, noise, self.weights)
+        single = mean.astype(np.float32), noise.astype(np.float32)
+        finest = Light(place.astype(np.int32), *single)
         return Part(finest, SummedLight(share, variance), self._leaving(finest))
 
     def _leaving(self, finest: Light) -> SummedLight:

@@ -1,4 +1,4 @@
-"""Cells of a tree that keep the light of incident and of leaving cells.
+"""Pieces of a tree's cells that keep the light of incident and of leaving cells.
 
 A tree is read both ways: one transmission tells of light from the room and, by
 reciprocity, of light from the sky. Incident cells are given their light, then the
@@ -14,40 +14,35 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdfgen.keep_light import SummedLight, keep_light
-from clerestory.bsdfgen.refine import Cells
+from clerestory.bsdfgen.pieces import Pieces
 
 
 def keep_both(
-    cells: Cells,
+    pieces: list[Pieces],
+    luminous: Float[np.ndarray, " cell"],
     incident: SummedLight,
     leaving: SummedLight,
-    weights: Float[np.ndarray, " channel"],
-    *,
-    depth: int,
-) -> Cells:
-    """Return cells of rank 4 that keep the light of incident and of leaving cells.
+) -> list[Pieces]:
+    """Return pieces of rank 4 that keep the light of incident and of leaving cells.
 
     Parameters
     ----------
+    pieces : by their height above the finest cells, up to the root
+    luminous : value of each cell [1/sr]
     incident, leaving : as they were counted
-    weights : share of each channel in the luminous value
-    depth : halvings of each coordinate down to the finest cells
 
     Examples
     --------
     Four leaving cells of two brightnesses, joined:
 
-    >>> one = Cells(np.array([0], dtype=np.int32), np.array([[0.2]]), np.zeros(1),
-    ...             np.array([0]), np.array([1]))
+    >>> from clerestory.bsdfgen.pieces import uncut
+    >>> one = uncut(np.array([0]), np.array([1]), depth=1)
     >>> even = SummedLight(np.pi * np.full(4, 0.2), np.zeros(4))
     >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
-    >>> leaving = SummedLight(share, np.zeros(4))
-    >>> kept = keep_both(one, even, leaving, np.ones(1), depth=1)
-    >>> kept.value[::4, 0].round(3).tolist()
-    [0.1, 0.3, 0.1, 0.3]
+    >>> kept = keep_both(one, np.array([0.2]), even, SummedLight(share, np.zeros(4)))
+    >>> kept[0].factor[::4].round(3).tolist()
+    [0.5, 1.5, 0.5, 1.5]
     """
     for light, by_leaving in ((incident, False), (leaving, True), (incident, False)):
-        cells = keep_light(
-            cells, light, weights, rank=4, depth=depth, by_leaving=by_leaving
-        )
-    return cells
+        pieces = keep_light(pieces, luminous, light, rank=4, by_leaving=by_leaving)
+    return pieces

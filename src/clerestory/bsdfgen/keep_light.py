@@ -1,4 +1,4 @@
-"""Cells of a tree that keep the light of each incident cell, or of each leaving one.
+"""Pieces of a tree's cells that keep the light of each incident or each leaving cell.
 
 Cells are joined where their differences are no more than noise, each block for itself.
 But what a block loses from one incident cell to its neighbour, all others lose alike
@@ -13,13 +13,14 @@ cut, as many as can take the change without being changed much themselves; wide 
 then take what their incident cells have in common, and smaller ones what is left.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Float64, Int32
 
 from clerestory.bsdfgen.branches import incident_part
-from clerestory.bsdfgen.refine import Cells
+from clerestory.bsdfgen.pieces import Pieces
 
 # Joined cells are cut where the light from a part of their incident cells would else be
 # off by more than this share of all that comes, for parts of a thirty-second of the
@@ -41,6 +42,9 @@ _STRETCH = 3.0
 # is left for them may be the noise of the others.
 _CHANGE = 0.5
 
+# Pieces whose light is summed at once.
+_TOGETHER = 1 << 20
+
 
 @dataclass(frozen=True, eq=False)
 class SummedLight:
@@ -57,21 +61,20 @@ class SummedLight:
 
 
 def keep_light(
-    cells: Cells,
+    pieces: list[Pieces],
+    luminous: Float[np.ndarray, " cell"],
     light: SummedLight,
-    weights: Float[np.ndarray, " channel"],
     *,
     rank: int,
-    depth: int,
     by_leaving: bool = False,
-) -> Cells:
-    """Return cells whose joined values are cut and scaled to keep the incident light.
+) -> list[Pieces]:
+    """Return pieces whose joined ones are cut and scaled to keep the incident light.
 
     Parameters
     ----------
+    pieces : by their height above the finest cells, up to the root
+    luminous : value of each cell [1/sr]
     light : as it was counted
-    weights : share of each channel in the luminous value
-    depth : halvings of each coordinate down to the finest cells
     by_leaving : whether light is that of leaving cells, which take the place of the
         incident ones; for rank 4
 
@@ -79,27 +82,31 @@ def keep_light(
     --------
     A block of 2 × 2 incident and 2 × 2 leaving cells, all in one:
 
-    >>> one = Cells(np.array([0], dtype=np.int32), np.array([[0.2]]), np.zeros(1),
-    ...             np.array([0]), np.array([1]))
+    >>> from clerestory.bsdfgen.pieces import uncut
+    >>> one = uncut(np.array([0]), np.array([1]), depth=1)
     >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
     >>> light = SummedLight(share, np.zeros(4))
-    >>> kept = keep_light(one, light, np.ones(1), rank=4, depth=1)
-    >>> kept.value[:4, 0].round(3).tolist()
-    [0.1, 0.3, 0.1, 0.3]
+    >>> kept = keep_light(one, np.array([0.2]), light, rank=4)
+    >>> kept[0].factor[:4].round(3).tolist()
+    [0.5, 1.5, 0.5, 1.5]
     """
-    tally = _Tally(light.share, weights, rank, depth, 2 if by_leaving else 0)
-    joined = cells.height > 0
+    depth = len(pieces) - 1
+    tally = _Tally(luminous, len(light.share), rank, depth, 2 if by_leaving else 0)
+    alone, joined = pieces[0], [pieces[0].only(slice(0)), *pieces[1:]]
     doubt = (_SURE_LEAVING if by_leaving else _SURE) ** 2 * light.variance
-    scale, together = tally.scales(cells, joined)
-    cut = cells
-    for height in range(int(cells.height.max(initial=0)), 0, -1):
+    left = np.maximum(light.share - tally.light(alone, 0), 0)
+    together = tally.lights(joined)
+    scale = np.where(together > 0, left / np.where(together > 0, together, 1), 1)
+    for height in range(depth, 0, -1):
         wide = 1 << (rank - 2) * height
         moved = _moved(scale, together, doubt, height, bits=rank - 2, depth=depth)
-        finer = _means(tally.light(cut, joined & (cut.height < height)), wide)
+        finer = _means(tally.lights(joined[:height]), wide)
         need = np.minimum(_STRETCH * moved, _means(together, wide)) - finer
-        split = tally.brightest(cut, joined & (cut.height == height), need * wide)
-        cut, joined = _cut(cut, joined, split, rank=rank)
-    return tally.scaled(cut, joined)
+        split = tally.brightest(joined[height], need * wide, height)
+        joined[height], branches = joined[height].cut(split, rank=rank)
+        joined[height - 1] = joined[height - 1].beside(branches)
+    scaled = tally.scaled(joined, left)
+    return [alone.beside(scaled[0]), *scaled[1:]]
 
 
 def _moved(
@@ -134,131 +141,73 @@ def _means(
 
 @dataclass(frozen=True, eq=False)
 class _Tally:
-    # Sums of the light of cells by their incident cells
-    share: Float[np.ndarray, " incident"]
-    weights: Float[np.ndarray, " channel"]
+    # Sums of the light of pieces by their incident cells
+    luminous: Float[np.ndarray, " cell"]
+    incidents: int
     rank: int
     depth: int
     skip: int  # bits of a digit before those of the cells whose light is kept
 
-    def light(
-        self, cells: Cells, of: Bool[np.ndarray, " cell"]
-    ) -> Float[np.ndarray, " incident"]:
-        """Share of the light that some cells have from each incident cell."""
-        total = np.zeros(len(self.share))
-        for height in np.unique(cells.height[of]):
-            wide = 1 << (self.rank - 2) * int(height)
-            which = np.flatnonzero(of & (cells.height == height))
-            block = self.block(cells, which, int(height))
-            light = self.luminous(cells, which) * 4.0**height
-            total += np.repeat(np.bincount(block, light, len(total) // wide), wide)
+    def lights(self, pieces: Sequence[Pieces]) -> Float64[np.ndarray, " incident"]:
+        """Share of the light that pieces of the lowest heights have from each cell."""
+        total = np.zeros(self.incidents)
+        for height, part in enumerate(pieces):
+            total += self.light(part, height)
         return total
 
-    def luminous(
-        self, cells: Cells, which: Int[np.ndarray, " some"]
-    ) -> Float[np.ndarray, " some"]:
-        """Share of the light in one finest leaving cell of some cells."""
-        value = cells.value[which] @ self.weights
-        return np.asarray(value * np.pi / 4.0**self.depth)
+    def light(self, pieces: Pieces, height: int) -> Float64[np.ndarray, " incident"]:
+        """Share of the light that pieces of one height have from each cell."""
+        wide = 1 << (self.rank - 2) * height
+        sums = np.zeros(self.incidents // wide)
+        for start in range(0, len(pieces), _TOGETHER):
+            some = pieces.only(slice(start, start + _TOGETHER))
+            block = self.block(some, height)
+            sums += np.bincount(block, self.share(some, height), len(sums))
+        return np.repeat(sums, wide)
 
-    def block(
-        self, cells: Cells, which: Int[np.ndarray, " some"], height: int
-    ) -> Int[np.ndarray, " some"]:
-        """Number of the incident cell of some cells of a height."""
+    def share(self, pieces: Pieces, height: int) -> Float64[np.ndarray, " piece"]:
+        """Share of the light from one finest incident cell in each piece."""
+        size = np.pi * 4.0 ** (height - self.depth)
+        return np.asarray(self.luminous[pieces.cell] * pieces.factor * size)
+
+    def block(self, pieces: Pieces, height: int) -> Int32[np.ndarray, " piece"]:
+        """Number of the incident cell of each piece, among all as wide."""
         levels = self.depth - height
-        place = cells.place[which] >> self.skip
-        return incident_part(place, rank=self.rank, levels=levels)
-
-    def scales(
-        self, cells: Cells, joined: Bool[np.ndarray, " cell"]
-    ) -> tuple[Float[np.ndarray, " incident"], Float[np.ndarray, " incident"]]:
-        """What joined cells are to be multiplied by, and the light that they have."""
-        together = self.light(cells, joined)
-        left = np.maximum(self.share - self.light(cells, ~joined), 0)
-        known = together > 0
-        return np.where(known, left / np.where(known, together, 1), 1), together
+        return incident_part(pieces.place >> self.skip, rank=self.rank, levels=levels)
 
     def brightest(
-        self,
-        cells: Cells,
-        of: Bool[np.ndarray, " cell"],
-        need: Float[np.ndarray, " block"],
-    ) -> Bool[np.ndarray, " cell"]:
-        """Brightest cells of one height that have as much light as each block needs."""
-        found = np.zeros(len(of), dtype=bool)
-        which = np.flatnonzero(of)
-        if not len(which):
+        self, pieces: Pieces, need: Float[np.ndarray, " block"], height: int
+    ) -> Bool[np.ndarray, " piece"]:
+        """Brightest pieces of one height that have as much light as blocks need."""
+        found = np.zeros(len(pieces), dtype=bool)
+        if not len(pieces):
             return found
-        height = int(cells.height[which[0]])
-        block = self.block(cells, which, height)
-        light = self.luminous(cells, which) * 4.0**height
-        light *= 1 << (self.rank - 2) * height
+        block = self.block(pieces, height)
+        light = self.share(pieces, height) * (1 << (self.rank - 2) * height)
         order = np.lexsort((-light, block))
         block, light = block[order], light[order]
         before = np.cumsum(light) - light
         first = np.searchsorted(block, np.arange(len(need)))
         start = before[np.minimum(first, len(before) - 1)]
-        found[which[order]] = before - start[block] < need[block]
+        found[order] = (light > 0) & (before - start[block] < need[block])
         return found
 
-    def scaled(self, cells: Cells, joined: Bool[np.ndarray, " cell"]) -> Cells:
-        """Scale joined cells: wide ones by what is common, smaller ones by the rest."""
-        alone = self.light(cells, ~joined)
-        left = np.maximum(self.share - alone, 0)
-        factor = np.ones(len(joined))
-        rest = every = self.light(cells, joined)
-        for height in np.unique(cells.height[joined])[::-1]:
-            of = joined & (cells.height == height)
-            which = np.flatnonzero(of)
-            wide = 1 << (self.rank - 2) * int(height)
+    def scaled(
+        self, pieces: list[Pieces], left: Float64[np.ndarray, " incident"]
+    ) -> list[Pieces]:
+        """Scale wide pieces by what is common in what is left, smaller by the rest."""
+        found = list(pieces)
+        own = [self.light(part, height) for height, part in enumerate(pieces)]
+        rest = every = np.sum(own, axis=0)
+        for height in range(self.depth, -1, -1):
+            wide = 1 << (self.rank - 2) * height
             target, have = _means(left, wide), _means(rest, wide)
             ratio = np.where(have > 0, target / np.where(have > 0, have, 1), 1)
             few = have < _means(every, wide) / 2
             ratio[few] = np.clip(ratio[few], 1 - _CHANGE, 1 + _CHANGE)
-            own = self.light(cells, of)
-            factor[which] = ratio[self.block(cells, which, int(height))]
-            left = np.maximum(left - own * np.repeat(ratio, wide), 0)
-            rest = rest - own
-        return Cells(
-            cells.slots,
-            cells.value * factor[:, None],
-            cells.noise * factor**2,
-            cells.place,
-            cells.height,
-        )
-
-
-def _cut(
-    cells: Cells,
-    joined: Bool[np.ndarray, " cell"],
-    split: Bool[np.ndarray, " cell"],
-    *,
-    rank: int,
-) -> tuple[Cells, Bool[np.ndarray, " made"]]:
-    # Put branches of the same value in place of some cells
-    if not split.any():
-        return cells, joined
-    width = 1 << rank
-    old = np.flatnonzero(split)
-    number = np.cumsum(~split) - 1
-    kept = int((~split).sum())
-    fresh = kept + np.arange(len(old) * width, dtype=np.int32)
-    entry = np.where(split, 0, number)
-    entry[old] = ~(len(cells.slots) + np.arange(len(old)) * width)
-    slots = cells.slots.copy()
-    ends = slots >= 0
-    slots[ends] = entry[slots[ends]]
-
-    def grown(part: np.ndarray, branches: np.ndarray) -> np.ndarray:
-        return np.concatenate([part[~split], branches])
-
-    repeated = np.repeat(old, width)
-    place = (cells.place[old, None] << rank) + np.arange(width)
-    made = Cells(
-        np.concatenate([slots, fresh]).astype(np.int32),
-        grown(cells.value, cells.value[repeated]),
-        grown(cells.noise, cells.noise[repeated]),
-        grown(cells.place, place.ravel()),
-        grown(cells.height, cells.height[repeated] - 1),
-    )
-    return made, grown(joined, joined[repeated])
+            part = pieces[height]
+            factor = ratio.astype(np.float32)[self.block(part, height)]
+            found[height] = Pieces(part.place, part.cell, part.factor * factor)
+            left = np.maximum(left - own[height] * np.repeat(ratio, wide), 0)
+            rest = rest - own[height]
+        return found

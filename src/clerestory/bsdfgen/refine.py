@@ -19,7 +19,7 @@ D. L. Donoho, "CART and best-ortho-basis: a connection", Annals of Statistics 25
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int, Int32, Int64
+from jaxtyping import Bool, Float, Int
 
 # The λ above. For a blind at 2,000 paths a cell, errors were least from 1 to 2, with a
 # third of the cells at 2.
@@ -36,42 +36,44 @@ class Light:
         ascending
     mean : of each channel over the finest cells below [1/sr]
     noise : sum of the variances of the finest cells' luminous values
-    cost : of the best cells below
-    split : whether the branches stay apart
     """
 
-    place: Int64[np.ndarray, " node"]
+    place: Int[np.ndarray, " node"]
     mean: Float[np.ndarray, "node channel"]
     noise: Float[np.ndarray, " node"]
-    cost: Float[np.ndarray, " node"]
-    split: Bool[np.ndarray, " node"]
 
 
-def finest_light(
-    place: Int64[np.ndarray, " cell"],
-    mean: Float[np.ndarray, "cell channel"],
-    noise: Float[np.ndarray, " cell"],
-    weights: Float[np.ndarray, " channel"],
-) -> Light:
-    """Return the level of the finest cells, which do not split.
+@dataclass(frozen=True, eq=False)
+class Level:
+    """Nodes of one level, and whether their branches stay apart.
 
-    Parameters
+    Attributes
     ----------
-    place : ascending
-    noise : variance of the luminous value of each cell
-    weights : share of each channel in the luminous value
+    light : of the nodes
+    split : whether the branches of each stay apart
     """
-    nothing = np.zeros(len(mean), dtype=bool)
-    return Light(place, mean, noise, _cost(mean @ weights, noise, 1), nothing)
+
+    light: Light
+    split: Bool[np.ndarray, " node"]
 
 
 def climbed(
     finest: Light, weights: Float[np.ndarray, " channel"], *, rank: int, levels: int
-) -> list[Light]:
-    """Return the levels from the roots to the finest cells, with decisions to split."""
-    found = [finest]
+) -> list[Level]:
+    """Return the levels from the roots to the finest cells, with decisions to split.
+
+    Parameters
+    ----------
+    finest : of the finest cells, which do not split
+    weights : share of each channel in the luminous value
+    """
+    cost = _cost(finest.mean @ weights, finest.noise, 1)
+    found = [Level(finest, np.zeros(len(cost), dtype=bool))]
     for height in range(1, levels + 1):
-        found.append(_coarser(found[-1], weights, rank=rank, height=height))
+        light, apart = _coarser(found[-1].light, cost, rank=rank)
+        together = _cost(light.mean @ weights, light.noise, 1 << rank * height)
+        found.append(Level(light, apart < together))
+        cost = np.minimum(apart, together)
     if rank == 3 and levels > 0:
         # The upper half of the root is never looked up: its mean says nothing
         found[-1].split[:] = True
@@ -79,19 +81,16 @@ def climbed(
 
 
 def _coarser(
-    below: Light, weights: Float[np.ndarray, " channel"], *, rank: int, height: int
-) -> Light:
-    # The level above a level
+    below: Light, cost: Float[np.ndarray, " node"], *, rank: int
+) -> tuple[Light, Float[np.ndarray, " above"]]:
+    # The level above a level, and what the cells below cost
     above = below.place >> rank
     first = np.flatnonzero(np.diff(above, prepend=-1))
     mean, noise, apart = (
-        np.add.reduceat(part, first) if len(first) else part
-        for part in (below.mean, below.noise, below.cost)
+        np.add.reduceat(part, first, dtype=float) if len(first) else part
+        for part in (below.mean, below.noise, cost)
     )
-    mean = mean / (1 << rank)
-    together = _cost(mean @ weights, noise, 1 << rank * height)
-    split = apart < together
-    return Light(above[first], mean, noise, np.where(split, apart, together), split)
+    return Light(above[first], mean / (1 << rank), noise), apart
 
 
 def _cost(
@@ -109,56 +108,43 @@ class Cells:
 
     Attributes
     ----------
-    slots : of the roots, then of all branches, as in a `ScatteringTree`; where one of
-        that holds a value, these hold the number of a cell
     value : of each cell and channel [1/sr]
     noise : variance of each cell's luminous value
     place : number of each cell among the nodes of its level
     height : of each cell above the finest cells
     """
 
-    slots: Int32[np.ndarray, " slot"]
     value: Float[np.ndarray, "cell channel"]
     noise: Float[np.ndarray, " cell"]
     place: Int[np.ndarray, " cell"]
     height: Int[np.ndarray, " cell"]
 
 
-def chosen_cells(levels: list[Light], *, rank: int, roots: int = 1) -> Cells:
+def chosen_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
     """Return the cells of levels from the roots to the finest cells."""
     branches = np.arange(1 << rank)
     at = np.arange(roots)
-    size, count = roots, 0
-    slots: list[Int32[np.ndarray, " slot"]] = []
     found: list[tuple[np.ndarray, ...]] = []
     for depth, level in enumerate(levels):
         height = len(levels) - 1 - depth
-        node, lit = _nodes(level, at)
-        keep = lit & level.split[node] if len(level.place) else lit
+        node, lit = _nodes(level.light, at)
+        keep = lit & level.split[node] if len(level.split) else lit
         lit, node = lit[~keep], node[~keep]
-        mean, noise = np.zeros((len(lit), level.mean.shape[1])), np.zeros(len(lit))
-        mean[lit] = level.mean[node[lit]]
-        noise[lit] = level.noise[node[lit]] / 4.0 ** (rank * height)
-        region = np.empty(len(at), dtype=np.int32)
-        region[~keep] = count + np.arange(len(lit))
-        region[keep] = ~(size + (np.arange(int(keep.sum())) << rank))
-        slots.append(region)
-        count += len(lit)
-        size += int(keep.sum()) << rank
+        mean = np.zeros((len(lit), level.light.mean.shape[1]))
+        noise = np.zeros(len(lit))
+        mean[lit] = level.light.mean[node[lit]]
+        noise[lit] = level.light.noise[node[lit]] / 4.0 ** (rank * height)
         found.append((mean, noise, at[~keep], np.full(len(lit), height)))
         at = ((at[keep] << rank)[:, None] + branches).ravel()
-    value, noise, place, heights = (
-        np.concatenate(part) for part in zip(*found, strict=True)
-    )
-    return Cells(np.concatenate(slots), value, noise, place, heights)
+    return Cells(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
 
 def _nodes(
-    level: Light, place: Int64[np.ndarray, " node"]
-) -> tuple[Int64[np.ndarray, " node"], Bool[np.ndarray, " node"]]:
+    light: Light, place: Int[np.ndarray, " node"]
+) -> tuple[Int[np.ndarray, " node"], Bool[np.ndarray, " node"]]:
     # Where nodes stand in a level, and whether they do
-    if not len(level.place):
+    if not len(light.place):
         return np.zeros_like(place), np.zeros(len(place), dtype=bool)
-    at = np.searchsorted(level.place, place)
-    at = np.minimum(at, len(level.place) - 1)
-    return at, level.place[at] == place
+    at = np.searchsorted(light.place, place)
+    at = np.minimum(at, len(light.place) - 1)
+    return at, light.place[at] == place

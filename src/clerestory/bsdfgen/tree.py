@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Float32
 
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_combine import bits_of
@@ -12,6 +12,7 @@ from clerestory.bsdfgen.branches import joined
 from clerestory.bsdfgen.count import Counter, Part
 from clerestory.bsdfgen.keep_both import keep_both
 from clerestory.bsdfgen.keep_light import SummedLight, keep_light
+from clerestory.bsdfgen.pieces import Pieces, slots_of, uncut
 from clerestory.bsdfgen.refine import Cells, Light, chosen_cells, climbed
 from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
 from clerestory.constants import LUMINANCE_WEIGHTS
@@ -48,11 +49,15 @@ def trace_trees(
             found.append(counter.count(effort))
             paths, reached = paths + found[-1].paths, reached and found[-1].reached
         side = "back" if back else "front"
-        for kind in ("transmission", "reflection"):
-            blocks = [getattr(part, kind) for part in found]
-            cells = _chosen(blocks, weights, grid)
+        parts = {
+            "transmission": [counted.transmission for counted in found],
+            "reflection": [counted.reflection for counted in found],
+        }
+        del found
+        for kind in list(parts):
+            # What was counted takes memory, and is not needed any more
+            made = _trees(*_pieces(parts.pop(kind), weights, grid), grid, request)
             name: Any = f"{kind}_{side}"
-            made = _trees(cells, grid, request)
             functions |= {(band, name): tree for band, tree in made.items()}
     if effort.progress is not None:
         effort.progress(1.0, "done")
@@ -69,24 +74,28 @@ def _block(rank: int, depth: int, channels: int) -> int:
     return within
 
 
-def _chosen(
+def _pieces(
     blocks: list[Part], weights: Float[np.ndarray, " channel"], grid: Any
-) -> Cells:
-    # Cells of the whole tree, of which blocks have counted their parts
+) -> tuple[Cells, list[Pieces]]:
+    # Cells of the whole tree, of which blocks have counted their parts, and their cuts
     rank, depth = grid.rank, grid.depth
     levels = climbed(_whole(blocks, grid), weights, rank=rank, levels=depth)
     cells = chosen_cells(levels, rank=rank)
+    del levels
     light = SummedLight(
         np.concatenate([part.incident.share for part in blocks]),
         np.concatenate([part.incident.variance for part in blocks]),
     )
-    if rank == 3:
-        return keep_light(cells, light, weights, rank=rank, depth=depth)
     leaving = SummedLight(
         np.sum([part.leaving.share for part in blocks], axis=0),
         np.sum([part.leaving.variance for part in blocks], axis=0),
     )
-    return keep_both(cells, light, leaving, weights, depth=depth)
+    blocks.clear()
+    luminous = cells.value @ weights
+    pieces = uncut(cells.place, cells.height, depth=depth)
+    if rank == 3:
+        return cells, keep_light(pieces, luminous, light, rank=rank)
+    return cells, keep_both(pieces, luminous, light, leaving)
 
 
 def _whole(blocks: list[Part], grid: Any) -> Light:
@@ -99,17 +108,17 @@ def _whole(blocks: list[Part], grid: Any) -> Light:
         root, inside = np.divmod(part.finest.place, 1 << inner)
         block = np.full_like(root, number)
         above = joined(block, root, rank=grid.rank, levels=grid.depth - grid.block)
-        places.append(above << inner | inside)
+        places.append((above << inner | inside).astype(np.int32))
     place = np.concatenate(places)
     order = np.argsort(place, kind="stable")
-    rest = (
-        np.concatenate([getattr(part.finest, name) for part in blocks])[order]
-        for name in ("mean", "noise", "cost", "split")
-    )
-    return Light(place[order], *rest)
+    mean = np.concatenate([part.finest.mean for part in blocks])
+    noise = np.concatenate([part.finest.noise for part in blocks])
+    return Light(place[order], mean[order], noise[order])
 
 
-def _trees(cells: Cells, grid: Any, request: TraceRequest) -> dict[str, ScatteringTree]:
+def _trees(
+    cells: Cells, pieces: list[Pieces], grid: Any, request: TraceRequest
+) -> dict[str, ScatteringTree]:
     # Values of each band on the same cells; errors are those of the luminous value
     channels = cells.value.T
     weights = LUMINANCE_WEIGHTS if len(channels) == 3 else (1.0, 0.0, 0.0)
@@ -120,20 +129,24 @@ def _trees(cells: Cells, grid: Any, request: TraceRequest) -> dict[str, Scatteri
         out=np.zeros_like(luminous),
         where=luminous > 0,
     )
+    slots = slots_of(pieces, rank=grid.rank)
+    ends = slots >= 0
+    cell = np.concatenate([part.cell for part in pieces])[slots[ends]]
+    factor = np.concatenate([part.factor for part in pieces])[slots[ends]]
 
     def tree(
-        value: Float[np.ndarray, " cell"], error: ScatteringTree | None
+        value: Float32[np.ndarray, " end"], error: ScatteringTree | None
     ) -> ScatteringTree:
-        inner = cells.slots < 0
-        cell = np.where(inner, 0, cells.slots)
-        slots = np.where(inner, cells.slots, bits_of(value)[cell])
-        return ScatteringTree(slots.astype(np.int32), grid.rank, grid.depth, error)
+        held = slots.copy()
+        held[ends] = bits_of(value)
+        return ScatteringTree(held, grid.rank, grid.depth, error)
 
     made = {}
     for band, of in request.bands.items():
-        value = band_values(channels, of)
-        made[band] = tree(value, tree(value * relative, None))
+        value = band_values(channels, of).astype(np.float32)
+        error = (value * relative).astype(np.float32)
+        made[band] = tree(value[cell] * factor, tree(error[cell] * factor, None))
     if request.colour:
-        u, v = chromaticity(channels)
+        u, v = (part.astype(np.float32)[cell] for part in chromaticity(channels))
         made |= {"cie-u": tree(u, None), "cie-v": tree(v, None)}
     return made

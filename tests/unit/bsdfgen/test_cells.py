@@ -6,7 +6,8 @@ import pytest
 from clerestory.bsdf.tree_table import look_up
 from clerestory.bsdfgen.branches import incident_part, joined
 from clerestory.bsdfgen.keep_light import SummedLight, keep_light
-from clerestory.bsdfgen.refine import chosen_cells, climbed, finest_light
+from clerestory.bsdfgen.pieces import slots_of, uncut
+from clerestory.bsdfgen.refine import Light, chosen_cells, climbed
 
 WHOLE = np.array([1.0])
 
@@ -14,18 +15,22 @@ WHOLE = np.array([1.0])
 def levels(value, noise, rank, depth):
     """Levels above cells of which those that hold nothing are left out."""
     lit = np.flatnonzero(value > 0)
-    finest = finest_light(lit, value[lit, None], noise[lit], WHOLE)
+    finest = Light(lit, value[lit, None], noise[lit])
     return climbed(finest, WHOLE, rank=rank, levels=depth)
 
 
-def expanded(cells, rank, depth):
-    """Value of each finest cell."""
-    value = np.empty(1 << rank * depth)
-    for place, height, mean in zip(
-        cells.place, cells.height, cells.value[:, 0], strict=True
-    ):
-        size = 1 << rank * height
-        value[place * size : (place + 1) * size] = mean
+def whole(cells, depth):
+    """Cells as pieces that are not cut."""
+    return uncut(cells.place, cells.height, depth=depth)
+
+
+def expanded(cells, pieces, rank):
+    """Value of each finest cell; NaN where there is no piece."""
+    value = np.full(1 << rank * (len(pieces) - 1), np.nan)
+    for height, part in enumerate(pieces):
+        rows = value.reshape(-1, 1 << rank * height)
+        assert np.all(np.isnan(rows[part.place]))
+        rows[part.place] = (cells.value[part.cell, 0] * part.factor)[:, None]
     return value
 
 
@@ -47,7 +52,7 @@ def test_pure_noise_is_joined():
     count = rng.poisson(3.0, 1 << 12).astype(float)
     cells = chosen_cells(levels(count, count, 4, 3), rank=4)
     assert len(cells.value) < 300
-    error = np.sqrt(np.mean((expanded(cells, 4, 3) - 3) ** 2))
+    error = np.sqrt(np.mean((expanded(cells, whole(cells, 3), 4) - 3) ** 2))
     assert error < 0.3 * np.sqrt(3.0)
 
 
@@ -58,7 +63,7 @@ def test_peaks_stay_apart():
     truth[777] = 5000.0
     count = rng.poisson(truth).astype(float)
     cells = chosen_cells(levels(count, count, 4, 3), rank=4)
-    assert expanded(cells, 4, 3)[777] == count[777]
+    assert expanded(cells, whole(cells, 3), 4)[777] == count[777]
     assert len(cells.value) < 400
 
 
@@ -67,28 +72,31 @@ def test_cells_keep_the_light():
     rng = np.random.default_rng(3)
     count = rng.poisson(rng.exponential(4, 1 << 9)).astype(float)
     cells = chosen_cells(levels(count, count, 3, 3), rank=3)
-    assert expanded(cells, 3, 3).sum() == pytest.approx(count.sum())
+    assert expanded(cells, whole(cells, 3), 3).sum() == pytest.approx(count.sum())
 
 
-def test_slots_lead_to_the_cells():
-    """Looking up each finest place finds the cell that it lies in."""
-    rng = np.random.default_rng(4)
-    depth, rank = 2, 4
-    count = rng.poisson(rng.exponential(30, 1 << rank * depth)).astype(float)
-    cells = chosen_cells(levels(count, count, rank, depth), rank=rank)
-    values = cells.value[:, 0].astype(np.float32)
-    inner = cells.slots < 0
-    slots = np.where(
-        inner, cells.slots, values.view(np.int32)[np.where(inner, 0, cells.slots)]
-    ).astype(np.int32)
+def looked_up(slots, rank, depth):
+    """Slot at each finest place, by the tables that read files."""
     number = np.arange(1 << rank * depth)
     place = np.zeros((rank, len(number)), dtype=np.int32)
     for dimension in range(rank):
         for level in range(depth):
             bit = (number >> (rank * level + dimension)) & 1
             place[dimension] |= (bit << level).astype(np.int32)
-    found, _ = look_up(slots, tuple(place), depth=depth)
-    assert np.array_equal(found, expanded(cells, rank, depth).astype(np.float32))
+    return look_up(slots, tuple(place), depth=depth)[0].view(np.int32)
+
+
+def test_slots_lead_to_the_cells():
+    """Looking up each finest place finds the piece that it lies in."""
+    rng = np.random.default_rng(4)
+    depth, rank = 2, 4
+    count = rng.poisson(rng.exponential(30, 1 << rank * depth)).astype(float)
+    cells = chosen_cells(levels(count, count, rank, depth), rank=rank)
+    pieces = whole(cells, depth)
+    number = looked_up(slots_of(pieces, rank=rank), rank, depth)
+    cell = np.concatenate([part.cell for part in pieces])
+    found = cells.value[cell[number], 0]
+    assert np.array_equal(found, expanded(cells, pieces, rank))
 
 
 def steep_block(seed=4, paths=200):
@@ -103,47 +111,57 @@ def steep_block(seed=4, paths=200):
     return incident, count, count / size, count / size**2
 
 
-def test_joined_cells_keep_the_light_of_each_incident_cell():
-    """Single values are lost in noise; the light in all is known ten times better."""
-    depth, paths = 3, 200
+def kept_block(depth, variance, paths=200):
+    """Cells of a steep block, pieces that keep its light, and what was counted."""
     incident, count, value, noise = steep_block(paths=paths)
     cells = chosen_cells(levels(value, noise, 4, depth), rank=4)
     counted = np.bincount(incident, count) / paths
-    light = SummedLight(counted, np.zeros(len(counted)))
-    kept = keep_light(cells, light, WHOLE, rank=4, depth=depth)
-    size = np.pi / 4**depth
+    light = SummedLight(counted, np.full(len(counted), variance))
+    luminous = cells.value[:, 0]
+    kept = keep_light(whole(cells, depth), luminous, light, rank=4)
+    return cells, kept, incident, counted
 
-    def in_all(found):
-        return np.bincount(incident, expanded(found, 4, depth)) * size
 
-    assert np.abs(in_all(cells) - counted).max() > 0.1
+def test_joined_cells_keep_the_light_of_each_incident_cell():
+    """Single values are lost in noise; the light in all is known ten times better."""
+    depth = 3
+    cells, kept, incident, counted = kept_block(depth, 0.0)
+
+    def in_all(pieces):
+        # `expanded` has found that no place is in two pieces
+        value = expanded(cells, pieces, 4)
+        assert not np.any(np.isnan(value))
+        return np.bincount(incident, value) * np.pi / 4**depth
+
+    before = in_all(whole(cells, depth))
+    assert np.abs(before - counted).max() > 0.1
     assert np.abs(in_all(kept) - counted).max() < 0.02 + 1e-9
-    assert in_all(kept).sum() == pytest.approx(in_all(cells).sum())
-    # Every finest cell still belongs to one cell
-    span = 1 << 4 * kept.height
-    assert span.sum() == 1 << 4 * depth
-    assert np.array_equal(np.sort(kept.slots[kept.slots >= 0]), np.arange(len(span)))
+    assert in_all(kept).sum() == pytest.approx(before.sum())
 
 
 def test_slots_of_cut_cells_lead_to_their_values():
     depth = 3
-    incident, count, value, noise = steep_block()
-    cells = chosen_cells(levels(value, noise, 4, depth), rank=4)
-    light = SummedLight(np.bincount(incident, count) / 200, np.zeros(64))
-    kept = keep_light(cells, light, WHOLE, rank=4, depth=depth)
-    for number in (0, len(kept.place) // 2, len(kept.place) - 1):
-        place, height = int(kept.place[number]), int(kept.height[number])
-        slot = int(kept.slots[0])
-        for level in range(depth - height - 1, -1, -1):
-            branch = place >> 4 * level & 15
-            slot = int(kept.slots[~slot + branch])
-        assert slot == number
+    cells, kept, _, _ = kept_block(depth, 0.0)
+    number = looked_up(slots_of(kept, rank=4), 4, depth)
+    cell = np.concatenate([part.cell for part in kept])
+    factor = np.concatenate([part.factor for part in kept])
+    found = (cells.value[cell, 0] * factor)[number]
+    assert np.array_equal(found, expanded(cells, kept, 4))
 
 
 def test_light_that_is_hardly_known_cuts_nothing():
-    incident, count, value, noise = steep_block()
-    cells = chosen_cells(levels(value, noise, 4, 3), rank=4)
-    share = np.bincount(incident, count) / 200
-    vague = SummedLight(share, np.full(64, 100.0))
-    kept = keep_light(cells, vague, WHOLE, rank=4, depth=3)
-    assert np.array_equal(kept.slots, cells.slots)
+    cells, kept, _, _ = kept_block(3, 100.0)
+    assert [len(part) for part in kept] == [len(part) for part in whole(cells, 3)]
+
+
+@pytest.mark.parametrize("rank", [3, 4])
+def test_dark_pieces_are_not_cut(rank):
+    """Where one half of a block is dark, light is moved in the other alone."""
+    branch = np.arange(1 << rank)
+    lit = branch >> (rank - 1) == 0
+    pieces = uncut(branch, np.ones(len(branch), int), depth=2)
+    share = np.tile([0.05, 0.4], 1 << 2 * (rank - 2) - 1)
+    light = SummedLight(share, np.zeros(len(share)))
+    kept = keep_light(pieces, np.where(lit, 0.2, 0.0), light, rank=rank)
+    assert len(kept[0])
+    assert np.all(lit[kept[0].cell])
