@@ -1,13 +1,14 @@
 """How far stacked glazing is from LBNL's WINDOW engine, and how long both take.
 
-    python benchmarks/glazing.py DATA [--stacks] [--write FILE]
+    python benchmarks/glazing.py DATA [--stacks] [--shade FILE] [--write FILE]
 
 DATA is a folder with LBNL's products and expected results (`wincalc/products`,
 `wincalc/expected`). With --stacks, stacks are computed by pywincalc too, which takes
 minutes. Differences are the largest of all directions, sides and both bands, absolute.
 
 LBNL's results of several layers (`tests/parity/wincalc_systems.py`) are asked whether
-what passes, what goes back and what layers keep make up all light.
+what passes, what goes back and what layers keep make up all light. Its four layers are
+made again if `test/products/shade_full.xml` of its repository is given as --shade.
 """
 
 import argparse
@@ -142,11 +143,35 @@ def sums() -> list[str]:
     return [*lines, "", "Ours add up to 1 by construction, which tests show."]
 
 
+def four(data: Path, shade: Path) -> list[str]:
+    """Return what ours are off LBNL's results of four layers, along the normal."""
+    panes = ("nfrc_9962.json", "CLEAR_3.json", "nfrc_11561.json")
+    layers = [read_layer(file) for file in (*(product(data, n) for n in panes), shade)]
+    stacked = stack_layers(layers, partition=klems("full"))
+    lines = [
+        "",
+        "| light on four layers | passes | goes back | shade keeps | panes keep |",
+    ]
+    lines += ["|---|---|---|---|---|"]
+    for (channel, side), (passed, thrown, kept) in FOUR_LAYERS.items():
+        t, r = (
+            stacked.direct_hemispherical(f"{kind}_{side}", channel=channel)[0]
+            for kind in PARTS
+        )
+        off = stacked.absorptance[channel, side][:, 0] - kept
+        lines.append(
+            f"| {channel}, {side} | {t - passed:+.6f} | {r - thrown:+.6f}"
+            f" | {off[-1]:+.6f} | {' '.join(f'{pane:+.4f}' for pane in off[:-1])} |"
+        )
+    return [*lines, "", "Ours less LBNL's, along the normal."]
+
+
 def main() -> None:
     """Read the command line, compare, print and write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", type=Path)
     parser.add_argument("--stacks", action="store_true")
+    parser.add_argument("--shade", type=Path, help="WinCalc's shade_full.xml")
     parser.add_argument("--write", type=Path, help="Markdown file to write")
     options = parser.parse_args()
     warnings.simplefilter("ignore", ClerestoryWarning)
@@ -158,6 +183,8 @@ def main() -> None:
         a, b, c = single(options.data, case)
         lines.append(f"| {case} | {a:.5f} | {b:.5f} | {c:.5f} |")
     lines += sums()
+    if options.shade:
+        lines += four(options.data, options.shade)
     if options.stacks:
         lines += ["", f"## Stacks, against pywincalc {version('pywincalc')}", ""]
         lines += ["| stack | shares | absorptance | pywincalc [s] | ours [s] |"]

@@ -1,5 +1,6 @@
 """Writer of BSDF files in LBNL's XML schema, for Radiance, WINDOW and ourselves."""
 
+from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from clerestory.bsdf.product import Detail, Product, usual_spectra
 from clerestory.bsdf.scattering import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_writer import format_tree
+from clerestory.bsdf.tree_writer import tree_lines
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.hemisphere.partition import RingPartition
@@ -35,6 +36,9 @@ _LABELS = {
 # Stands for a text that is not given: WinCalc wants names, readers take it for empty.
 _BLANK = "\N{NO-BREAK SPACE}"
 
+# Where the values of a function go. A comment may hold the same, but only before them.
+_NO_VALUES = b"<ScatteringData/>"
+
 
 def write_bsdf(
     path: str | Path, bsdf: Bsdf, *, digits: int | None = None, comment: str = ""
@@ -54,16 +58,24 @@ def write_bsdf(
     OutputError : the file cannot be written
     """
     try:
-        root = _window_element(bsdf, digits, comment)
+        root = _window_element(bsdf, comment)
     except ValueError as error:
         raise InputError(f"BSDF {bsdf.product.name!r}: {error}") from error
     etree.indent(root, space=" ")
     text = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+
+    # Values are written line by line: those of a deep tree are a hundred million bytes
+    head, *rest = text.rsplit(_NO_VALUES, len(bsdf.functions))
     with replace_file(path) as stream:
-        stream.write(text + b"\n")
+        stream.write(head)
+        for part, after in zip(bsdf.functions.values(), rest, strict=True):
+            stream.write(b"<ScatteringData>")
+            stream.writelines(line.encode() for line in _lines(part, digits))
+            stream.write(b"</ScatteringData>" + after)
+        stream.write(b"\n")
 
 
-def _window_element(bsdf: Bsdf, digits: int | None, comment: str) -> etree._Element:
+def _window_element(bsdf: Bsdf, comment: str) -> etree._Element:
     root = etree.Element(
         f"{{{_NAMESPACE}}}WindowElement", nsmap={None: _NAMESPACE, "xsi": _XSI}
     )
@@ -87,7 +99,7 @@ def _window_element(bsdf: Bsdf, digits: int | None, comment: str) -> etree._Elem
         _add(data, "Wavelength", _LABELS.get(channel, channel), unit="Integral")
         _add(data, "SourceSpectrum", weighting.source)
         _add(data, "DetectorSpectrum", weighting.detector)
-        _add_block(data, name.replace("_", " ").title(), part, digits)
+        _add_block(data, name.replace("_", " ").title(), part)
     return root
 
 
@@ -189,21 +201,25 @@ def _add_basis(definition: etree._Element, partition: RingPartition) -> None:
         _add(bounds, "UpperTheta", f"{upper:.9g}")
 
 
-def _add_block(
-    data: etree._Element, direction: str, part: ScatteringFunction, digits: int | None
-) -> None:
+def _add_block(data: etree._Element, direction: str, part: ScatteringFunction) -> None:
     block = _add(data, "WavelengthDataBlock")
     _add(block, "WavelengthDataDirection", direction)
-    kind, text = f"B{direction[0]}DF", ""
     if isinstance(part, ScatteringMatrix):
         _add(block, "ColumnAngleBasis", part.incidents.name)
         _add(block, "RowAngleBasis", part.exits.name)
-        text = _format_table(part.values, digits)
     if isinstance(part, ScatteringTree):
         _add(block, "AngleBasis", "LBNL/Shirley-Chiu")
-        text = format_tree(part, digits=digits)
-    _add(block, "ScatteringDataType", kind)
-    _add(block, "ScatteringData", text)
+    _add(block, "ScatteringDataType", f"B{direction[0]}DF")
+    _add(block, "ScatteringData")
+
+
+def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
+    # Text of the values of a function
+    if isinstance(part, ScatteringMatrix):
+        yield _format_table(part.values, digits)
+    if isinstance(part, ScatteringTree):
+        for line in tree_lines(part, digits=digits):
+            yield line + "\n"
 
 
 def _format_table(table: Float[np.ndarray, "exit incident"], digits: int | None) -> str:

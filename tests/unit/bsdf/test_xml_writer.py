@@ -36,6 +36,12 @@ def test_file_by_hand_survives_a_round_trip(tmp_path):
     assert original.product.emissivity_front == 0.84
 
 
+def test_a_comment_may_look_like_an_empty_element(tmp_path):
+    original = read_bsdf(DATA / "five_patches.xml")
+    write_bsdf(tmp_path / "copy.xml", original, comment="<ScatteringData/> twice")
+    assert_same(original, read_bsdf(tmp_path / "copy.xml"))
+
+
 def test_geometry_survives_a_round_trip(tmp_path):
     """In metres to the letter; in another unit within a scale of its own."""
     text = "\nv a =\n\tp 0 0 -1 # <&>\nsph a 0.5\r\n"
