@@ -50,6 +50,27 @@ def test_sensors_read_what_rtrace_reads(tmp_path, name, light):
     assert abs(total - 1) < 0.02
 
 
+def test_what_a_highlight_sends_on_is_no_bounce(tmp_path):
+    """One bounce is the sensor's own: by way of metal it still sees the sunlit floor.
+
+    Sunlit places are sought from the metal too, which must not count either.
+    """
+    metal = "void metal m 0 0 5 .5 .4 .3 1 .2"
+    (tmp_path / "room.rad").write_text("\n".join([metal, BOX, LIGHT["sun"]]))
+    ours = irradiance(
+        cl.read_rad(tmp_path / "room.rad"),
+        Sensors(POSITION, DIRECTION),
+        samples=1 << 16,
+        bounces=1,
+        seed=1,
+        device="cpu",
+    )
+    truth, spread = seen_by_radiance(tmp_path, "room.rad", bounces=1, highlight=2000)
+    error = np.hypot(ours.error, spread)
+    assert np.median(error / truth) < 0.02
+    assert np.all(np.abs(ours.irradiance - truth) < 4 * error)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHEETS)
 def test_views_of_a_window_sum_to_what_rtrace_reads(tmp_path, name):

@@ -1,5 +1,7 @@
 """Plugins of Radiance's materials: sampling, reciprocity, energy, exact angles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -210,9 +212,12 @@ def test_trans_divides_light_as_radiance_says(load):
 
 @pytest.mark.parametrize("name", ["metal2", "plastic2", "trans2"])
 def test_highlights_are_wide_where_the_facets_are_rough(load, name):
-    """Seen from above, half vectors spread by the two roughnesses along `up`."""
+    """Seen from above, half vectors spread by the two roughnesses along `up`.
+
+    The sheet has nothing else than a highlight, so that all directions are its.
+    """
     n = 100_000
-    made = load(SHEETS[name])
+    made = load(replace(SHEETS[name], specularity=1.0))
     si = interaction(n, [0.0, 0.0, 1.0])
     bs, weight = made.sample(mi.BSDFContext(), si, *numbers(n, 6))
     glossy = mi.has_flag(bs.sampled_type, mi.BSDFFlags.GlossyReflection)
@@ -226,6 +231,22 @@ def test_highlights_are_wide_where_the_facets_are_rough(load, name):
     found = np.array([along.std(), across.std()])
     # The longest slopes would go below the surface
     assert found == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("tilt_deg", [0, 40, 75])
+@pytest.mark.parametrize("name", ["metal2", "plastic2"])
+def test_directions_count_as_diffuse_as_often_as_matt_light_takes_them(
+    load, name, tilt_deg
+):
+    """Their light is that of Lambert's law, whichever part proposed them."""
+    n, sheet = 200_000, SHEETS[name]
+    si = interaction(n, leaving(tilt_deg))
+    bs, weight = load(sheet).sample(mi.BSDFContext(), si, *numbers(n, 8))
+    matt = mi.has_flag(bs.sampled_type, mi.BSDFFlags.DiffuseReflection)
+    light = dr.mean(dr.select(matt, weight, 0)).numpy()
+    expected = (1 - sheet.specularity) * np.mean(sheet.reflectance)
+    assert abs(light.mean() - expected) < 4 * light.std() / n**0.5
+    assert light.std() / n**0.5 < 0.01 * expected
 
 
 def test_an_up_vector_along_the_normal_makes_a_round_highlight(load):

@@ -121,7 +121,7 @@ def _glances(
         onward = look(
             lit, points(0, 1), ray, lanes, mi.UInt32(0), mi.Color3f(1),
             mi.Float(_LEFT), mi.Float(1), mi.Bool(False),
-            dr.opaque(mi.UInt32, _SEGMENTS), works,
+            dr.opaque(mi.UInt32, _SEGMENTS), works, parted=False,
         )  # fmt: skip
         sought = mi.Color3f(0)
         if lit.sky.suns:

@@ -91,6 +91,8 @@ def look(
     sharp: mi.Bool,
     segments: mi.UInt32,
     active: mi.Bool,
+    *,
+    parted: bool,
 ):
     """Follow paths until they end; return the light each brings [W/(m²·sr)].
 
@@ -103,10 +105,13 @@ def look(
         `NOTHING` where it was not sought from its origin
     sharp : whether the eye looks along the first segment
     segments : most segments between diffuse scattering
+    parted : whether of directions to portals the glossy share is not counted as
+        diffuse, which only matters where `segments` are few; a BSDF call more
     """
     model = lit.model
     scene = model.scene
     context, straight = mi.BSDFContext(), materials.lamp_context()
+    shiny = materials.glossy_context()
     weight = mi.Color3f(weight)
 
     # ------------------------------- Loop state -------------------------------
@@ -213,6 +218,11 @@ def look(
         weight *= dr.select(ignored, 1, kept)
         direction = dr.select(ignored, ray.d, direction)
         scattered = dr.select(to_portal, flags, kind)
+        if dr.hint(parted, mode="scalar"):
+            way = si.to_local(direction)
+            glossy = bsdf.eval(shiny, si, way, works & to_portal)
+            free = materials.credited(draw.other(11), glossy, value - glossy)
+            scattered = dr.select(to_portal & free, mi.UInt32(0), scattered)
         diffuse = ~null & ~delta & mi.has_flag(scattered, mi.BSDFFlags.Diffuse)
         origin = dr.select(null, origin, si.p)
         leave = offset(model, si, direction, active)

@@ -81,7 +81,7 @@ def prepare_outgoing(job: OutgoingJob) -> Tracer:
         return look(
             lit, draw.points, ray, draw.seed, draw.index, mi.Color3f(1),
             mi.Float(_NEVER), mi.Float(NOTHING), mi.Bool(False),
-            dr.opaque(mi.UInt32, limit), mi.Bool(True),
+            dr.opaque(mi.UInt32, limit), mi.Bool(True), parted=False,
         )  # fmt: skip
 
     return tracer_of(light, job.seed, job.batches)

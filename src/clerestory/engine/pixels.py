@@ -43,6 +43,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     limit = segments_of(job.bounces)
     paths = _some_seen(rays, job.columns * job.rows, origin)
     lit = light_of(job.scene, origin, paths)
+    parted = parts_count(job.scene, job.bounces)
 
     def irradiance(draw: Draw, row):
         # The first numbers of the sequence go to the surface, not to the pixel
@@ -56,7 +57,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
         gained += look(
             lit, draw.points, ray, draw.seed, draw.index, weight, pdf, sought,
             mi.Bool(False), dr.opaque(mi.UInt32, max(limit - 1, 0)),
-            found & (dr.max(weight) > 0),
+            found & (dr.max(weight) > 0), parted=parted,
         )  # fmt: skip
         return dr.select(found, gained, 0)
 
@@ -70,6 +71,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
         return look(
             lit, draw.points, ray, draw.seed, draw.index, mi.Color3f(1), mi.Float(0),
             mi.Float(NOTHING), mi.Bool(True), dr.opaque(mi.UInt32, limit), valid,
+            parted=parted,
         )  # fmt: skip
 
     kind = irradiance if job.quantity == "irradiance" else light
@@ -85,6 +87,7 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
     lit = light_of(job.scene, origin, _some_gathered(position, normal, count))
     # Radiance counts a sensor's own gather as a bounce
     limit = (1 << 30) if job.bounces is None else job.bounces
+    parted = parts_count(job.scene, job.bounces)
 
     def gathered(draw: Draw, row):
         o = dr.gather(mi.Point3f, position, row)
@@ -94,6 +97,7 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
         return light + look(
             lit, draw.points, ray, draw.seed, draw.index, weight, pdf, sought,
             mi.Bool(False), dr.opaque(mi.UInt32, limit), active,
+            parted=parted,
         )  # fmt: skip
 
     return tracer_of(gathered, job.seed, job.batches)
@@ -154,6 +158,14 @@ def _some_gathered(position: mi.Point3f, normal: mi.Vector3f, count: int):
         return mi.Ray3f(dr.gather(mi.Point3f, position, row), upwards.to_world(local))
 
     return paths
+
+
+def parts_count(scene: Scene, bounces: int | None) -> bool:
+    """Whether matt and glossy parts of materials count differently for a limit."""
+    materials = scene.materials.values()
+    return bounces is not None and any(
+        getattr(each, "specularity", 0) > 0 for each in materials
+    )
 
 
 def segments_of(bounces: int | None) -> int:

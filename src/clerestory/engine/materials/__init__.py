@@ -21,9 +21,18 @@ from clerestory.engine.materials import (
     trans,
 )
 from clerestory.engine.materials.coat import lamp_context
+from clerestory.engine.materials.credit import credited, glossy_context
 from clerestory.engine.materials.describe import load, plugin
 
-__all__ = ["absorber", "lamp_context", "load", "plugin", "register"]
+__all__ = [
+    "absorber",
+    "credited",
+    "glossy_context",
+    "lamp_context",
+    "load",
+    "plugin",
+    "register",
+]
 
 _PLUGINS = {
     "radiance_plastic": plastic,

@@ -16,6 +16,7 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
+from clerestory.engine.materials.credit import credited, only_glossy
 from clerestory.engine.materials.highlight import Highlight
 from clerestory.engine.materials.properties import Paint, number
 
@@ -50,8 +51,8 @@ def define() -> type:
             chance = strength / (strength + dr.max(diffuse))
             return diffuse, specular, dr.select(strength > 0, chance, 0)
 
-        def evaluate(self, ctx, si, wi, wo, active):
-            """BRDF × cosine and pdf, without the mirror's peak; wi at z > 0."""
+        def parts(self, ctx, si, wi, wo, active):
+            """BRDF × cosine, diffuse and glossy, and pdf; see `evaluate`."""
             active = active & (wi.z > 0) & (wo.z > 0)
             diffuse, specular, chance = self.shares(si, wi.z)
             value, pdf = self.highlight.reflected(self.highlight.at(si), wi, wo)
@@ -59,10 +60,14 @@ def define() -> type:
             value = dr.select(peak, 0, value * wo.z) * specular
             if straight_from_lamp(ctx):
                 diffuse *= 1 - grazing_share(self.specularity, peak, wo.z)
-            pdf = dr.select(peak, 0, pdf * chance)
-            value += diffuse * (dr.inv_pi * wo.z)
-            pdf += (1 - chance) * dr.inv_pi * wo.z
-            return dr.select(active, value, 0), dr.select(active, pdf, 0)
+            matt = diffuse * (0 if only_glossy(ctx) else dr.inv_pi * wo.z)
+            pdf = dr.select(peak, 0, pdf * chance) + (1 - chance) * dr.inv_pi * wo.z
+            return tuple(dr.select(active, each, 0) for each in (matt, value, pdf))
+
+        def evaluate(self, ctx, si, wi, wo, active):
+            """BRDF × cosine and pdf, without the mirror's peak; wi at z > 0."""
+            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
+            return matt + glossy, pdf
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             side = dr.sign(si.wi.z)
@@ -78,10 +83,16 @@ def define() -> type:
                 self.highlight.sample_reflected(shape, wi, sample2),
                 mi.warp.square_to_cosine_hemisphere(sample2),
             )
-            value, pdf = self.evaluate(ctx, si, wi, wo, active)
-            weight = dr.select(peak, specular / chance, value / pdf)
+            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
+            weight = dr.select(peak, specular / chance, (matt + glossy) / pdf)
             pdf = dr.select(peak, chance, pdf)
             valid = active & (wo.z > 0) & (wi.z > 0) & (pdf > 0)
+
+            # Call it after one of the parts, as often as that sends light there
+            again = dr.select(
+                shiny, sample1 / chance, (sample1 - chance) / (1 - chance)
+            )
+            shiny = peak | credited(again, glossy, matt)
 
             bs = dr.zeros(mi.BSDFSample3f)
             bs.wo = mi.Vector3f(wo.x, wo.y, wo.z * side)

@@ -12,6 +12,7 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
+from clerestory.engine.materials.credit import credited
 from clerestory.engine.materials.highlight import Highlight
 from clerestory.engine.materials.properties import Paint, number
 
@@ -65,8 +66,8 @@ def define() -> type:
             total = sum(strength)
             return [dr.select(total > 0, each / total, 0) for each in strength]
 
-        def evaluate(self, ctx, si, wi, wo, active):
-            """BSDF × cosine and pdf, without peaks; wi on the side z > 0."""
+        def parts(self, ctx, si, wi, wo, active):
+            """BSDF × cosine, diffuse and glossy, and pdf; see `evaluate`."""
             active = active & (wi.z > 0) & (wo.z != 0)
             shares = self.shares(si, wi.z)
             chances = self.chances(shares)
@@ -80,19 +81,25 @@ def define() -> type:
             # Back to the side the light comes from
             lobe, density = self.highlight.reflected(shape, wi, wo)
             lobe = dr.select(smooth, 0, lobe * cosine)
-            back = shares[0] * (even * coat) + shares[2] * lobe
+            back = shares[2] * lobe
             back_pdf = chances[0] * even + dr.select(smooth, 0, chances[2] * density)
 
             # Through to the other side
             lobe, density = self.highlight.passed(shape, wi, wo)
             lobe = dr.select(smooth, 0, lobe)
-            through = shares[1] * (even * coat) + shares[3] * lobe
+            through = shares[3] * lobe
             through_pdf = chances[1] * even + dr.select(smooth, 0, chances[3] * density)
 
             reflects = wo.z > 0
-            value = dr.select(reflects, back, through)
+            matt = dr.select(reflects, shares[0], shares[1]) * (even * coat)
+            glossy = dr.select(reflects, back, through)
             pdf = dr.select(reflects, back_pdf, through_pdf)
-            return dr.select(active, value, 0), dr.select(active, pdf, 0)
+            return tuple(dr.select(active, each, 0) for each in (matt, glossy, pdf))
+
+        def evaluate(self, ctx, si, wi, wo, active):
+            """BSDF × cosine and pdf, without peaks; wi on the side z > 0."""
+            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
+            return matt + glossy, pdf
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             side = dr.sign(si.wi.z)
@@ -118,13 +125,20 @@ def define() -> type:
             wo = dr.select(diffuse, even, shiny)
             reflects = back | mirrored
 
-            value, pdf = self.evaluate(ctx, si, wi, wo, active)
+            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
             peak = ~diffuse & self.highlight.smooth
             chance = dr.select(mirrored, chances[2], chances[3])
             share = dr.select(mirrored, shares[2], shares[3])
-            weight = dr.select(peak, share / chance, value / pdf)
+            weight = dr.select(peak, share / chance, (matt + glossy) / pdf)
             pdf = dr.select(peak, chance, pdf)
             valid = active & (wi.z > 0) & ((wo.z > 0) == reflects) & (pdf > 0)
+
+            # Call it after one of the parts, as often as that sends light there
+            below = dr.select(mirrored, chances[0] + chances[1], 1 - chances[3])
+            below = dr.select(diffuse, dr.select(back, 0, chances[0]), below)
+            chance = dr.select(diffuse, dr.select(back, chances[0], chances[1]), chance)
+            again = (sample1 - below) / chance
+            diffuse = ~peak & ~credited(again, glossy, matt)
 
             bs = dr.zeros(mi.BSDFSample3f)
             bs.wo = mi.Vector3f(wo.x, wo.y, wo.z * side)
