@@ -168,8 +168,8 @@ def row(model: Model) -> str:
         try:
             share, error, sigma, far = sensors(model, "" if model.shines else sky)
         except (cl.ClerestoryError, RuntimeError) as refused:
-            last = str(refused).strip().splitlines()[-1]
-            return f"| {model.name} | refused: {last} |" + " |" * (len(SKIES) + 2)
+            reason = str(refused).strip().splitlines()[0].rsplit("rtrace: ", 1)[-1]
+            return f"| {model.name} | refused: {reason} |" + " |" * (len(SKIES) + 2)
         cells.append(f"{share:.4f} ± {error:.4f}")
         worst.append((far, sigma))
     far, sigma = max(worst)
