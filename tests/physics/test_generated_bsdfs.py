@@ -348,14 +348,24 @@ def test_coloured_matrices_keep_their_colour(device):
     )
 
 
+def tree_from_the_room(system, device, *, halvings, samples):
+    """Rank 4 trees of light from the room."""
+    return cl.generate_bsdf(
+        system,
+        basis="tree4",
+        halvings=halvings,
+        samples=samples,
+        sides="back",
+        device=device,
+    )
+
+
 @pytest.mark.parametrize("kind", ["venetian", "prismatic", "microlouvre"])
 def test_trees_keep_the_light_of_matrices(device, kind):
     """In all, a tree scatters what the matrix does, to half a percent."""
     system = SYSTEMS.get(kind) or microlouvre()
     matrix = cl.generate_bsdf(system, samples=2048, sides="back", device=device)
-    tree = cl.generate_bsdf(
-        system, basis="tree4", halvings=4, samples=1024, sides="back", device=device
-    )
+    tree = tree_from_the_room(system, device, halvings=4, samples=1024)
     for name in ("transmission_back", "reflection_back"):
         one, other = (b.diffuse(name) for b in (matrix, tree))
         assert other == pytest.approx(one, rel=0.005, abs=0.001)
@@ -401,14 +411,7 @@ def counted(system, halvings, device, *, samples, back=True):
 def test_trees_keep_the_light_of_each_incident_patch(device, kind, halvings, samples):
     """As bare counts of other paths have it, on the same cells, in Klems' patches."""
     system = SYSTEMS.get(kind) or microlouvre()
-    tree = cl.generate_bsdf(
-        system,
-        basis="tree4",
-        halvings=halvings,
-        samples=samples,
-        sides="back",
-        device=device,
-    )
+    tree = tree_from_the_room(system, device, halvings=halvings, samples=samples)
     full = klems("full")
     cells = patches_in_cells(full, halvings)
     bare = cells @ counted(system, halvings, device, samples=samples)
@@ -433,14 +436,7 @@ def test_trees_from_the_room_keep_the_light_of_the_sky(device):
     """
     halvings, samples = 5, 512
     system = venetian(slat_width=0.08, spacing=0.072, reflectance=0.48)
-    tree = cl.generate_bsdf(
-        system,
-        basis="tree4",
-        halvings=halvings,
-        samples=samples,
-        sides="back",
-        device=device,
-    )
+    tree = tree_from_the_room(system, device, halvings=halvings, samples=samples)
     edge = (np.arange(1 << halvings) + 0.5) / (1 << halvings)
     place = np.meshgrid(edge, edge, indexing="ij")
     x, y = (part.ravel() for part in disc_from_square(*place))
