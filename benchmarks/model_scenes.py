@@ -21,6 +21,8 @@ from clerestory.scene.sensors import Sensors
 
 SHARED = Path(__file__).parents[2] / "shared" / "data"
 
+_IN_ROOMS = 512
+
 # Stand-ins for function files of Radiance's old library that are no longer given out
 WOOD = """{ Rings of wood about an axis, lighter and darker by A1. }
 ring(u, v) = 1 - A1*.35*(.5 + .5*sin(14*sqrt(u*u + v*v) + 2*noise3(u, v, .3)));
@@ -50,6 +52,7 @@ class Model:
     view : the picture's
     sensors : points and directions
     shines : whether it brings its own light, so that no sky is added
+    directions : of rtrace's first gather; in rooms few of them meet an opening
     """
 
     name: str
@@ -58,6 +61,7 @@ class Model:
     view: str
     sensors: Sensors
     shines: bool = False
+    directions: int = 32
 
 
 def furniture(folder: Path) -> Iterator[Model]:
@@ -138,7 +142,12 @@ def classroom(folder: Path) -> Iterator[Model]:
         sensors = Sensors(chosen[:, :3], chosen[:, 3:])
         view = f"-vtv {eye} -vu 0 0 1 -vh 70 -vv 50"
         yield Model(
-            f"classroom {stem}", folder / "rooms", (f"{stem}.rad",), view, sensors
+            f"classroom {stem}",
+            folder / "rooms",
+            (f"{stem}.rad",),
+            view,
+            sensors,
+            directions=_IN_ROOMS,
         )
 
 
@@ -151,23 +160,25 @@ def tutorial(folder: Path) -> Iterator[Model]:
     sensors = Sensors(every.position[chosen], every.direction[chosen])
     view = "-vtv -vp .105 1.753 1.55 -vd .99668 -.05824 -.05695 -vu 0 0 1 -vh 65 -vv 45"
     yield Model(
-        "tutorial room", place.folder, (*files, "objects/Glazing.rad"), view, sensors
+        "tutorial room",
+        place.folder,
+        (*files, "objects/Glazing.rad"),
+        view,
+        sensors,
+        directions=_IN_ROOMS,
     )
 
 
 def honeybees(folder: Path) -> Iterator[Model]:
     """Yield models of honeybee as scene files; their window groups are left open.
 
-    Rooms of the fourth share walls drawn twice, as floor and as ceiling; which of two
-    materials in one plane a ray meets no program says, so it is not compared.
+    In the others rooms share walls drawn twice, as floor and as ceiling, and which of
+    two materials in one plane a ray meets no program says; or they have no grids; or
+    they are three centimetres wide.
     """
     folder.mkdir()
     home = SHARED / "models" / "hbjson_honeybee-radiance"
-    for stem in (
-        "two_rooms",
-        "large_light_path_model",
-        "room_w_dynamic_skylight",
-    ):
+    for stem in ("two_rooms", "large_light_path_model"):
         model = cl.read_hbjson(home / f"{stem}.hbjson")
         (folder / f"{stem}.rad").write_text(format_rad(model.scene, bsdf_file={}))
         points = np.concatenate([g.position for g in model.grids.values()])
@@ -176,7 +187,14 @@ def honeybees(folder: Path) -> Iterator[Model]:
         sensors = Sensors(points[chosen], normals[chosen])
         eye = " ".join(f"{x:g}" for x in points[len(points) // 2] + [0, 0, 0.5])
         view = f"-vtv -vp {eye} -vd 1 .6 -.1 -vu 0 0 1 -vh 80 -vv 60"
-        yield Model(stem.replace("_", " "), folder, (f"{stem}.rad",), view, sensors)
+        yield Model(
+            stem.replace("_", " "),
+            folder,
+            (f"{stem}.rad",),
+            view,
+            sensors,
+            directions=_IN_ROOMS,
+        )
 
 
 def placed(name: str, folder: Path, files: tuple[str, ...]) -> Model:

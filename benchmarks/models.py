@@ -43,8 +43,8 @@ DOME = (
 )
 LUMINANCE = np.array([0.265, 0.67, 0.065])
 
-# Repetitions of a sensor, and directions of its first gather
-_AGAIN, _DIRECTIONS = 64, 32
+# Repetitions of a sensor
+_AGAIN = 64
 
 # Paths of a sensor of ours, and of a pixel
 _SAMPLES, _PIXEL_SAMPLES = 1 << 15, 512
@@ -59,9 +59,10 @@ _EXACT = "-aa 0 -as 0 -st 0 -lw 1e-8 -lr 8 -ds .05 -dj 1 -dc 1 -dt 0 -dr 3"
 
 NOTES = """
 Radiance's indirect light is gathered without interpolation, by 64 runs of rtrace with
-32 first directions and by rpict in six sizes with 9 a pixel. Errors are standard errors
-of both programs together. *Worst sensor*: its deviation over its value (or 5 % of the
-mean, where it is darker), and in units of its own error; there are 20 to 50 in a row.
+32 first directions (in rooms 512) and by rpict in six sizes with 9 a pixel. Errors are
+standard errors of both programs together. *Worst sensor*: its deviation over its value
+(or 5 % of the mean, where it is darker), and in units of its own error, each the worst
+of the 20 to 50 in a row.
 *Blocks*: root mean square of the deviation of 12 × 12 blocks of the picture over its
 mean, and in brackets what the errors let expect.
 
@@ -96,7 +97,7 @@ def sensors(model: Model, sky: str) -> tuple[float, float, float, float]:
     # Single samples of highlights, which it takes of weak rays, overrate metals
     shine = 5000 if "metal" in model.name else 32
     text = radiance(
-        f"rtrace -h -w -I -ab {BOUNCES} -ad {_DIRECTIONS} -ss {shine} {_EXACT}"
+        f"rtrace -h -w -I -ab {BOUNCES} -ad {model.directions} -ss {shine} {_EXACT}"
         " model.oct",
         model.folder,
         "\n".join(" ".join(f"{x:.9g}" for x in ray) for ray in rays),
