@@ -25,7 +25,7 @@ from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.peak import PeakTable
 from clerestory.engine.points import Points, points
 from clerestory.engine.sunlit import BATCHES, SunJob
-from clerestory.engine.upload import launching, vectors
+from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.walk import towards
 from clerestory.engine.windows import WindowTable, window_shapes
 from clerestory.engine.work import Tracer, Unit
@@ -234,7 +234,7 @@ def sunlight_at(
     """
     light = mi.Color3f(0)
     index = mi.UInt32(0)
-    while active & (index < sequence.count):
+    while active & (index < sequence.stride):
         a = sampling.random_number(seed, index, mi.UInt32(1))
         b = sampling.random_number(seed, index, mi.UInt32(2))
         light += sunlight(
@@ -245,7 +245,7 @@ def sunlight_at(
             active,
         )
         index += 1
-    return light / sequence.count
+    return light / mi.Float(sequence.stride)
 
 
 def prepare_sun(job: SunJob) -> Tracer:
@@ -266,7 +266,7 @@ def prepare_sun(job: SunJob) -> Tracer:
             mi.UInt32, int(unit.rows[0])
         )
         sun = pair % dr.opaque(mi.UInt32, suns)
-        number = dr.gather(mi.UInt32, mi.UInt32(unit.columns.astype(np.uint32)), sun)
+        number = dr.gather(mi.UInt32, on_device(mi.UInt32, unit.columns), sun)
         stream = sampling.mix(number, dr.opaque(mi.UInt32, job.seed))
         key = mi.sample_tea_32(row * BATCHES + lane % BATCHES, stream)[0]
         middle = vectors(mi.Vector3f, job.suns[unit.columns])

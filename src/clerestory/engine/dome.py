@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.square import square_from_disc
+from clerestory.engine.upload import on_device
 from clerestory.hemisphere.square import disc_from_square
 
 Radiance = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, "n 3"]]
@@ -41,7 +42,7 @@ class Dome:
 
     def __init__(self, values: Float[np.ndarray, "table n 3"], edge: int):
         self.edge = edge
-        self.values = mi.Float(values.astype(np.float32).ravel())
+        self.values = on_device(mi.Float, values)
 
     def look_up(self, direction, table=0):
         """Return the radiance in a direction, interpolated."""

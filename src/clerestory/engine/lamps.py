@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.dome import Dome, dome_directions
-from clerestory.engine.upload import some, vectors
+from clerestory.engine.upload import on_device, vectors
 from clerestory.errors import InputError
 from clerestory.scene.model import Glow, Illum, Light, Spotlight
 from clerestory.scene.tessellate import Mesh
@@ -104,18 +104,16 @@ class Lamps:
         made = cls(
             count=len(owner),
             radiance=vectors(mi.Color3f, radiance),
-            table=mi.UInt32(some(np.array(number, dtype=np.uint32))),
-            shy=mi.Bool(some(np.array([_is_shy(m.material) for m in shining], bool))),
-            veiled=mi.Bool(
-                some(np.array([isinstance(m.material, Illum) for m in shining], bool))
-            ),
+            table=on_device(mi.UInt32, number),
+            shy=on_device(mi.Bool, [_is_shy(m.material) for m in shining]),
+            veiled=on_device(mi.Bool, [isinstance(m.material, Illum) for m in shining]),
             patterns=Dome(np.array(tables), _EDGE) if tables else None,
             corner=vectors(mi.Point3f, corner[:, 0]),
             edge_u=vectors(mi.Vector3f, u),
             edge_v=vectors(mi.Vector3f, v),
-            lamp=mi.UInt32(some(owner.astype(np.uint32))),
-            cumulative=mi.Float(some(cumulative.astype(np.float32))),
-            aimed=mi.Float(some(aimed.astype(np.float32))),
+            lamp=on_device(mi.UInt32, owner),
+            cumulative=on_device(mi.Float, cumulative),
+            aimed=on_device(mi.Float, aimed),
         )
         dr.make_opaque(made.radiance, made.table, made.cumulative, made.aimed)
         return made

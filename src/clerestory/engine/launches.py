@@ -139,10 +139,10 @@ def matrix_tracer(
             launch(target, sequence, paths, unit)
             added = target.sums.numpy()
         target.sums = mi.UInt64()
-        if added[-1]:
+        if added[0]:
             raise DeviceError(
-                f"{added[-1]} paths carry more than a path can: a fault of the tracer"
+                f"{added[0]} paths carry more than a path can: a fault of the tracer"
             )
-        return added[:-1].reshape(len(unit.rows), batches, columns, channels)
+        return added[1:].reshape(len(unit.rows), batches, columns, channels)
 
     return trace

@@ -17,6 +17,7 @@ from clerestory.engine.grey import SHINING, channels_of
 from clerestory.engine.lamps import Lamps, split_by_surface
 from clerestory.engine.round import round_shape, without_round
 from clerestory.engine.shelf import shelved
+from clerestory.engine.upload import on_device
 from clerestory.engine.windows import WindowTable, window_shapes
 from clerestory.scene.model import BsdfSurface, Scene
 from clerestory.scene.tessellate import Mesh, meshes
@@ -151,7 +152,7 @@ def _lowered(
         scene=lowered,
         window_of_shape=mi.UInt32(windows),
         first_face=mi.UInt32(first_face),
-        reach=mi.Float(np.concatenate(reach)),
+        reach=on_device(mi.Float, np.concatenate(reach)),
         panes=panes or bool(thickness),
         grey=channels_of(scene) == 1,
         windows=table,
@@ -183,7 +184,7 @@ def _mesh(
     props["bsdf"] = bsdf
     mesh = mi.Mesh("", len(vertices), len(faces), props=props)
     parameters = mi.traverse(mesh)
-    parameters["vertex_positions"] = mi.Float(vertices.astype(np.float32).ravel())
-    parameters["faces"] = mi.UInt32(faces.astype(np.uint32).ravel())
+    parameters["vertex_positions"] = on_device(mi.Float, vertices)
+    parameters["faces"] = on_device(mi.UInt32, faces)
     parameters.update()
     return mesh

@@ -13,6 +13,7 @@ import numpy as np
 
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.engine.patches import PatchTable
+from clerestory.engine.upload import on_device
 
 
 class MatrixTable:
@@ -48,10 +49,10 @@ class MatrixTable:
             PatchTable.of(first.incidents),
         )
         self.exits, self.incidents = exits, incidents
-        self.values = mi.Float(values.ravel().astype(np.float32))
-        self.density = mi.Float(density.ravel().astype(np.float32))
-        self.running = mi.Float(running.ravel().astype(np.float32))
-        self.share = mi.Float(total.ravel().astype(np.float32))
+        self.values = on_device(mi.Float, values)
+        self.density = on_device(mi.Float, density)
+        self.running = on_device(mi.Float, running)
+        self.share = on_device(mi.Float, total)
 
     def known(self, function, leaving):
         """Return the row of a function for light that leaves along a direction."""

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.lower import LoweredScene
+from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.walk import offset
 from clerestory.scene.model import Mirror, Polygon, Ring, Scene
 
@@ -59,8 +60,8 @@ class Mirrors:
         cumulative[-1] = 1
         made = cls(
             len(order),
-            mi.Vector3f(np.ascontiguousarray(kept.T.astype(np.float32))),
-            mi.Float(cumulative.astype(np.float32)),
+            vectors(mi.Vector3f, kept),
+            on_device(mi.Float, cumulative),
         )
         dr.make_opaque(made.normal, made.cumulative)
         return made

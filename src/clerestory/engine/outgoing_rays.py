@@ -14,7 +14,7 @@ from clerestory.engine.aims import Draw
 from clerestory.engine.look import NOTHING, look
 from clerestory.engine.outgoing import OutgoingJob
 from clerestory.engine.pixels import light_of, segments_of, tracer_of
-from clerestory.engine.upload import vectors
+from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.work import Tracer
 
 # How far before the patch rays start [m]
@@ -36,10 +36,10 @@ def prepare_outgoing(job: OutgoingJob) -> Tracer:
     edge_u = vectors(mi.Vector3f, patches.corner[:, 1] - patches.corner[:, 0])
     edge_v = vectors(mi.Vector3f, patches.corner[:, 2] - patches.corner[:, 0])
     axes = [vectors(mi.Vector3f, patches.frame[:, i]) for i in range(3)]
-    first = mi.UInt32(patches.first.astype(np.uint32))
+    first = on_device(mi.UInt32, patches.first)
     # The number of the patch and the share of its area, growing over all triangles
     number = np.repeat(np.arange(len(patches.frame)), np.diff(patches.first))
-    cumulative = mi.Float((number + patches.cumulative).astype(np.float32))
+    cumulative = on_device(mi.Float, number + patches.cumulative)
     count = len(patches.corner)
     rings, sectors = (dr.opaque(mi.UInt32, n) for n in (job.rings, job.sectors))
     dr.make_opaque(corner, edge_u, edge_v, axes, first, cumulative)

@@ -10,6 +10,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from clerestory.engine.upload import on_device
 from clerestory.hemisphere.partition import RingPartition
 
 
@@ -49,14 +50,14 @@ class PatchTable:
         width = 2 * np.pi / partition.count[ring]
         return cls(
             inner=[float(limit) for limit in limits[1:-1]],
-            count=mi.UInt32(count.astype(np.uint32)),
-            first=mi.UInt32(first.astype(np.uint32)),
-            low=mi.Float(near.astype(np.float32)),
-            high=mi.Float(far.astype(np.float32)),
+            count=on_device(mi.UInt32, count),
+            first=on_device(mi.UInt32, first),
+            low=on_device(mi.Float, near),
+            high=on_device(mi.Float, far),
             phi=mi.Float(
                 ((np.arange(len(ring)) - partition.first[ring]) * width).astype("f4")
             ),
-            width=mi.Float(width.astype(np.float32)),
+            width=on_device(mi.Float, width),
             compass=partition.azimuth == "compass",
         )
 
@@ -117,8 +118,8 @@ class SkyTable:
         dome = partition.dome
         return cls(
             rows=len(dome.count),
-            count=mi.UInt32(dome.count.astype(np.uint32)),
-            first=mi.UInt32((dome.first + 1).astype(np.uint32)),
+            count=on_device(mi.UInt32, dome.count),
+            first=on_device(mi.UInt32, dome.first + 1),
             size=len(partition),
         )
 

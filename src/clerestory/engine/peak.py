@@ -19,6 +19,7 @@ from clerestory.bsdf.scattering import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.engine.square import square_from_disc
+from clerestory.engine.upload import on_device
 from clerestory.hemisphere.square import disc_from_square
 
 # Directions are looked up on a grid with this many cells along an edge.
@@ -50,14 +51,14 @@ class PeakTable:
     def __init__(self, bsdf: Bsdf):
         found = [_peaks(bsdf, side) for side in _SIDES]
         passed = np.concatenate([part[0] for part in found])
-        self.passed = mi.Float(passed.ravel().astype(np.float32))
+        self.passed = on_device(mi.Float, passed)
         self.surround = mi.Float(
             np.concatenate([part[1] for part in found]).astype(np.float32)
         )
         self.limit = mi.Float(
             np.concatenate([part[2] for part in found]).astype(np.float32)
         )
-        self.radius2 = mi.Float(np.array([part[3] for part in found], dtype=np.float32))
+        self.radius2 = on_device(mi.Float, [part[3] for part in found])
 
     def _cell(self, wi):
         place = square_from_disc(wi.x, wi.y) * _GRID
@@ -79,7 +80,7 @@ class PeakTable:
         side = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(1))
         apart = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
         near = apart <= dr.gather(mi.Float, self.radius2, side)
-        peak = near & (dr.mean(value) > dr.gather(mi.Float, self.limit, cell))
+        peak = near & (dr.sum(value) / 3 > dr.gather(mi.Float, self.limit, cell))
         return dr.select(peak, dr.gather(mi.Float, self.surround, cell), value)
 
 

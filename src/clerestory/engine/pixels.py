@@ -27,7 +27,7 @@ from clerestory.engine.seen import seen_surface
 from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.sun_patches import sun_patches
-from clerestory.engine.upload import launching, vectors
+from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.work import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
@@ -41,7 +41,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     rays = PixelRays.of(job.view, job.columns, job.rows)
     origin = np.asarray(job.view.position, dtype=float)
     limit = segments_of(job.bounces)
-    paths = _some_seen(rays, job.columns * job.rows, origin)
+    paths = _some_seen(rays, job.columns * job.rows)
     lit = light_of(job.scene, origin, paths)
     parted = parts_count(job.scene, job.bounces)
 
@@ -51,7 +51,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
             sampling.random_number(draw.seed, draw.index + draw.points.first, purpose)
             for purpose in (_PIXEL, _PIXEL + 1)
         )
-        ray, valid = rays.through(row, x, y, origin)
+        ray, valid = rays.through(row, x, y)
         position, normal, found = seen_surface(lit.model, ray, valid)
         gained, ray, weight, pdf, sought = gather_at_sensor(lit, draw, position, normal)
         gained += look(
@@ -66,7 +66,6 @@ def prepare_picture(job: PictureJob) -> Tracer:
             row,
             draw.number(sampling.DIRECTION_U),
             draw.number(sampling.DIRECTION_V),
-            origin,
         )
         return look(
             lit, draw.points, ray, draw.seed, draw.index, mi.Color3f(1), mi.Float(0),
@@ -139,12 +138,13 @@ def _first_points(count: int):
         sampling.coordinate(sequence, seed, index, mi.UInt32(0), purpose)
         for purpose in purposes
     )
-    return dr.minimum(mi.UInt32(pick * count), count - 1), u, v
+    rows = dr.opaque(mi.UInt32, count)
+    return dr.minimum(mi.UInt32(pick * mi.Float(rows)), rows - 1), u, v
 
 
-def _some_seen(rays: "PixelRays", count: int, origin: Float[np.ndarray, "3"]):
+def _some_seen(rays: "PixelRays", count: int):
     def paths() -> mi.Ray3f:
-        ray, _ = rays.through(*_first_points(count), origin)
+        ray, _ = rays.through(*_first_points(count))
         return ray
 
     return paths
@@ -175,7 +175,10 @@ def segments_of(bounces: int | None) -> int:
 
 @dataclass
 class PixelRays:
-    """Rays through the middles of pixels, and how they change across a pixel."""
+    """Rays through the middles of pixels, and how they change across a pixel.
+
+    The view's position is the origin of the device's frame.
+    """
 
     origin: mi.Point3f
     direction: mi.Vector3f
@@ -201,17 +204,17 @@ class PixelRays:
 
         moving = view.kind == "parallel" or view.fore > 0
         return cls(
-            _rays(mi.Point3f, middle.origin),
+            _rays(mi.Point3f, middle.origin - view.position),
             _rays(mi.Vector3f, middle.direction),
             _rays(mi.Vector3f, change(left, right, "direction")),
             _rays(mi.Vector3f, change(below, above, "direction")),
             _rays(mi.Vector3f, change(left, right, "origin")) if moving else None,
             _rays(mi.Vector3f, change(below, above, "origin")) if moving else None,
-            mi.Bool(middle.valid.ravel()),
+            on_device(mi.Bool, middle.valid),
         )
 
-    def through(self, pixel, x, y, centre: Float[np.ndarray, "3"]):
-        """Return the ray through a place of a pixel, in the device's frame."""
+    def through(self, pixel, x, y):
+        """Return the ray through a place of a pixel."""
         x, y = x - 0.5, y - 0.5
         direction = (
             dr.gather(mi.Vector3f, self.direction, pixel)
@@ -219,7 +222,6 @@ class PixelRays:
             + dr.gather(mi.Vector3f, self.upwards, pixel) * y
         )
         origin = dr.gather(mi.Point3f, self.origin, pixel)
-        origin -= mi.Point3f(*[float(c) for c in centre])
         if self.origin_across is not None:
             origin += dr.gather(mi.Vector3f, self.origin_across, pixel) * x
             origin += dr.gather(mi.Vector3f, self.origin_upwards, pixel) * y

@@ -18,6 +18,8 @@ import mitsuba as mi
 import numpy as np
 from scipy.stats import qmc
 
+from clerestory.engine.upload import on_device
+
 # Numbers a vertex of a path consumes, by purpose.
 CONNECT_U, CONNECT_V, LOBE, DIRECTION_U, DIRECTION_V = range(5)
 PER_VERTEX = 5
@@ -34,12 +36,14 @@ class Points:
     ----------
     table : (dimensions * count,) coordinates as 32-bit integers, bits reversed
     count : points in this stretch
+    stride : of the table: the count, in memory, so that kernels serve any stretch
     first : number of its first point in the sequence, which tells stretches apart
     """
 
     table: mi.UInt32
     count: int
-    first: int
+    stride: mi.UInt32
+    first: mi.UInt32
 
 
 def points(first: int, count: int) -> Points:
@@ -49,9 +53,10 @@ def points(first: int, count: int) -> Points:
         sequence.fast_forward(first)
     full = sequence.random(1 << (count - 1).bit_length())[:count]
     coordinates = np.round(full.T * 2.0**32).astype(np.uint32)
-    table = dr.brev(mi.UInt32(np.ascontiguousarray(coordinates).ravel()))
+    table = dr.brev(on_device(mi.UInt32, coordinates))
     dr.eval(table)
-    return Points(table, count, first)
+    stride, start = (dr.opaque(mi.UInt32, number) for number in (count, first))
+    return Points(table, count, stride, start)
 
 
 def mix(value, salt):
@@ -84,7 +89,8 @@ def coordinate(sequence: Points, seed, index, vertex, purpose: int):
     """
     dimension = vertex * PER_VERTEX + purpose
     low = vertex < VERTICES
-    bits = dr.gather(mi.UInt32, sequence.table, dimension * sequence.count + index, low)
+    entry = dimension * sequence.stride + index
+    bits = dr.gather(mi.UInt32, sequence.table, entry, low)
 
     # Permute each binary digit according to the digits before it
     key = mix(dimension * mi.UInt32(0x9E3779B9), seed)

@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.engine.cells import Cells
-from clerestory.engine.upload import some, vectors
+from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.windows import RectangleView
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
 
@@ -72,6 +72,7 @@ class Portals:
     Attributes
     ----------
     count : of rectangles
+    stride : the count, in memory, so that kernels serve any number of them
     corner, edge_u, edge_v : of each [m]
     cells : of the room
     share : of each rectangle in the paths that go on towards them, cell by cell
@@ -81,6 +82,7 @@ class Portals:
     """
 
     count: int
+    stride: mi.UInt32
     corner: mi.Point3f
     edge_u: mi.Vector3f
     edge_v: mi.Vector3f
@@ -102,13 +104,14 @@ class Portals:
         """Return rectangles that are aimed at by the cell of a place."""
         portals = cls(
             len(rectangles),
+            dr.opaque(mi.UInt32, len(rectangles)),
             vectors(mi.Point3f, rectangles.corner),
             vectors(mi.Vector3f, rectangles.edge_u),
             vectors(mi.Vector3f, rectangles.edge_v),
             cells,
-            mi.Float(some(share.ravel().astype(np.float32))),
-            mi.Float(some(sought.ravel().astype(np.float32))),
-            mi.Float(aimed.astype(np.float32)),
+            on_device(mi.Float, share),
+            on_device(mi.Float, sought),
+            on_device(mi.Float, aimed),
             bool(sought.any()),
         )
         dr.make_opaque(portals.corner, portals.edge_u, portals.edge_v)
@@ -171,8 +174,8 @@ class Portals:
         before = mi.Float(0)
         chosen = mi.UInt32(0)
         number = mi.UInt32(0)
-        while number < self.count:
-            here = dr.gather(mi.Float, shares, cell * self.count + number)
+        while number < self.stride:
+            here = dr.gather(mi.Float, shares, cell * self.stride + number)
             take = (target >= before) & (here > 0)
             chosen = dr.select(take, number, chosen)
             u = dr.select(take, (target - before) / here, u)
@@ -190,8 +193,8 @@ class Portals:
         """
         onward, sought = mi.Float(0), mi.Float(0)
         number = mi.UInt32(0)
-        while active & (number < self.count):
-            at = cell * self.count + number
+        while active & (number < self.stride):
+            at = cell * self.stride + number
             share = dr.gather(mi.Float, self.share, at)
             seeking = dr.gather(mi.Float, self.sought, at)
             if (share > 0) | (seeking > 0):

@@ -25,6 +25,7 @@ from clerestory.engine.patches import PatchTable
 from clerestory.engine.points import Points
 from clerestory.engine.sample_area import follow, lower_slab, start
 from clerestory.engine.starts import Lanes
+from clerestory.engine.upload import on_device
 from clerestory.engine.walk import Target
 from clerestory.engine.work import Tracer, Unit
 from clerestory.hemisphere.partition import RingPartition
@@ -143,7 +144,7 @@ def prepare_slab(job: SlabJob) -> Tracer:
     """Return what traces units of the matrices of a sample area."""
     slab = lower_slab(job.scene, job.box, periodic=job.periodic)
     table, count = PatchTable.of(job.partition), len(job.incidents)
-    incidents = mi.UInt32(job.incidents.astype(np.uint32))
+    incidents = on_device(mi.UInt32, job.incidents)
     backs = mi.Bool([bool(side) for side in job.sides])
     limit = (1 << 30) if job.bounces is None else job.bounces + 1
 

@@ -184,14 +184,14 @@ def trace_block(
 def _scores(target: Target, grid: Grid) -> tuple[Scores, Scores]:
     # What was scored, without the cells that no light reached
     cell = dr.arange(mi.UInt32, target.columns)
-    first = cell * target.channels
+    first = cell * target.channels + 1
     parts = [
         dr.gather(mi.UInt64, target.sums, first + channel)
         for channel in range(target.channels)
     ]
     lit = dr.compress(sum(parts[1:], parts[0]) > 0)
     taken = [dr.gather(mi.UInt64, part, lit).numpy() for part in parts]
-    heavy = dr.gather(mi.UInt64, target.sums, dr.width(target.sums) - 1)[0]
+    heavy = dr.gather(mi.UInt64, target.sums, 0)[0]
     if heavy:
         raise DeviceError(
             f"{heavy} paths carry more than a path can: a fault of the tracer"

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.dome import Dome, dome_directions
+from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
 # Sources that subtend less than this are discs with sharp edges, aimed at directly.
@@ -61,10 +62,10 @@ class SkyLight:
         light = cls(
             dome=_dome(scene, wide) if wide else None,
             suns=len(narrow),
-            direction=mi.Vector3f(direction.T.astype(np.float32)),
-            radiance=mi.Color3f(radiance.T.astype(np.float32)),
-            one_minus_cos=mi.Float(depth.astype(np.float32)),
-            cumulative=mi.Float(cumulative.astype(np.float32)),
+            direction=vectors(mi.Vector3f, direction),
+            radiance=vectors(mi.Color3f, radiance),
+            one_minus_cos=on_device(mi.Float, depth),
+            cumulative=on_device(mi.Float, cumulative),
         )
         dr.make_opaque(
             light.direction, light.radiance, light.one_minus_cos, light.cumulative

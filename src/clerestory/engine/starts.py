@@ -12,7 +12,7 @@ import numpy as np
 
 from clerestory.engine import points as sampling
 from clerestory.engine.points import Points
-from clerestory.engine.upload import vectors
+from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.walk import (
     CONNECTIONS,
     Target,
@@ -55,16 +55,16 @@ def lanes(
     not depend on how rows are spread over launches.
     """
     lane = dr.arange(mi.UInt32, len(rows) * batches * points.count)
-    slot = lane // points.count
+    slot = lane // points.stride
     row = slot // batches
-    number = dr.gather(mi.UInt32, mi.UInt32(rows.astype(np.uint32)), row)
+    number = dr.gather(mi.UInt32, on_device(mi.UInt32, rows), row)
     absolute = number * batches + slot % batches
     return Lanes(
         row=row,
         slot=slot,
         number=number,
         seed=mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[stream],
-        index=lane % points.count,
+        index=lane % points.stride,
     )
 
 

@@ -83,6 +83,7 @@ class Lobes:
         found = 0.0
         for direction in shining[:MOST]:
             sun = mi.Vector3f(*[float(c) for c in direction])
+            dr.make_opaque(sun)
             along = self.draw(sun, u, v)
             cosine = dr.maximum(dr.abs(dr.dot(along, self.frame.n)), 1e-6)
             density = dr.mean(self.pdf(along, sun) / cosine) * dr.pi

@@ -74,10 +74,13 @@ def _sunbeams(lit: LitScene, places: Places):
     # From all of the sun's disc: patches reach as far as the penumbra
     sun, _, _ = lit.sky.aim(pick, a, b)
     frame = mi.Frame3f(sun)
-    disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, v)) * radius
+    disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, v))
+    disc *= dr.opaque(mi.Float, radius)
     box = model.scene.bbox()
-    far = 2 * float(dr.norm(box.max - box.min)) + radius
-    start = mi.Point3f(*map(float, middle)) + frame.s * disc.x + frame.t * disc.y
+    far = dr.opaque(mi.Float, 2 * float(dr.norm(box.max - box.min)) + radius)
+    centre = mi.Point3f(*map(float, middle))
+    dr.make_opaque(centre)
+    start = centre + frame.s * disc.x + frame.t * disc.y
     ray = mi.Ray3f(start + sun * far, -sun)
     travelling, found = mi.Bool(True), mi.Bool(False)
     point, normal = mi.Point3f(0), mi.Vector3f(0)

@@ -17,7 +17,7 @@ from clerestory.engine.direct_sun import Place, SunWindow, on_disc, sunlight
 from clerestory.engine.pixels import PixelRays
 from clerestory.engine.points import points
 from clerestory.engine.sunlit import PixelSunJob
-from clerestory.engine.upload import launching, vectors
+from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.walk import offset
 from clerestory.engine.work import Tracer, Unit
 
@@ -46,7 +46,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
         first = dr.opaque(mi.UInt32, int(unit.rows[0]))
         pixel = pair // dr.opaque(mi.UInt32, suns) + first
         sun = pair % dr.opaque(mi.UInt32, suns)
-        number = dr.gather(mi.UInt32, mi.UInt32(unit.columns.astype(np.uint32)), sun)
+        number = dr.gather(mi.UInt32, on_device(mi.UInt32, unit.columns), sun)
         stream = sampling.mix(number, dr.opaque(mi.UInt32, job.seed))
         key = mi.sample_tea_32(pixel, stream)[0]
 
@@ -54,7 +54,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
             return sampling.coordinate(sequence, key, index, mi.UInt32(vertex), purpose)
 
         x, y = draw(sampling.DIRECTION_U, 0), draw(sampling.DIRECTION_V, 0)
-        ray, valid = rays.through(pixel, x, y, centre)
+        ray, valid = rays.through(pixel, x, y)
         a, b = draw(sampling.CONNECT_U, 0), draw(sampling.CONNECT_V, 0)
         places = vectors(mi.Vector3f, job.suns[unit.columns])
         middle = dr.gather(mi.Vector3f, places, sun)

@@ -20,6 +20,7 @@ from scipy.ndimage import maximum_filter
 from clerestory.bsdf.colour import rgb_to_xyz
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.engine.square import disc_from_square, square_from_disc
+from clerestory.engine.upload import on_device
 from clerestory.hemisphere import square
 
 # Edge of the grid on which the share of light gathered from all sides is tabulated.
@@ -65,7 +66,7 @@ class TreeTable:
         numbers = range(len(functions))
         known = [part is not None for part in functions]
         own = [n if known[n] else o for n, o in zip(numbers, other, strict=True)]
-        self.own = mi.UInt32(np.array(own, dtype=np.uint32))
+        self.own = on_device(mi.UInt32, own)
         self.proposals = len(trees)
         if self.rank == 3:
             for number in numbers:
@@ -75,7 +76,7 @@ class TreeTable:
                 trees.append(_exchanged(tree) if tree and known[number] else tree)
         self._tabulate(trees)
         shares = [self._shares(functions[n], functions[own[n]]) for n in numbers]
-        self.share = mi.Float(np.concatenate(shares).astype(np.float32))
+        self.share = on_device(mi.Float, np.concatenate(shares))
 
     def _tabulate(self, trees: list[ScatteringTree | None]) -> None:
         zero = np.zeros(1, dtype=np.int32)
@@ -83,10 +84,10 @@ class TreeTable:
         means = [zero.view("f4") if tree is None else _means(tree) for tree in trees]
         depth = [0 if tree is None else tree.depth for tree in trees]
         start = np.concatenate([[0], np.cumsum([len(part) for part in slots])[:-1]])
-        self.slots = mi.Int32(np.concatenate(slots))
-        self.means = mi.Float(np.concatenate(means))
-        self.depth = mi.UInt32(np.array(depth, dtype=np.uint32))
-        self.start = mi.UInt32(start.astype(np.uint32))
+        self.slots = on_device(mi.Int32, np.concatenate(slots))
+        self.means = on_device(mi.Float, np.concatenate(means))
+        self.depth = on_device(mi.UInt32, depth)
+        self.start = on_device(mi.UInt32, start)
 
     def _shares(self, own, read) -> np.ndarray:
         # Light gathered from all sides, for leaving directions over a grid

@@ -41,7 +41,7 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     def launch(target: Target, sequence: Points, paths: Lanes, _unit: Unit) -> None:
         x = _number(sequence, paths, sampling.DIRECTION_U)
         y = _number(sequence, paths, sampling.DIRECTION_V)
-        ray, valid = rays.through(paths.number, x, y, origin)
+        ray, valid = rays.through(paths.number, x, y)
         if job.direct:
             _connect_first(target, sequence, paths, ray, valid)
         else:

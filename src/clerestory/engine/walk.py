@@ -55,8 +55,8 @@ class Target:
     ----------
     model : the scene
     sky : its patches receive escaping paths; None if these are of no interest
-    sums : 64-bit fixed-point sums, one for each (row and batch, column, channel),
-        and a last one that counts the weights too heavy to be summed
+    sums : 64-bit fixed-point sums: a first one that counts the weights too heavy to
+        be summed, then one for each (row and batch, column, channel)
     columns : receiving patches, of all windows or of the sky
     channels : 3, or 1 when everything is grey
     """
@@ -69,16 +69,24 @@ class Target:
 
     def score(self, slot, column, weight, active):
         """Add a weight to a column of a row and batch."""
-        index = (slot * self.columns + column) * self.channels
+        index = (slot * self.columns + column) * self.channels + 1
+        mode = _adding()
         for channel in range(self.channels):
             scaled = weight[channel] * _HALF
             whole = mi.UInt32(mi.Int32(scaled))
             rest = mi.UInt32(mi.Int32((scaled - mi.Float(whole)) * _HALF))
             amount = (mi.UInt64(whole) << 20) + mi.UInt64(rest)
             fits = weight[channel] < _HEAVIEST
-            dr.scatter_add(self.sums, amount, index + channel, active & fits)
-            last = dr.width(self.sums) - 1
-            dr.scatter_add(self.sums, mi.UInt64(1), mi.UInt32(last), active & ~fits)
+            dr.scatter_add(self.sums, amount, index + channel, active & fits, mode)
+            one, first = mi.UInt64(1), mi.UInt32(0)
+            dr.scatter_add(self.sums, one, first, active & ~fits, mode)
+
+
+def _adding() -> dr.ReduceMode:
+    # Copies of the sums for each thread of a processor gain nothing here, and are
+    # kernels of their own for every number of sums
+    processor = dr.backend_v(mi.UInt64) == dr.JitBackend.LLVM
+    return dr.ReduceMode.Direct if processor else dr.ReduceMode.Auto
 
 
 @dataclass

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.patches import PatchTable
-from clerestory.engine.upload import vectors
+from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
 
@@ -294,16 +294,16 @@ def _table(
         edge_u=vectors(mi.Vector3f, edge_u),
         edge_v=vectors(mi.Vector3f, edge_v),
         rectangle=mi.Bool(rectangle),
-        cumulative=mi.Float(cumulative.astype(np.float32)),
+        cumulative=on_device(mi.Float, cumulative),
         area=mi.Float(float(area.sum())),
         window=mi.UInt32(
             np.repeat(np.arange(len(windows)), per_window).astype(np.uint32)
         ),
-        first_element=mi.UInt32((np.cumsum(per_window) - per_window).astype(np.uint32)),
+        first_element=on_device(mi.UInt32, np.cumsum(per_window) - per_window),
         right=vectors(mi.Vector3f, np.array([w.frame.right for w in windows])),
         up=vectors(mi.Vector3f, np.array([w.frame.up for w in windows])),
         normal=vectors(mi.Vector3f, np.array([w.frame.normal for w in windows])),
-        first=mi.UInt32((np.cumsum(count) - count).astype(np.uint32)),
+        first=on_device(mi.UInt32, np.cumsum(count) - count),
         tables=tables,
         columns=int(count.sum()),
     )
