@@ -184,10 +184,11 @@ def sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, active):
     direction, pdf, radiance = sun.direction, sun.pdf, sun.radiance
     value, own = vertex.scatter(direction)
     lit_up = active & (dr.max(value) > 0)
-    onward, _ = vertex.portal_pdf(lit, direction, lit_up)
-    mixed = vertex.mixture(onward, own)
     start = vertex.leave(direction, lit_up)
     seen = passed(lit.model, start, lambda o: mi.Ray3f(o, direction), lit_up, True)
+    lit_up &= dr.max(seen) > 0
+    onward, _ = vertex.portal_pdf(lit, direction, lit_up)
+    mixed = vertex.mixture(onward, own)
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
 
 
@@ -214,10 +215,11 @@ def sought_sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, draw: Draw, acti
         direction = dr.select(chosen, along, direction)
     value, own = vertex.scatter(direction)
     lit_up = active & (dr.max(value) > 0)
-    onward, sought = vertex.portal_pdf(lit, direction, lit_up)
-    pdf = vertex.mixture(onward, own) + sought_pdf(lit, sun, direction, sought)
     ray = mi.Ray3f(vertex.leave(direction, lit_up), direction)
     light = sunlit(lit, sun, ray, lit_up)
+    lit_up &= dr.max(light) > 0
+    onward, sought = vertex.portal_pdf(lit, direction, lit_up)
+    pdf = vertex.mixture(onward, own) + sought_pdf(lit, sun, direction, sought)
     return dr.select(lit_up & (pdf > 0), value * light / pdf, 0)
 
 
@@ -290,8 +292,9 @@ def lamplight(lit: LitScene, vertex: Vertex, draw: Draw, active):
     lit_up = active & (dr.max(value) > 0) & (cosine > 1e-6)
     radiance = lamps.emitted(lamp, -direction, lit_up)
     lit_up &= dr.max(radiance) > 0
-    onward, _ = vertex.portal_pdf(lit, direction, lit_up)
-    mixed = vertex.mixture(onward, own)
     start = vertex.leave(direction, lit_up)
     seen = passed(lit.model, start, lambda o: towards(o, point), lit_up)
+    lit_up &= dr.max(seen) > 0
+    onward, _ = vertex.portal_pdf(lit, direction, lit_up)
+    mixed = vertex.mixture(onward, own)
     return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)

@@ -98,25 +98,25 @@ def _glances(
     # and from asking what a sun lights there
     portals = lit.portals
     parts = portals.count + 1
+    every = dr.opaque(mi.UInt32, portals.count)
     lanes = dr.arange(mi.UInt32, len(places) * parts)
-    place, part = lanes // (portals.stride + 1), lanes % (portals.stride + 1)
+    place, part = lanes // (every + 1), lanes % (every + 1)
     seed = mi.UInt32(3)
     u, v, pick, x, y = (
         sampling.random_number(seed, lanes, mi.UInt32(n)) for n in range(5)
     )
     origin = dr.gather(mi.Point3f, vectors(mi.Point3f, places.start), place)
     normal = dr.gather(mi.Vector3f, vectors(mi.Vector3f, places.normal), place)
-    one = dr.minimum(part, portals.stride - 1)
+    one = dr.minimum(part, every - 1)
     there = portals.towards(one, origin, u, v)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
-    aimed = part < portals.stride
+    aimed = part < every
     ray = mi.Ray3f(origin, dr.select(aimed, there, mi.Frame3f(normal).to_world(local)))
     cosine = dr.dot(ray.d, normal)
     at_portals, _ = portals.pdf(origin, mi.UInt32(0), ray.d, mi.Bool(True))
     # Where portals overlap, each has its share in proportion to its density
-    shared = dr.select(
-        at_portals > 0, cosine / (mi.Float(portals.stride) * at_portals), 0
-    )
+    all_portals = mi.Float(every) * at_portals
+    shared = dr.select(at_portals > 0, cosine / all_portals, 0)
     weight = dr.select(aimed, shared, dr.select(at_portals > 0, 0, dr.pi))
     works = (cosine > 0) & (weight > 0)
     with launching():

@@ -29,6 +29,10 @@ MOST = 12
 # Polygons smaller than this share of the largest are no place to aim at.
 _SMALLEST = 1e-3
 
+# Kernels go through rectangles without a loop, which would fetch each from memory for
+# each path: five times slower. For each number of so many there is a kernel.
+_TOGETHER = 4
+
 # Directions that are aimed at rectangles as long as nothing is known of them.
 _UNKNOWN = 0.35
 
@@ -56,9 +60,9 @@ class Rectangles:
         return Rectangles(*(np.concatenate(pair) for pair in parts))
 
     @classmethod
-    def none(cls) -> "Rectangles":
-        """Return no rectangles."""
-        return cls(*np.zeros((3, 0, 3)))
+    def none(cls, count: int = 0) -> "Rectangles":
+        """Return no rectangles, or some that stand for none."""
+        return cls(*(np.tile(edge, (count, 1)) for edge in np.eye(3)))
 
     def some(self, chosen: Bool[np.ndarray, " n"]) -> "Rectangles":
         """Return the chosen rectangles."""
@@ -72,8 +76,10 @@ class Portals:
     Attributes
     ----------
     count : of rectangles
-    stride : the count, in memory, so that kernels serve any number of them
+    places : for rectangles, some of them empty: kernels serve any number up to that
     corner, edge_u, edge_v : of each [m]
+    facing : edge_u × edge_v [m²]
+    across, upwards : edges over their squared lengths [1/m]
     cells : of the room
     share : of each rectangle in the paths that go on towards them, cell by cell
     sought : of each rectangle in the rays that seek what suns light
@@ -82,10 +88,13 @@ class Portals:
     """
 
     count: int
-    stride: mi.UInt32
+    places: int
     corner: mi.Point3f
     edge_u: mi.Vector3f
     edge_v: mi.Vector3f
+    facing: mi.Vector3f
+    across: mi.Vector3f
+    upwards: mi.Vector3f
     cells: Cells
     share: mi.Float
     sought: mi.Float
@@ -102,20 +111,25 @@ class Portals:
         aimed: Float[np.ndarray, " cell"],
     ) -> "Portals":
         """Return rectangles that are aimed at by the cell of a place."""
-        portals = cls(
-            len(rectangles),
-            dr.opaque(mi.UInt32, len(rectangles)),
-            vectors(mi.Point3f, rectangles.corner),
-            vectors(mi.Vector3f, rectangles.edge_u),
-            vectors(mi.Vector3f, rectangles.edge_v),
+        count = len(rectangles)
+        places = -(-count // _TOGETHER) * _TOGETHER
+        empty = ((0, 0), (0, places - count))
+        every = rectangles + Rectangles.none(places - count)
+        return cls(
+            count,
+            places,
+            vectors(mi.Point3f, every.corner),
+            vectors(mi.Vector3f, every.edge_u),
+            vectors(mi.Vector3f, every.edge_v),
+            vectors(mi.Vector3f, np.cross(every.edge_u, every.edge_v)),
+            vectors(mi.Vector3f, _inverse(every.edge_u)),
+            vectors(mi.Vector3f, _inverse(every.edge_v)),
             cells,
-            on_device(mi.Float, share),
-            on_device(mi.Float, sought),
+            on_device(mi.Float, np.pad(share, empty)),
+            on_device(mi.Float, np.pad(sought, empty)),
             on_device(mi.Float, aimed),
             bool(sought.any()),
         )
-        dr.make_opaque(portals.corner, portals.edge_u, portals.edge_v)
-        return portals
 
     @classmethod
     def unknown(cls, rectangles: Rectangles) -> "Portals":
@@ -142,27 +156,35 @@ class Portals:
         flat = corner + edge_u * u + edge_v * v - origin
         return dr.normalize(dr.select(view.usable, wide, flat))
 
-    @dr.syntax
     def density(self, number, origin, direction):
-        """Return the density of `towards` [1/sr]; 0 where it misses the rectangle."""
+        """Return the density of `towards` [1/sr] along a ray that meets it."""
         corner = dr.gather(mi.Point3f, self.corner, number) - origin
-        edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
-        edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-        facing = dr.cross(edge_u, edge_v)
+        facing = dr.gather(mi.Vector3f, self.facing, number)
         along = dr.dot(facing, direction)
         distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)
-        place = direction * distance - corner
-        u = dr.dot(place, edge_u) / dr.squared_norm(edge_u)
-        v = dr.dot(place, edge_v) / dr.squared_norm(edge_v)
-        hit = (along != 0) & (distance > 0) & (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)
-        density = mi.Float(0)
-        if hit:
-            by_area = dr.square(distance) / dr.maximum(dr.abs(along), 1e-20)
-            view = self._view(number, origin)
-            density = dr.select(view.usable, 1 / view.solid_angle, by_area)
-        return density
+        by_area = dr.square(distance) / dr.maximum(dr.abs(along), 1e-20)
+        view = self._view(number, origin)
+        return dr.select(view.usable, 1 / view.solid_angle, by_area)
 
-    @dr.syntax
+    def met(self, origin, direction):
+        """Return which rectangles a ray meets, a bit for each."""
+        found = mi.UInt32(0)
+        for number in range(self.places):
+            one = mi.UInt32(number)
+            across, upwards, facing = (
+                dr.gather(mi.Vector3f, table, one)
+                for table in (self.across, self.upwards, self.facing)
+            )
+            corner = dr.gather(mi.Point3f, self.corner, one) - origin
+            along = dr.dot(facing, direction)
+            distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)
+            place = direction * distance - corner
+            u, v = dr.dot(place, across), dr.dot(place, upwards)
+            hit = (along != 0) & (distance > 0)
+            hit &= (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)
+            found |= dr.select(hit, mi.UInt32(1 << number), 0)
+        return found
+
     def aim(self, shares, origin, cell, u, v):
         """Return a direction to a point of a rectangle; by its cell.
 
@@ -173,14 +195,12 @@ class Portals:
         target = mi.Float(u)
         before = mi.Float(0)
         chosen = mi.UInt32(0)
-        number = mi.UInt32(0)
-        while number < self.stride:
-            here = dr.gather(mi.Float, shares, cell * self.stride + number)
+        for number in range(self.places):
+            here = dr.gather(mi.Float, shares, cell * self.places + number)
             take = (target >= before) & (here > 0)
             chosen = dr.select(take, number, chosen)
             u = dr.select(take, (target - before) / here, u)
             before += here
-            number += 1
         return self.towards(chosen, origin, dr.clip(u, 0, 0.9999999), v)
 
     @dr.syntax
@@ -192,17 +212,19 @@ class Portals:
         onward, sought : of paths that go on, and of seeking what suns light
         """
         onward, sought = mi.Float(0), mi.Float(0)
-        number = mi.UInt32(0)
-        while active & (number < self.stride):
-            at = cell * self.stride + number
-            share = dr.gather(mi.Float, self.share, at)
-            seeking = dr.gather(mi.Float, self.sought, at)
-            if (share > 0) | (seeking > 0):
-                density = self.density(number, origin, direction)
-                onward += share * density
-                sought += seeking * density
-            number += 1
+        left = self.met(origin, direction)
+        while active & (left != 0):
+            number = dr.tzcnt(left)
+            at = cell * self.places + number
+            density = self.density(number, origin, direction)
+            onward += dr.gather(mi.Float, self.share, at) * density
+            sought += dr.gather(mi.Float, self.sought, at) * density
+            left &= left - 1
         return onward, sought
+
+
+def _inverse(edges: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    return edges / np.sum(np.square(edges), axis=1, keepdims=True)
 
 
 def window_rectangles(scene: Scene, origin: Float[np.ndarray, "3"]) -> Rectangles:
