@@ -6,7 +6,7 @@ that goes on by itself shares what it meets with these aims by multiple importan
 sampling.
 
 Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation,
-1997, chapter 9 (balance heuristic).
+1997, chapter 9 (balance heuristic; for suns, power heuristic).
 """
 
 from dataclasses import dataclass
@@ -188,8 +188,22 @@ def sunlight(lit: LitScene, vertex: Vertex, sun: SunAim, active):
     seen = passed(lit.model, start, lambda o: mi.Ray3f(o, direction), lit_up, True)
     lit_up &= dr.max(seen) > 0
     onward, _ = vertex.portal_pdf(lit, direction, lit_up)
-    mixed = vertex.mixture(onward, own)
-    return dr.select(lit_up, value * radiance * seen / (pdf + mixed), 0)
+    share = share_of_sun(pdf, vertex.mixture(onward, own))
+    return dr.select(lit_up, value * radiance * seen * share / pdf, 0)
+
+
+def share_of_sun(own, other):
+    """Return what one of two ways to a sun counts: the power heuristic.
+
+    A layer that passes light straight on sends a path into the small disc of a sun now
+    and then. By densities alone, it would bring a twentieth of the sun's light so, in
+    a pixel of some hundreds; by their squares, next to nothing.
+
+    Parameters
+    ----------
+    own, other : densities of both ways [1/sr]
+    """
+    return dr.rcp(1 + dr.square(other / own))
 
 
 def seeks(lit: LitScene) -> bool:

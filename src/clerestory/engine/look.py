@@ -25,6 +25,7 @@ from clerestory.engine.aims import (
     mirrored_sunlight,
     seeks,
     share_of_portals,
+    share_of_sun,
     sought_pdf,
     sought_sunlight,
     sunlight,
@@ -133,7 +134,7 @@ def look(
         escaped = active & ~met
         sky = lit.sky.radiance_of_dome(ray.d)
         sun, aim = lit.sky.radiance_of_suns(ray.d, escaped)
-        share = dr.select(pdf > 0, pdf / (pdf + aim), 1)
+        share = dr.select(pdf > 0, share_of_sun(pdf, aim), 1)
         share = dr.select(relay == 1, 0, share)
         light += dr.select(escaped, weight * (sky + sun * share), 0)
 
