@@ -90,3 +90,18 @@ def test_white_balls_in_a_white_sky_are_white(device):
     made = irradiance(scene, sensors, samples=1 << 14, device=device)
     assert np.all(made.error < 0.01)
     assert np.all(np.abs(made.irradiance - np.pi) < 4 * made.error + 1e-4)
+
+
+def test_a_long_slanting_tube_is_built_without_a_word(capfd):
+    """An arm of a desk lamp in inches, a mirror before a sky of 1: it is not seen."""
+    base, top = np.array([0, -5.08, 2.54]), np.array([0, -16.37350513, 33.56865034])
+    tube = Cone(base, top, 0.635, 0.635, False, "m", "arm")
+    sky = Glow("sky", np.ones(3), 0.0)
+    whole = (DistantSource(NORTH, 180.0, "sky"), DistantSource(-NORTH, 180.0, "sky"))
+    scene = Scene({"m": MIRROR, "sky": sky}, (tube,), whole)
+    eye = (base + top) / 2 + np.array([9.0, 0, 0])
+    ahead, up = np.array([-1.0, 0, 0]), np.array([0.0, 0, 1])
+    view = View("perspective", eye, ahead, up, 1.0, 1.0)
+    made = render(scene, view, columns=1, rows=1, samples=16, device="cpu")
+    assert made.picture.radiance == pytest.approx(1, abs=1e-4)
+    assert "shear" not in "".join(capfd.readouterr())

@@ -54,7 +54,13 @@ def round_shape(
         "p1": _point(surface.top - origin),
         "radius": float(surface.base_radius),
     }
-    return mi.load_dict(tube | shared)
+    # Mitsuba takes the rounding of long slanting tubes for shear, and says so
+    level = mi.log_level()
+    mi.set_log_level(mi.LogLevel.Error)
+    try:
+        return mi.load_dict(tube | shared)
+    finally:
+        mi.set_log_level(level)
 
 
 def _is_round(surface: Sphere | Cone, material: Material) -> bool:
