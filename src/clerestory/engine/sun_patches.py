@@ -9,7 +9,7 @@ portals. What they miss costs noise, never light.
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.ndimage import binary_dilation, label
 
 from clerestory.engine import points as sampling
@@ -32,9 +32,11 @@ _WIDENED = 1.1
 _SELDOM = 0.25
 _FEWEST = 24
 
-# Planes are the same within this slope and distance [m]; a patch is cut up along the
+# Planes are the same within this slope and distance [m], of which there are no more
+# than so many along a normal; a patch is cut up along the
 # empty cells of a grid this fine, and widened by so many.
 _SLOPE, _DISTANCE = 0.01, 0.01
+_HEIGHTS = 1 << 40
 _CELLS = 48
 _MARGIN = 2.0
 
@@ -103,26 +105,29 @@ def _sunbeams(lit: LitScene, places: Places):
     return point.numpy().T[kept].astype(float), normal.numpy().T[kept].astype(float)
 
 
-def _plane(point: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "n 3"]):
-    # Whole numbers that are the same for points of one plane
-    facing = np.round(normal / _SLOPE).astype(int)
+def _plane(
+    point: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "n 3"]
+) -> Int[np.ndarray, " n"]:
+    # A whole number that is the same for points of one plane
+    facing = np.round(normal / _SLOPE).astype(np.int64)
     height = np.sum(facing * _SLOPE * point, axis=1)
-    return np.column_stack([facing, np.round(height / _DISTANCE).astype(int)])
+    most = round(1 / _SLOPE)
+    wide = 2 * most + 1
+    slope = (facing + most) @ [wide * wide, wide, 1]
+    return np.asarray(slope * _HEIGHTS + np.round(height / _DISTANCE).astype(np.int64))
 
 
 def _patches(
     point: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "n 3"], places: Places
 ) -> Rectangles:
     # Rectangles around sunlit places, those that the most beams met first
-    known = set(map(tuple, np.unique(_plane(places.point, places.normal), axis=0)))
-    keys, plane, size = np.unique(
-        _plane(point, normal), axis=0, return_inverse=True, return_counts=True
-    )
+    plane = _plane(point, normal)
+    keys, size = np.unique(plane, return_counts=True)
+    seen = np.isin(keys, _plane(places.point, places.normal))
     found: list[tuple[int, np.ndarray]] = []
-    for number in np.flatnonzero(size >= _FEWEST):
-        if tuple(keys[number]) in known:
-            chosen = plane.ravel() == number
-            found += _rectangles(point[chosen], normal[chosen][0])
+    for key in keys[seen & (size >= _FEWEST)]:
+        chosen = plane == key
+        found += _rectangles(point[chosen], normal[chosen][0])
     found.sort(key=lambda part: -part[0])
     corners = np.array([part for _, part in found[:MOST]]).reshape(-1, 3, 3)
     return Rectangles(corners[:, 0], corners[:, 1], corners[:, 2])

@@ -208,8 +208,11 @@ def _inputs(
         "P": np.zeros((count, 3))
         if point is None
         else point @ back[:3, :3] + back[3, :3],
-        "T": np.tile(back[3, :3], (count, 1)),
-        **{k: np.tile(back[i, :3] / scale, (count, 1)) for i, k in enumerate("IJK")},
+        "T": np.broadcast_to(back[3, :3], (count, 3)),
+        **{
+            k: np.broadcast_to(back[i, :3] / scale, (count, 3))
+            for i, k in enumerate("IJK")
+        },
     }
     given = {k + a: v[:, i] for k, v in vectors.items() for i, a in enumerate("xyz")}
     given |= {f"N{a}P": given[f"N{a}"] for a in "xyz"}
