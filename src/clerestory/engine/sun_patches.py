@@ -33,8 +33,8 @@ _SELDOM = 0.25
 _FEWEST = 24
 
 # Planes are the same within this slope and distance [m], of which there are no more
-# than so many along a normal; a patch is cut up along the
-# empty cells of a grid this fine, and widened by so many.
+# than so many along a normal; a patch is cut up along the empty cells of a grid this
+# fine, and widened by so many.
 _SLOPE, _DISTANCE = 0.01, 0.01
 _HEIGHTS = 1 << 40
 _CELLS = 48
