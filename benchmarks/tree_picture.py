@@ -1,7 +1,7 @@
 """A room behind four systems: pictures through a tree and through the geometry.
 
-    python benchmarks/tree_picture.py [--columns 96] [--samples 1024] [--halvings 6]
-        [--systems blind-0 …] [--figure PNG] [--write FILE]
+    python benchmarks/tree_picture.py [--columns 96] [--samples 256] [--halvings 5]
+        [--paths 16384] [--systems blind-0 …] [--figure PNG] [--write FILE]
 
 A room of 3 × 4 × 2.8 m with one window to the south, a system before it, a low sun and
 an even sky. One picture meets the geometry, the other a surface with the tree that was
@@ -11,7 +11,8 @@ than the stripes that slats throw; the window is left out.
 A tree has one value for all directions of a cell, the mean over them. The geometry is
 therefore shown twice: under the sun, and under the same light spread evenly over the
 tree's cell that the sun stands in. The second is what a tree without fault shows; what
-the first differs from it is the price of its cells. Light of the sun through a film can
+the first differs from it is the price of its cells. Of N paths from each incident cell
+T·N leave through the sun's: that cell is known to 1/√(T·N) only, in the whole picture. Light of the sun through a film can
 only be met by chance: the film has a disc of 60° with the light of the sun instead.
 
 Microlouvre and film are enlarged: nothing but proportions matters to a tree.
@@ -45,8 +46,8 @@ BLOCK = 8
 NEAR, OFF = (0.25, 0.36), 0.3
 DISC_DEG, RADIANCE = 0.533, 2e6
 
-# Suns along each side of a cell: at 2^6 cells an axis, discs of its size touch.
-SPREAD = 4
+# Suns along each side of a cell: at 2^5 cells an axis, discs of its size touch.
+SPREAD = 8
 VIEW = "-vtv -vp -1.3 0.3 1.7 -vd 0.5 1 -0.35 -vu 0 0 1 -vh 82 -vv 66"
 ROOM = """void plastic white 0 0 5 .7 .7 .7 0 0
 void plastic grey 0 0 5 .3 .3 .3 0 0
@@ -202,9 +203,14 @@ def _repeated(system: System, high: float) -> list[tuple[Polygon, float]]:
     return found
 
 
-def behind_tree(system: System, halvings: int) -> tuple[Scene, int]:
-    """Return the system's tree as a surface in the window, and the tree's size."""
-    bsdf = cl.generate_bsdf(system, basis="tree4", halvings=halvings, samples=256)
+def behind_tree(system: System, halvings: int, paths: int) -> tuple[Scene, int]:
+    """Return the system's tree as a surface in the window, and the tree's size.
+
+    Parameters
+    ----------
+    paths : from each incident cell
+    """
+    bsdf = cl.generate_bsdf(system, basis="tree4", halvings=halvings, samples=paths)
     cells = bsdf.functions["visible", "transmission_back"]
     return window(bsdf), int(np.count_nonzero(cells.slots >= 0))
 
@@ -217,13 +223,15 @@ def window(bsdf: cl.Bsdf) -> Scene:
     return Scene({"layer": layer}, (Polygon(pane, "layer", "window"),))
 
 
-def compare(case: Case, columns: int, samples: int, halvings: int) -> list[Pair]:
+def compare(
+    case: Case, columns: int, samples: int, *, halvings: int, paths: int
+) -> list[Pair]:
     """Render the pictures and compare them."""
     view = cl.parse_view(VIEW)
     size = dict(zip(("columns", "rows"), view.size_for(columns), strict=True))
     size = {name: BLOCK * (count // BLOCK) for name, count in size.items()}
     system = case.make()
-    layer, cells = behind_tree(system, halvings)
+    layer, cells = behind_tree(system, halvings, paths)
     parts = before_window(system)
     own = disc(case.wide_deg, halvings)
     lights = {"sun" if case.spread else f"disc of {case.wide_deg:.0f}°": own}
@@ -300,13 +308,13 @@ def draw(pairs: list[Pair], path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
-def table(pairs: list[Pair], halvings: int) -> str:
+def table(pairs: list[Pair], halvings: int, paths: int) -> str:
     """Return the figures as Markdown."""
     lines = [
         "# Pictures through a tree and through its geometry",
         "",
-        f"{stamp()}; trees of 2^{halvings} cells an axis, blocks of {BLOCK} × {BLOCK}"
-        " pixels, the window left out.",
+        f"{stamp()}; trees of 2^{halvings} cells an axis from {paths} paths a cell,"
+        f" blocks of {BLOCK} × {BLOCK} pixels, the window left out.",
         "",
         "| system | light on the geometry | cells | mean, tree over geometry"
         " | blocks off, median | 90 % within | noise of a block, median"
@@ -335,8 +343,9 @@ def main() -> None:
     """Read the command line, render, draw and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--columns", type=int, default=96)
-    parser.add_argument("--samples", type=int, default=1024)
-    parser.add_argument("--halvings", type=int, default=6)
+    parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--halvings", type=int, default=5)
+    parser.add_argument("--paths", type=int, default=1 << 14, help="a tree's cell")
     parser.add_argument("--systems", nargs="+", choices=CASES, default=list(CASES))
     parser.add_argument("--figure", type=Path, help="picture to write")
     parser.add_argument("--write", type=Path, help="Markdown file to write")
@@ -344,10 +353,11 @@ def main() -> None:
     pairs: list[Pair] = []
     for name in options.systems:
         pairs += compare(
-            CASES[name], options.columns, options.samples, options.halvings
-        )
-        print(table(pairs, options.halvings), flush=True)
-    text = table(pairs, options.halvings)
+            CASES[name], options.columns, options.samples,
+            halvings=options.halvings, paths=options.paths,
+        )  # fmt: skip
+        print(table(pairs, options.halvings, options.paths), flush=True)
+    text = table(pairs, options.halvings, options.paths)
     if options.figure:
         draw(pairs, options.figure)
     if options.write:
