@@ -12,8 +12,9 @@ A tree has one value for all directions of a cell, the mean over them. The geome
 therefore shown twice: under the sun, and under the same light spread evenly over the
 tree's cell that the sun stands in. The second is what a tree without fault shows; what
 the first differs from it is the price of its cells. Of N paths from each incident cell
-T·N leave through the sun's: that cell is known to 1/√(T·N) only, in the whole picture. Light of the sun through a film can
-only be met by chance: the film has a disc of 60° with the light of the sun instead.
+T·N leave through the sun's: what comes from there is known to 1/√(T·N) only, all over
+the picture. Light of the sun through a film can only be met by chance: the film has a
+disc of 60° with the light of the sun instead.
 
 Microlouvre and film are enlarged: nothing but proportions matters to a tree.
 """
