@@ -30,7 +30,7 @@ MOST = 12
 _SMALLEST = 1e-3
 
 # Kernels go through rectangles without a loop, which would fetch each from memory for
-# each path: five times slower. For each number of so many there is a kernel.
+# each path: five times slower. There is a kernel for every multiple of so many.
 _TOGETHER = 4
 
 # Directions that are aimed at rectangles as long as nothing is known of them.
@@ -167,7 +167,7 @@ class Portals:
         return dr.select(view.usable, 1 / view.solid_angle, by_area)
 
     def met(self, origin, direction):
-        """Return which rectangles a ray meets, a bit for each."""
+        """Return which rectangles a ray meets, a bit of 32 for each."""
         found = mi.UInt32(0)
         for number in range(self.places):
             one = mi.UInt32(number)
