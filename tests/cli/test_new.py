@@ -72,6 +72,14 @@ def test_a_study_that_is_there_stays(call, demo):
     assert (demo / "office" / "study.toml").read_bytes() == before
 
 
+def test_a_file_that_is_not_there_leaves_no_folder(call, demo):
+    for name in ("room.rad", "723170TYA.CSV"):
+        outcome = call(*COMMAND.replace(name, "missing").split())
+        assert outcome.status == 2
+        assert "missing: cannot be read" in outcome.err
+        assert not (demo / "office").exists()
+
+
 def test_names_with_quotes_are_kept(call, demo):
     (demo / "window.rad").rename(demo / 'the "south".rad')
     words = COMMAND.replace("window.rad", "W").split()

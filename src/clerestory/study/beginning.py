@@ -69,7 +69,7 @@ def begin_study(
     InputError : a file is wrong, or no closed room lies behind the window
     OutputError : the folder holds a study already, or cannot be written
     """
-    folder = make_folder(folder)
+    folder = Path(folder)
     if (folder / STUDY_FILE).exists():
         raise InputError("is there already; a new folder expected", file=folder)
     room = read_rad(*scene)
@@ -79,7 +79,18 @@ def begin_study(
     for doubt in check_scene(room, [w for found in groups.values() for w in found]):
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
 
-    # Fronts face the room
+    # Sensors stand over the floor
+    if sensors is None:
+        first, *others = [w for found in groups.values() for w in found]
+        grid = floor_grid(
+            room, first, others=others, spacing=spacing, height=height
+        ).position
+        points, count = folder / SENSOR_FILE, len(grid)
+    else:
+        points, count = Path(sensors), len(read_sensors(sensors))
+
+    # Fronts face the room; nothing is written before all is read
+    make_folder(folder)
     shown, turned = [], []
     for file, found in groups.items():
         wrong = [w.name for w in found if room_side(room, w) < 0]
@@ -88,19 +99,9 @@ def begin_study(
         if wrong:
             write_text(shown[-1], _windows_text(found, wrong))
 
-    # Sensors stand over the floor
     if sensors is None:
-        first, *others = [w for found in groups.values() for w in found]
-        grid = floor_grid(
-            room, first, others=others, spacing=spacing, height=height
-        ).position
         lines = [" ".join(f"{x:.4f}" for x in point) + " 0 0 1" for point in grid]
-        points = folder / SENSOR_FILE
         write_text(points, "\n".join(lines) + "\n")
-        count = len(grid)
-    else:
-        points, count = Path(sensors), len(read_sensors(sensors))
-
     text = _study_text(
         title=folder.resolve().name,
         scene=[_relative(file, folder) for file in scene],
