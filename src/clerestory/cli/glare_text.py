@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from clerestory.glare.adaptation import FieldLuminances
 from clerestory.glare.dgp import dgp
-from clerestory.glare.region import RegionStatistics
+from clerestory.glare.field_luminance import FieldLuminances
+from clerestory.glare.region_statistics import RegionStatistics
 from clerestory.glare.result import Glare
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.veiling import veiling_luminance

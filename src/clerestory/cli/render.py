@@ -33,7 +33,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sky import sky_at, sky_scene
 from clerestory.scene.view_text import view_of
-from clerestory.sky.read import read_weather
+from clerestory.sky.weather_formats import read_weather
 
 Sky = Annotated[
     str | None,

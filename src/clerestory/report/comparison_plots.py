@@ -8,10 +8,10 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from clerestory.comparison.align import Pairs
-from clerestory.comparison.compare import Comparison
+from clerestory.comparison.agreement import agreement
 from clerestory.comparison.series import UNITS, group_of, quantity_of
-from clerestory.comparison.statistics import agreement
+from clerestory.comparison.series_comparison import Comparison
+from clerestory.comparison.time_alignment import Pairs
 
 # Measured is black; simulations in colours told apart by every eye (Okabe and Ito)
 _MEASURED = "#1b1f24"

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import UInt8
 
-from clerestory.glare.classes import category
+from clerestory.glare.comfort_classes import category
 from clerestory.report.content import ReportContent
 from clerestory.report.day_map import DayMap
 from clerestory.report.electric import lamp_maps, lamps_section

@@ -8,7 +8,7 @@ from matplotlib.patches import Patch
 from matplotlib.projections.polar import PolarAxes
 
 from clerestory.errors import InputError
-from clerestory.glare.classes import (
+from clerestory.glare.comfort_classes import (
     CATEGORIES,
     EXCEEDANCE,
     LIMITS,

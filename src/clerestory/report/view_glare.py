@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int, UInt8
 
-from clerestory.glare.classes import (
+from clerestory.glare.comfort_classes import (
     CATEGORIES,
     EXCEEDANCE,
     LIMITS,

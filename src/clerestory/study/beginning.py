@@ -17,7 +17,7 @@ from clerestory.scene.floor_grid import floor_grid, room_side
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import read_sensors
 from clerestory.scene.window import Window, read_windows
-from clerestory.sky.read import read_weather
+from clerestory.sky.weather_formats import read_weather
 
 STUDY_FILE, SENSOR_FILE = "study.toml", "workplane.pts"
 

@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from clerestory.metrics.sunlight import hours_of_sun, reference_point
+from clerestory.metrics.en17037_sunlight import hours_of_sun, reference_point
 from clerestory.phases.sunshine import sunshine
 from clerestory.scene.window import Window, read_windows
-from clerestory.sky.sun import SunPosition, sun_position
+from clerestory.sky.solar_position import SunPosition, sun_position
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 from clerestory.study.tables import SunlightTable

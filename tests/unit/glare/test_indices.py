@@ -7,7 +7,7 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.glare.cgi import cgi
-from clerestory.glare.classes import (
+from clerestory.glare.comfort_classes import (
     category,
     exceeded_dgp,
     glare_control_class,
