@@ -19,6 +19,7 @@ from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.evaluate import eye_of, summarise
 from clerestory.glare.field_of_view import FieldOfView
 from clerestory.glare.glare_view import GlareView
+from clerestory.glare.index import Background
 from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
 from clerestory.glare.position_index import PositionModel
 from clerestory.glare.region_statistics import (
@@ -27,7 +28,7 @@ from clerestory.glare.region_statistics import (
     band,
     region_statistics,
 )
-from clerestory.glare.result import Background, Glare
+from clerestory.glare.result import Glare
 from clerestory.glare.sources import find_sources, in_zone
 from clerestory.glare.zones import Zones
 from clerestory.image.read import read_picture

@@ -16,27 +16,16 @@ from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.evaluate import summarise
 from clerestory.glare.glare_view import GlareView, glare_view
-from clerestory.glare.result import Background, Glare
+from clerestory.glare.index import Background
+from clerestory.glare.indices import REPORTED
+from clerestory.glare.result import Glare
 from clerestory.glare.sources import find_sources
 from clerestory.scene.view import View
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Units of what has one
-_UNITS = {
-    "illuminance": "lux",
-    "direct_illuminance": "lux",
-    "average_luminance": "cd/m2",
-    "background_luminance": "cd/m2",
-    "source_luminance": "cd/m2",
-    "brightest_luminance": "cd/m2",
-    "reference_luminance": "cd/m2",
-    "veiling_luminance": "cd/m2",
-    "cie_veiling_luminance": "cd/m2",
-    "source_solid_angle": "sr",
-    "vcp": "%",
-}
+_UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
 
 
 def annual_glare(
@@ -149,7 +138,7 @@ def _dataset(
     axis = "step" if times is None else "time"
     variables = {
         name: (axis, [result[name] for result in results], {"units": unit})
-        for name, unit in ((name, _UNITS.get(name, "1")) for name in results[0])
+        for name, unit in _UNITS.items()
     }
     steps = np.arange(count) if times is None else times
 

@@ -3,13 +3,13 @@
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from clerestory.errors import InputError
+from clerestory.glare.dgp import DGP
 
-# Where glare becomes perceptible, disturbing and intolerable in DGP (Wienold 2009)
-LIMITS = (0.35, 0.40, 0.45)
-CATEGORIES = ("imperceptible", "perceptible", "disturbing", "intolerable")
+# DGP at which glare becomes perceptible, disturbing and intolerable
+LIMITS = DGP.thresholds
 
 # Share of the time of use in which a limit may be exceeded
 EXCEEDANCE = 0.05
@@ -21,22 +21,6 @@ Protection = Literal["high", "medium", "minimum", "none"]
 _EN14501 = ((4, 3, 2, 2), (3, 2, 1, 1), (1, 1, 0, 0), (0, 0, 0, 0))
 _DIRECT = (0.0, 0.05, 0.10)
 _DIFFUSE = (0.02, 0.04, 0.08)
-
-
-def category(dgp: Float[np.ndarray, "*shape"]) -> Int[np.ndarray, "*shape"]:
-    """Category of glare, 0 imperceptible to 3 intolerable.
-
-    References
-    ----------
-    Wienold, J. (2009): Dynamic daylight glare evaluation. Building Simulation,
-    Glasgow.
-
-    Examples
-    --------
-    >>> category(np.array([0.2, 0.37, 0.44, 0.9])).tolist()
-    [0, 1, 2, 3]
-    """
-    return np.searchsorted(LIMITS, dgp, side="left")
 
 
 def exceeded_dgp(
