@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 import slow_share
 
 REPOSITORY = Path(__file__).parents[1]
