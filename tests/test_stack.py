@@ -13,12 +13,14 @@ import clerestory
 
 STACK = (
     ("errors", "constants"),
-    ("files", "directions"),
+    ("files", "directions", "bands"),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),
     ("gonio", "glazing"),
     ("scene",),
+    ("formats",),
+    ("radiance",),
     ("image",),
     ("engine",),
     ("cluster",),
