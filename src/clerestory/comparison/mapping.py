@@ -48,7 +48,7 @@ from clerestory.comparison.logger_files import (
 from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text
-from clerestory.study.complaint import input_error, parse_toml
+from clerestory.study.config_errors import input_error, parse_toml
 
 
 def _several(value: Any) -> Any:
