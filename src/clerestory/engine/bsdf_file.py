@@ -9,6 +9,8 @@ With `peak`, light that passes unscattered (Radiance's aBSDF) leaves the data: i
 goes straight on as through a pane, and shadow rays may pass.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import drjit as dr

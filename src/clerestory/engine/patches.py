@@ -4,6 +4,8 @@ The same rings and counts that NumPy uses (`hemisphere.partition`) drive these
 look-ups; a test compares both over random directions.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import drjit as dr

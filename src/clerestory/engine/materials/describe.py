@@ -1,5 +1,7 @@
 """From a material of a scene to the description of its Mitsuba plugin."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import mitsuba as mi

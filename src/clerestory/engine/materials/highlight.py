@@ -13,6 +13,8 @@ Graphics Forum 29 (4), 2010; B. Walter, "Notes on the Ward BRDF", Cornell 2005
 (sampling of half vectors).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import drjit as dr

@@ -9,6 +9,8 @@ are not reciprocal; they are for looks.
 Reference: G. Ward, Radiance, src/rt/raytrace.c (raynormal).
 """
 
+from __future__ import annotations
+
 import drjit as dr
 import mitsuba as mi
 
