@@ -39,7 +39,7 @@ class PatchTable:
     compass: bool
 
     @classmethod
-    def of(cls, partition: RingPartition) -> "PatchTable":
+    def of(cls, partition: RingPartition) -> PatchTable:
         """Return the kernel's table of a partition."""
         outwards = partition.theta[0] < partition.theta[-1]
         order = slice(None) if outwards else slice(None, None, -1)
@@ -115,7 +115,7 @@ class SkyTable:
     size: int
 
     @classmethod
-    def of(cls, partition) -> "SkyTable":
+    def of(cls, partition) -> SkyTable:
         """Return the kernel's table of a `SkyPartition`."""
         dome = partition.dome
         return cls(
