@@ -19,6 +19,8 @@ STACK = (
     ("bsdf", "sky"),
     ("gonio", "glazing"),
     ("scene",),
+    ("formats",),
+    ("radiance",),
     ("image",),
     ("engine",),
     ("cluster",),

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from clerestory.scene.window import read_windows
+from clerestory.radiance.window_reader import read_windows
 from clerestory.study.config import read_study
 from clerestory.study.demo import write_demo
 

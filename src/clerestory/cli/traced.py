@@ -15,10 +15,10 @@ from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.matrix.radiance_format import Encoding
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.pictures import Camera
-from clerestory.scene.check import check_scene
+from clerestory.radiance.view_text import view_of
 from clerestory.scene.model import Scene
+from clerestory.scene.scene_checks import check_scene
 from clerestory.scene.sensors import Sensors, read_sensors
-from clerestory.scene.view_text import view_of
 from clerestory.scene.window import Window
 
 

@@ -9,8 +9,6 @@ With `peak`, light that passes unscattered (Radiance's aBSDF) leaves the data: i
 goes straight on as through a pane, and shadow rays may pass.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import drjit as dr
@@ -100,9 +98,9 @@ class Added:
     Front is the side of the normal, the room.
     """
 
-    front: mi.Color3f
-    back: mi.Color3f
-    transmission: mi.Color3f
+    front: "mi.Color3f"
+    back: "mi.Color3f"
+    transmission: "mi.Color3f"
 
 
 def define() -> type:
@@ -298,7 +296,7 @@ def register() -> type:
     return _classes[variant]
 
 
-def plugin(surface: BsdfSurface) -> mi.BSDF:
+def plugin(surface: BsdfSurface) -> "mi.BSDF":
     """Return the plugin that scatters like a surface of the scene."""
     made = register()(mi.Properties("bsdf_file"))
     added = (surface.front, surface.back, surface.transmission)

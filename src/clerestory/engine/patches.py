@@ -4,8 +4,6 @@ The same rings and counts that NumPy uses (`hemisphere.partition`) drive these
 look-ups; a test compares both over random directions.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import drjit as dr
@@ -30,16 +28,16 @@ class PatchTable:
     """
 
     inner: list[float]
-    count: mi.UInt32
-    first: mi.UInt32
-    low: mi.Float
-    high: mi.Float
-    phi: mi.Float
-    width: mi.Float
+    count: "mi.UInt32"
+    first: "mi.UInt32"
+    low: "mi.Float"
+    high: "mi.Float"
+    phi: "mi.Float"
+    width: "mi.Float"
     compass: bool
 
     @classmethod
-    def of(cls, partition: RingPartition) -> PatchTable:
+    def of(cls, partition: RingPartition) -> "PatchTable":
         """Return the kernel's table of a partition."""
         outwards = partition.theta[0] < partition.theta[-1]
         order = slice(None) if outwards else slice(None, None, -1)
@@ -110,12 +108,12 @@ class SkyTable:
     """
 
     rows: int
-    count: mi.UInt32
-    first: mi.UInt32
+    count: "mi.UInt32"
+    first: "mi.UInt32"
     size: int
 
     @classmethod
-    def of(cls, partition) -> SkyTable:
+    def of(cls, partition) -> "SkyTable":
         """Return the kernel's table of a `SkyPartition`."""
         dome = partition.dome
         return cls(

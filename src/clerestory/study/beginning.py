@@ -12,11 +12,12 @@ import numpy as np
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import make_folder, write_text
-from clerestory.scene.check import check_scene
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.floor_grid import floor_grid, room_side
-from clerestory.scene.rad import read_rad
+from clerestory.scene.scene_checks import check_scene
 from clerestory.scene.sensors import read_sensors
-from clerestory.scene.window import Window, read_windows
+from clerestory.scene.window import Window
 from clerestory.sky.read import read_weather
 
 STUDY_FILE, SENSOR_FILE = "study.toml", "workplane.pts"

@@ -15,12 +15,12 @@ from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.system import System
 from clerestory.errors import InputError
 from clerestory.files import make_folder, write_text
-from clerestory.scene.hbjson import ApertureGroup, HoneybeeModel
-from clerestory.scene.hbjson_modifiers import BsdfModifier, Modifier
+from clerestory.formats.hbjson import ApertureGroup, HoneybeeModel
+from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier
+from clerestory.radiance.rad_writer import format_rad
+from clerestory.radiance.view_text import format_view
 from clerestory.scene.model import Polygon, Scene
-from clerestory.scene.rad_writer import format_rad
 from clerestory.scene.sensors import Sensors
-from clerestory.scene.view_text import format_view
 
 _SAMPLES = 2048
 _BASES = {145: "kf", 77: "kh", 73: "kh", 41: "kq"}

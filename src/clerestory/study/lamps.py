@@ -12,14 +12,14 @@ from jaxtyping import Float
 from clerestory import __version__
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import InputError
+from clerestory.formats.photometry.luminaire_scene import luminaire_scene
+from clerestory.formats.photometry.read import read_luminaire
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.render import irradiance, render
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
-from clerestory.scene.photometry.luminaire_scene import luminaire_scene
-from clerestory.scene.photometry.read import read_luminaire
-from clerestory.scene.rad import read_rad
 from clerestory.study.job import LAMPS, Job
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 

@@ -21,7 +21,7 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
 from clerestory.phases.shaded import States
 from clerestory.phases.store import MatrixStore
-from clerestory.scene.check import check_scene
+from clerestory.scene.scene_checks import check_scene
 from clerestory.study.config import Study
 from clerestory.study.evidence import Evidence
 from clerestory.study.facts import run_facts

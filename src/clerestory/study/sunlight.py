@@ -5,7 +5,8 @@ import xarray as xr
 
 from clerestory.metrics.sunlight import hours_of_sun, reference_point
 from clerestory.phases.sunshine import sunshine
-from clerestory.scene.window import Window, read_windows
+from clerestory.radiance.window_reader import read_windows
+from clerestory.scene.window import Window
 from clerestory.sky.sun import SunPosition, sun_position
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs

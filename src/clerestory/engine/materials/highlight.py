@@ -13,8 +13,6 @@ Graphics Forum 29 (4), 2010; B. Walter, "Notes on the Ward BRDF", Cornell 2005
 (sampling of half vectors).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import drjit as dr
@@ -40,10 +38,10 @@ class Ellipse:
     u2, v2 : squared roughness along the axes
     """
 
-    cos: mi.Float
-    sin: mi.Float
-    u2: mi.Float
-    v2: mi.Float
+    cos: "mi.Float"
+    sin: "mi.Float"
+    u2: "mi.Float"
+    v2: "mi.Float"
 
     def along(self, vector):
         """Components of a vector along both axes."""

@@ -9,8 +9,6 @@ are not reciprocal; they are for looks.
 Reference: G. Ward, Radiance, src/rt/raytrace.c (raynormal).
 """
 
-from __future__ import annotations
-
 import drjit as dr
 import mitsuba as mi
 
@@ -93,7 +91,7 @@ def define() -> type:
     return RadianceTextured
 
 
-def plugin(base: mi.BSDF, added) -> mi.BSDF:
+def plugin(base: "mi.BSDF", added) -> "mi.BSDF":
     """Return a material that a function of the interaction bends the normal of.
 
     Parameters
