@@ -13,7 +13,7 @@ import clerestory
 
 STACK = (
     ("errors", "constants"),
-    ("files", "directions"),
+    ("files", "directions", "bands"),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),

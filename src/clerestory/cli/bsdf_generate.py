@@ -9,8 +9,8 @@ import typer
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.area import area_from_dimensions, area_of
-from clerestory.bsdfgen.bands import Weights
 from clerestory.bsdfgen.catalogue import make_system, parse_words, read_system
+from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.finish import error_functions
 from clerestory.bsdfgen.generate import Basis, Sides, generate_bsdf
 from clerestory.bsdfgen.system import System

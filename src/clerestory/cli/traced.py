@@ -10,7 +10,6 @@ import typer
 
 from clerestory.cli.matrix_files import write_pictures
 from clerestory.cli.matrix_output import write_any_matrix
-from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.matrix.radiance_format import Encoding
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -87,7 +86,7 @@ def write_traced(
 def _summary(matrix: TransferMatrix) -> str:
     # Size, and the error of the row sums: what a uniform source would give
     size = f"{matrix.rows.describe()} by {matrix.columns.describe()}"
-    grey = matrix.weighted(LUMINANCE_WEIGHTS)
+    grey = matrix.weighted(matrix.bands.shares)
     if grey.components is None:
         return size
     total = grey.values[0].sum(axis=1)

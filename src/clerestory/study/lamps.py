@@ -10,7 +10,6 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory import __version__
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
@@ -68,8 +67,7 @@ class Lamps:
 
 
 def _lux(matrix: TransferMatrix) -> tuple[np.ndarray, np.ndarray]:
-    red, green, blue = (LUMINOUS_EFFICACY * weight for weight in LUMINANCE_WEIGHTS)
-    lux = matrix.weighted((red, green, blue))
+    lux = matrix.weighted(matrix.bands.weights)
     return lux.values[0, :, 0], lux.standard_error[0, :, 0]
 
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import RGB
+from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.formats.photometry.shining import (
@@ -122,7 +123,7 @@ def _placed(surface: Shining, place: Transform) -> Shining:
 def _balanced(colour: tuple[float, float, float]) -> Float[np.ndarray, "3"]:
     # A colour of luminance 1
     given = np.asarray(colour, dtype=float)
-    level = float(given @ LUMINANCE_WEIGHTS)
+    level = float(given @ RGB.shares)
     if given.min() < 0 or not (np.isfinite(level) and level > 0):
         raise InputError(f"colour {colour}; numbers from 0, not all zero, expected")
     balanced: np.ndarray = given / level
