@@ -15,9 +15,9 @@ from clerestory.files import make_folder, write_text
 from clerestory.phases.store import MatrixStore
 from clerestory.study.config import Study
 from clerestory.study.job import Display
+from clerestory.study.method_run import run_method
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, save_results
-from clerestory.study.single import run_method
 
 COMPARISON_FILE = "comparison.csv"
 

@@ -25,13 +25,13 @@ from clerestory.study.stored import Traced
 from clerestory.study.traced import Skies
 
 # Daylight glare probability of some steps, the worst of the views named, given states
-Judge = Callable[
+GlareFunction = Callable[
     [States, Int[np.ndarray, " step"], Sequence[str]], Float[np.ndarray, " step"]
 ]
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
+class ControlInputs:
     """What is known about a study before the states are chosen.
 
     Attributes
@@ -43,7 +43,7 @@ class Evidence:
     inputs: Inputs
     tracing: Traced
     skies: Skies
-    judge: Judge
+    judge: GlareFunction
     _kept: dict[tuple[str, int], np.ndarray] = field(default_factory=dict)
 
     @property

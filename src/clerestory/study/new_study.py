@@ -24,7 +24,7 @@ STUDY_FILE, SENSOR_FILE = "study.toml", "workplane.pts"
 
 
 @dataclass(frozen=True)
-class Beginning:
+class NewStudy:
     """What was written.
 
     Attributes
@@ -49,7 +49,7 @@ def begin_study(
     sensors: str | Path | None = None,
     spacing: float = 0.5,
     height: float = 0.76,
-) -> Beginning:
+) -> NewStudy:
     """Write a study file for a room, and what it lacks.
 
     The files stay where they are. Sensors are laid over the floor of the room unless a
@@ -112,7 +112,7 @@ def begin_study(
         weather=_relative(weather, folder),
     )
     write_text(folder / STUDY_FILE, text)
-    return Beginning(folder / STUDY_FILE, count, tuple(turned))
+    return NewStudy(folder / STUDY_FILE, count, tuple(turned))
 
 
 def _relative(file: str | Path, folder: Path) -> str:

@@ -23,21 +23,21 @@ from clerestory.phases.shaded import States
 from clerestory.phases.store import MatrixStore
 from clerestory.scene.scene_checks import check_scene
 from clerestory.study.config import Study
-from clerestory.study.evidence import Evidence
-from clerestory.study.facts import run_facts
+from clerestory.study.control_inputs import ControlInputs
+from clerestory.study.electric_lighting import lighting
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.labels import label_results, occupied_steps, sensor_labels
-from clerestory.study.lamps import Lamps, trace_lamps
-from clerestory.study.lighting import lighting
-from clerestory.study.operation import Operation, operate
+from clerestory.study.luminaire_matrices import Lamps, trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
-from clerestory.study.sunlight import sunlight
+from clerestory.study.run_facts import run_facts
+from clerestory.study.shade_operation import ShadeOperation, operate
+from clerestory.study.sunlight_exposure import sunlight
 from clerestory.study.traced import Skies
 from clerestory.study.tracing import study_skies, trace_study
 from clerestory.study.view_tracing import trace_views
-from clerestory.study.views import glare_judge, study_views
+from clerestory.study.views import glare_function, study_views
 
 # Hourly values that memory does not hold lie here until results.nc is written
 SCRATCH_FOLDER = "unfinished"
@@ -118,10 +118,10 @@ def _simulate(
     with log.phase("sky"):
         skies = study_skies(study, inputs.weather)
     with log.phase("control"):
-        evidence = Evidence(
-            study, inputs, tracing, skies, glare_judge(views, skies, display=display)
+        signals = ControlInputs(
+            study, inputs, tracing, skies, glare_function(views, skies, display=display)
         )
-        acts = operate(evidence) if states is None else Operation(list(states))
+        acts = operate(signals) if states is None else ShadeOperation(list(states))
     with log.phase("multiply"):
         hourly = tracing.illuminance(skies, acts.states, display=display)
         electric = _lighting(study, inputs, lamps, hourly)
@@ -137,7 +137,7 @@ def _simulate(
         )
     with log.phase("metrics"):
         parts = [electric, glare, sunlight(study, inputs)]
-        return label_results(study, inputs, hourly, parts, evidence, acts)
+        return label_results(study, inputs, hourly, parts, signals, acts)
 
 
 @contextmanager

@@ -9,8 +9,8 @@ from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.window import Window
 from clerestory.sky.sun import SunPosition, sun_position
 from clerestory.study.config import Study
+from clerestory.study.config_tables import SunlightTable
 from clerestory.study.inputs import Inputs
-from clerestory.study.tables import SunlightTable
 
 _STEP_MINUTES = 1
 

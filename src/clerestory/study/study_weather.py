@@ -13,7 +13,7 @@ from clerestory.sky.read import read_weather
 from clerestory.sky.station import read_with
 from clerestory.sky.weather import Site, Weather
 from clerestory.study.config import Study
-from clerestory.study.tables import ClearSkyTable, WeatherTable
+from clerestory.study.config_tables import ClearSkyTable, WeatherTable
 
 
 def study_weather(study: Study) -> Weather:

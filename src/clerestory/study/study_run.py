@@ -6,11 +6,11 @@ from typing import Any
 from clerestory.cluster.cluster import executor_at
 from clerestory.files import make_folder
 from clerestory.phases.store import MatrixStore
-from clerestory.study.comparison import compare_methods
 from clerestory.study.config import Study
 from clerestory.study.job import Display
+from clerestory.study.method_comparison import compare_methods
+from clerestory.study.method_run import run_method
 from clerestory.study.results import Results
-from clerestory.study.single import run_method
 
 MATRIX_FOLDER = "matrices"
 

@@ -18,7 +18,7 @@ from clerestory.control.schedule import held, read_schedule
 from clerestory.control.threshold import staged_states, threshold_states
 from clerestory.control.user_rule import load_rule
 from clerestory.errors import InputError
-from clerestory.study.evidence import Evidence
+from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.window_tables import ControlTable
 
 DGP_BELOW = 0.40
@@ -41,7 +41,7 @@ class Case:
     others : states of all groups as they stand; the group's own do not matter
     """
 
-    evidence: Evidence
+    signals: ControlInputs
     number: int
     control: ControlTable
     others: list[_StateTimes]
@@ -49,7 +49,7 @@ class Case:
     @property
     def count(self) -> int:
         """Number of states of the group."""
-        return len(self.evidence.inputs.groups[self.number].states)
+        return len(self.signals.inputs.groups[self.number].states)
 
     def with_state(self, state: int) -> list[_StateTimes]:
         """States of all groups with this one in a given state at all steps."""
@@ -59,13 +59,13 @@ class Case:
 
     def every_step(self) -> Int[np.ndarray, " time"]:
         """Numbers of all steps."""
-        return np.arange(len(self.evidence.times))
+        return np.arange(len(self.signals.times))
 
 
 def fixed(case: Case) -> _StateTimes:
     """Return the same state at all steps."""
-    group = case.evidence.inputs.groups[case.number]
-    return np.full(len(case.evidence.times), group.number_of(case.control.state))
+    group = case.signals.inputs.groups[case.number]
+    return np.full(len(case.signals.times), group.number_of(case.control.state))
 
 
 def cut_off(case: Case) -> _StateTimes:
@@ -75,7 +75,7 @@ def cut_off(case: Case) -> _StateTimes:
     if width is None or spacing is None:
         raise InputError('rule "cut-off" without the size of the slats')
     return blocking_states(
-        case.evidence.profile(case.number, vertical=control.vertical),
+        case.signals.profile(case.number, vertical=control.vertical),
         tilts=np.radians(control.tilts_deg),
         width=width,
         spacing=spacing,
@@ -85,7 +85,7 @@ def cut_off(case: Case) -> _StateTimes:
 
 def by_profile(case: Case) -> _StateTimes:
     """Return the number of angles that the sun's profile angle is below."""
-    angle = case.evidence.profile(case.number, vertical=case.control.vertical)
+    angle = case.signals.profile(case.number, vertical=case.control.vertical)
     if case.control.vertical:
         angle = np.abs(angle)
     below = [angle < np.radians(limit) for limit in case.control.angles_deg]
@@ -127,10 +127,10 @@ def by_glare(case: Case) -> _StateTimes:
 
 def by_score(case: Case) -> _StateTimes:
     """Return the state that gives most of the light worth having, within limits."""
-    control, evidence = case.control, case.evidence
-    target = control.target_lux or evidence.study.metrics.target_lux
+    control, signals = case.control, case.signals
+    target = control.target_lux or signals.study.metrics.target_lux
     lux = [
-        evidence.illuminance(case.with_state(state), control.grid)
+        signals.illuminance(case.with_state(state), control.grid)
         for state in range(case.count)
     ]
     score = np.stack([np.minimum(each, target).mean(axis=0) for each in lux])
@@ -145,7 +145,7 @@ def by_score(case: Case) -> _StateTimes:
 
 def by_schedule(case: Case) -> _StateTimes:
     """Return the states of a file: a line holds until the next one."""
-    group = case.evidence.inputs.groups[case.number]
+    group = case.signals.inputs.groups[case.number]
     file = case.control.file
     if file is None:
         raise InputError('rule "schedule" without a file')
@@ -155,7 +155,7 @@ def by_schedule(case: Case) -> _StateTimes:
             f'no column "{group.name}"; one for each window group that asks expected',
             file=file,
         )
-    states = held(schedule, case.evidence.times)[group.name]
+    states = held(schedule, case.signals.times)[group.name]
     if int(states.max()) >= case.count:
         raise InputError(
             f'window "{group.name}" in state {states.max()}; 0 to {case.count - 1}'
@@ -168,7 +168,7 @@ def by_schedule(case: Case) -> _StateTimes:
 def by_function(case: Case) -> _StateTimes:
     """Return what the user's own function says."""
     file, function = case.control.function.rsplit(":", 1)
-    rule = load_rule(case.evidence.study.folder / file, function)
+    rule = load_rule(case.signals.study.folder / file, function)
     try:
         return apply_rule(rule, situation(case))
     except InputError:
@@ -182,20 +182,20 @@ def by_function(case: Case) -> _StateTimes:
 
 def situation(case: Case) -> Situation:
     """Return all that a user's function may look at."""
-    evidence, number = case.evidence, case.number
-    weather = evidence.inputs.weather
+    signals, number = case.signals, case.number
+    weather = signals.inputs.weather
     return Situation(
-        evidence.times,
+        signals.times,
         case.count,
-        evidence.occupied,
+        signals.occupied,
         {
-            "irradiance": evidence.irradiance(number),
-            "illuminance": evidence.facade_illuminance(number),
-            "direct irradiance": evidence.direct_irradiance(number),
+            "irradiance": signals.irradiance(number),
+            "illuminance": signals.facade_illuminance(number),
+            "direct irradiance": signals.direct_irradiance(number),
             "direct normal": weather.direct_normal,
             "diffuse horizontal": weather.diffuse_horizontal,
-            "profile": evidence.profile(number),
-            "altitude": np.arcsin(np.clip(evidence.sun[:, 2], -1, 1)),
+            "profile": signals.profile(number),
+            "altitude": np.arcsin(np.clip(signals.sun[:, 2], -1, 1)),
         },
         _wanted(case),
     )
@@ -205,9 +205,9 @@ def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
     # What the function wants to know for every state
     found, needs = {}, case.control.needs
     if "illuminance" in needs:
-        for grid in case.evidence.inputs.grids:
+        for grid in case.signals.inputs.grids:
             lux = [
-                case.evidence.illuminance(case.with_state(s), grid).mean(axis=0)
+                case.signals.illuminance(case.with_state(s), grid).mean(axis=0)
                 for s in range(case.count)
             ]
             found[f"illuminance {grid}"] = np.stack(lux)
@@ -232,39 +232,39 @@ INSIDE: dict[str, Callable[[Case], _StateTimes]] = {
 
 
 def _sunny(case: Case) -> np.ndarray:
-    direct = case.evidence.direct_irradiance(case.number)
+    direct = case.signals.direct_irradiance(case.number)
     return np.asarray(direct > case.control.sun_above)
 
 
 def _steps(case: Case, minutes: float) -> int:
-    return max(1, int(np.ceil(minutes / case.evidence.step_minutes - 1e-9)))
+    return max(1, int(np.ceil(minutes / case.signals.step_minutes - 1e-9)))
 
 
 def _quantity(case: Case) -> Float[np.ndarray, " time"]:
-    evidence, number = case.evidence, case.number
-    weather = evidence.inputs.weather
+    signals, number = case.signals, case.number
+    weather = signals.inputs.weather
     match case.control.quantity:
         case "facade irradiance":
-            return evidence.irradiance(number)
+            return signals.irradiance(number)
         case "facade illuminance":
-            return evidence.facade_illuminance(number)
+            return signals.facade_illuminance(number)
         case "facade direct irradiance":
-            return evidence.direct_irradiance(number)
+            return signals.direct_irradiance(number)
         case "direct normal":
             return weather.direct_normal
         case "diffuse horizontal":
             return weather.diffuse_horizontal
         case "global horizontal":
-            level = weather.direct_normal * np.maximum(evidence.sun[:, 2], 0)
+            level = weather.direct_normal * np.maximum(signals.sun[:, 2], 0)
             return np.asarray(weather.diffuse_horizontal + level)
         case "illuminance":
             opened = [np.zeros_like(state) for state in case.others]
-            lux = evidence.illuminance(opened, case.control.grid)
+            lux = signals.illuminance(opened, case.control.grid)
             return np.asarray(lux.mean(axis=0))
 
 
 def _glare(case: Case) -> Float[np.ndarray, "state time"]:
-    judge, views = case.evidence.judge, case.control.views
+    judge, views = case.signals.judge, case.control.views
     steps = case.every_step()
     return np.stack(
         [judge(case.with_state(s), steps, views) for s in range(case.count)]
@@ -277,7 +277,7 @@ def _glare_until(case: Case, bound: float) -> Float[np.ndarray, "state time"]:
     glare = np.full((case.count, len(steps)), np.inf)
     for state in range(case.count):
         if len(steps):
-            found = case.evidence.judge(
+            found = case.signals.judge(
                 case.with_state(state), steps, case.control.views
             )
             glare[state, steps] = found
@@ -287,7 +287,7 @@ def _glare_until(case: Case, bound: float) -> Float[np.ndarray, "state time"]:
 
 def _simplified_glare(case: Case) -> Float[np.ndarray, "state time"]:
     lux = [
-        case.evidence.illuminance(case.with_state(state), case.control.grid)
+        case.signals.illuminance(case.with_state(state), case.control.grid)
         for state in range(case.count)
     ]
     return np.stack([_DGPS_SLOPE * e.max(axis=0) + _DGPS_OFFSET for e in lux])

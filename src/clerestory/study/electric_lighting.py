@@ -8,8 +8,8 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.errors import InputError
 from clerestory.metrics.lighting import LightingUse, LightingZone, lighting_use
-from clerestory.study.lamps import Lamps, Zone
 from clerestory.study.lighting_tables import LightingTable
+from clerestory.study.luminaire_matrices import Lamps, Zone
 
 # Rounds in which zones that light each other settle
 _ROUNDS = 8

@@ -18,8 +18,8 @@ from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Job
-from clerestory.study.lamps import trace_lamps
-from clerestory.study.run import MATRIX_FOLDER
+from clerestory.study.luminaire_matrices import trace_lamps
+from clerestory.study.study_run import MATRIX_FOLDER
 from clerestory.study.tracing import needs_direct, trace_study
 from clerestory.study.view_tracing import trace_views
 

@@ -11,13 +11,13 @@ from jaxtyping import Bool, Int
 
 from clerestory.control.choice import when_occupied
 from clerestory.control.direct_sun import operate_by_direct_sun
-from clerestory.study.evidence import Evidence
-from clerestory.study.rules import INSIDE, OUTSIDE, Case
+from clerestory.study.control_inputs import ControlInputs
+from clerestory.study.control_rules import INSIDE, OUTSIDE, Case
 from clerestory.study.window_groups import WindowGroup
 
 
 @dataclass(frozen=True, eq=False)
-class Operation:
+class ShadeOperation:
     """States of the shades of a study.
 
     Attributes
@@ -30,15 +30,15 @@ class Operation:
     kept: Bool[np.ndarray, " time"] | None = None
 
 
-def operate(evidence: Evidence) -> Operation:
+def operate(signals: ControlInputs) -> ShadeOperation:
     """Return the states that the rules of a study choose.
 
     Raises
     ------
     InputError : a rule's file or function is wrong
     """
-    groups = evidence.inputs.groups
-    steps = len(evidence.times)
+    groups = signals.inputs.groups
+    steps = len(signals.times)
     states = [np.full(steps, len(group.states) - 1) for group in groups]
 
     # What only the sky decides
@@ -47,15 +47,15 @@ def operate(evidence: Evidence) -> Operation:
         if control is None or len(group.states) == 1:
             states[number] = np.zeros(steps, dtype=int)
         elif control.rule in OUTSIDE and not _looks_inside(group):
-            _decide(evidence, number, states)
+            _decide(signals, number, states)
 
-    kept = _by_direct_sun(evidence, states)
+    kept = _by_direct_sun(signals, states)
 
     # What the room decides, one group after the other
     for number, group in enumerate(groups):
         if len(group.states) > 1 and _looks_inside(group):
-            _decide(evidence, number, states)
-    return Operation(states, kept)
+            _decide(signals, number, states)
+    return ShadeOperation(states, kept)
 
 
 def _looks_inside(group: WindowGroup) -> bool:
@@ -65,18 +65,20 @@ def _looks_inside(group: WindowGroup) -> bool:
     )
 
 
-def _decide(evidence: Evidence, number: int, states: list[np.ndarray]) -> None:
+def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> None:
     # Replace the states of one group by those of its rule
-    control = evidence.inputs.groups[number].control
+    control = signals.inputs.groups[number].control
     if control is not None:
         rule = {**OUTSIDE, **INSIDE}[control.rule]
-        found = rule(Case(evidence, number, control, list(states)))
-        states[number] = _unless_empty(evidence, number, np.asarray(found, dtype=int))
+        found = rule(Case(signals, number, control, list(states)))
+        states[number] = _unless_empty(signals, number, np.asarray(found, dtype=int))
 
 
-def _by_direct_sun(evidence: Evidence, states: list[np.ndarray]) -> np.ndarray | None:
+def _by_direct_sun(
+    signals: ControlInputs, states: list[np.ndarray]
+) -> np.ndarray | None:
     # All groups with LM-83's rule at once; the others let through what they do
-    groups = evidence.inputs.groups
+    groups = signals.inputs.groups
     chosen = [
         n
         for n, group in enumerate(groups)
@@ -87,18 +89,18 @@ def _by_direct_sun(evidence: Evidence, states: list[np.ndarray]) -> np.ndarray |
     control = groups[chosen[0]].control
     if control is None:
         return None
-    steps = len(evidence.times)
+    steps = len(signals.times)
     direct = {
         str(n): np.stack(
             [
-                evidence.direct(n, [np.full(steps, state)], control.grid)
+                signals.direct(n, [np.full(steps, state)], control.grid)
                 for state in range(len(groups[n].states))
             ]
         )
         for n in chosen
     }
     rest = [n for n in range(len(groups)) if n not in chosen]
-    static = [evidence.direct(n, [states[n]], control.grid) for n in rest]
+    static = [signals.direct(n, [states[n]], control.grid) for n in rest]
     found = operate_by_direct_sun(
         direct,
         static=np.sum(static, axis=0) if static else None,
@@ -106,13 +108,13 @@ def _by_direct_sun(evidence: Evidence, states: list[np.ndarray]) -> np.ndarray |
         most_sensors=control.most_sensors,
     )
     for n in chosen:
-        states[n] = _unless_empty(evidence, n, found.states[str(n)])
+        states[n] = _unless_empty(signals, n, found.states[str(n)])
     return found.kept
 
 
-def _unless_empty(evidence: Evidence, number: int, state: np.ndarray) -> np.ndarray:
-    group = evidence.inputs.groups[number]
+def _unless_empty(signals: ControlInputs, number: int, state: np.ndarray) -> np.ndarray:
+    group = signals.inputs.groups[number]
     if group.control is None or group.control.when_empty is None:
         return state
     empty = group.number_of(group.control.when_empty)
-    return when_occupied(state, evidence.occupied, otherwise=empty)
+    return when_occupied(state, signals.occupied, otherwise=empty)
