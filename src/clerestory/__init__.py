@@ -76,7 +76,7 @@ _HOME = {
     "simulated_series": "comparison.simulated",
     "read_measured_series": "comparison.mapping",
     "read_study": "study.config",
-    "run_study": "study.run",
+    "run_study": "study.study_run",
 }
 
 __version__ = "0.1.0"

@@ -12,7 +12,7 @@ from clerestory.formats.hbjson import read_hbjson
 from clerestory.formats.obj import read_obj
 from clerestory.radiance.material_map import MaterialMap, read_material_map
 from clerestory.scene.model import Scene
-from clerestory.study.imported import Written, write_honeybee_model, write_scene
+from clerestory.study.model_import import Written, write_honeybee_model, write_scene
 
 _HONEYBEE, _MESHES = (".hbjson", ".json"), (".obj", ".gltf", ".glb")
 

@@ -13,8 +13,8 @@ from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors, read_sensors
 from clerestory.sky.weather import Weather
 from clerestory.study.config import Study
-from clerestory.study.tables import ViewTable
-from clerestory.study.weather import study_weather
+from clerestory.study.config_tables import ViewTable
+from clerestory.study.study_weather import study_weather
 from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 
