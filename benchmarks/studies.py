@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from clerestory.scene.composite import BsdfSurface
 from duel import stamp
 
 import clerestory as cl
@@ -28,7 +29,6 @@ from clerestory.image.display import to_srgb, write_display
 from clerestory.image.tone import filmic, key_luminance
 from clerestory.phases.render import render
 from clerestory.radiance.generated_sky import sky_at
-from clerestory.scene.composite import BsdfSurface
 from clerestory.scene.surface import Polygon
 from clerestory.study.config import read_study
 from clerestory.study.inputs import Inputs, read_inputs

@@ -20,8 +20,8 @@ from jaxtyping import Float
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import points as sampling
 from clerestory.engine.aims import Draw
-from clerestory.engine.bsdf_file import forward_table
 from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.peak import PeakTable
 from clerestory.engine.points import Points, points
 from clerestory.engine.sunlit import BATCHES, SunJob

@@ -18,7 +18,7 @@ from jaxtyping import Float
 
 from clerestory.bsdf.scattering import Function
 from clerestory.engine import points as sampling
-from clerestory.engine.bsdf_file import Table, forward_table
+from clerestory.engine.materials.bsdf_file import Table, forward_table
 from clerestory.engine.points import points
 from clerestory.engine.sky_light import is_sun
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
