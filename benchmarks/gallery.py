@@ -30,7 +30,7 @@ from clerestory.bsdfgen.slats import venetian
 from clerestory.image.denoise import denoise
 from clerestory.image.display import to_srgb, write_display
 from clerestory.image.human_vision import human_vision
-from clerestory.phases.render import render
+from clerestory.phases.rendering import render
 from clerestory.scene.package import package
 from clerestory.scene.sky import sky_scene
 from clerestory.scene.surface import TriangleMesh

@@ -25,7 +25,7 @@ from clerestory.image.display import to_srgb
 from clerestory.image.false_colour import false_colour
 from clerestory.image.human_vision import human_vision
 from clerestory.image.tone import filmic, linear
-from clerestory.phases.render import render
+from clerestory.phases.rendering import render
 from clerestory.scene.sky import sky_scene
 from clerestory.scene.view import solid_angles
 

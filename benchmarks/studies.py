@@ -26,7 +26,7 @@ import clerestory as cl
 from clerestory.image.denoise import denoise
 from clerestory.image.display import to_srgb, write_display
 from clerestory.image.tone import filmic, key_luminance
-from clerestory.phases.render import render
+from clerestory.phases.rendering import render
 from clerestory.scene.composite import BsdfSurface
 from clerestory.scene.sky import sky_at
 from clerestory.scene.surface import Polygon

@@ -11,7 +11,7 @@ import numpy as np
 
 import clerestory as cl
 from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import Scene
 from truth.setting import Kind, demo, weather
 from truth.slats import portal

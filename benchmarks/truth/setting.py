@@ -11,7 +11,7 @@ from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.profile import extruded
 from clerestory.bsdfgen.slats import venetian
 from clerestory.bsdfgen.system import System
-from clerestory.phases.pictures import Camera
+from clerestory.phases.picture_matrices import Camera
 from clerestory.scene.model import Dielectric, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.phases.render import irradiance
-from clerestory.phases.trace import daylight_coefficients
+from clerestory.phases.rendering import irradiance
+from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.scene.emitter import Light
 from clerestory.scene.model import Plastic, Polygon, Scene, Sphere
 from clerestory.scene.photometry.luminaire import Luminaire, LuminousShape

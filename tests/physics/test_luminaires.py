@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.photometry.luminaire import Luminaire, LuminousShape
 from clerestory.scene.photometry.luminaire_scene import luminaire_scene, panel_scene
 from clerestory.scene.photometry.read import read_luminaire

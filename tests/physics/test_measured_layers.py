@@ -10,7 +10,7 @@ from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.fitted import fit_measurement, measured_bsdf
 from clerestory.gonio.layer import read_layer
 from clerestory.gonio.storage import write_fits
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.sensors import Sensors
 from goniometer import Goniophotometer, pane, rings
 

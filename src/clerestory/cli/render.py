@@ -27,8 +27,8 @@ from clerestory.errors import InputError
 from clerestory.image.denoise import denoise as denoise_picture
 from clerestory.image.picture import photometric, photometric_unit
 from clerestory.image.write import write_picture
-from clerestory.phases.render import Rendering, render_irradiance
-from clerestory.phases.render import render as render_picture
+from clerestory.phases.rendering import Rendering, render_irradiance
+from clerestory.phases.rendering import render as render_picture
 from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sky import sky_at, sky_scene

@@ -14,7 +14,7 @@ from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.matrix.radiance_format import Encoding
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.pictures import Camera
+from clerestory.phases.picture_matrices import Camera
 from clerestory.scene.check import check_scene
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors, read_sensors

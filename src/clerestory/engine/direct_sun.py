@@ -21,14 +21,14 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import points as sampling
 from clerestory.engine.aims import Draw
 from clerestory.engine.bsdf_file import forward_table
+from clerestory.engine.direct_sun_jobs import BATCHES, SunJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.peak import PeakTable
 from clerestory.engine.points import Points, points
-from clerestory.engine.sunlit import BATCHES, SunJob
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.walk import towards
 from clerestory.engine.windows import WindowTable, window_shapes
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 

@@ -16,19 +16,19 @@ from jaxtyping import Float
 from clerestory.engine import points as sampling
 from clerestory.engine.aims import Draw, LitScene
 from clerestory.engine.guide import guided
-from clerestory.engine.lit import IrradianceJob, PictureJob
 from clerestory.engine.look import NOTHING, gather_at_sensor, look
 from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
 from clerestory.engine.places import LOOKING, visit
 from clerestory.engine.points import points
 from clerestory.engine.portals import Portals, window_rectangles
+from clerestory.engine.radiance_jobs import IrradianceJob, PictureJob
 from clerestory.engine.seen import seen_surface
 from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.sun_patches import sun_patches
 from clerestory.engine.upload import launching, on_device, vectors
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 

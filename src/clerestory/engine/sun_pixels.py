@@ -14,12 +14,12 @@ from jaxtyping import Float
 
 from clerestory.engine import points as sampling
 from clerestory.engine.direct_sun import Place, SunWindow, on_disc, sunlight
+from clerestory.engine.direct_sun_jobs import PixelSunJob
 from clerestory.engine.pixels import PixelRays
 from clerestory.engine.points import points
-from clerestory.engine.sunlit import PixelSunJob
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.walk import offset
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 
 # Solid angle of the sun [sr] and one minus the cosine of its radius
 _DEPTH = 2 * float(np.sin(np.radians(0.533) / 4)) ** 2

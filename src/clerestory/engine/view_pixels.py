@@ -12,10 +12,10 @@ import numpy as np
 from clerestory.engine import points as sampling
 from clerestory.engine.launches import matrix_tracer
 from clerestory.engine.lower import lower
+from clerestory.engine.matrix_jobs import PixelViewJob
 from clerestory.engine.pixels import PixelRays
 from clerestory.engine.points import Points
 from clerestory.engine.starts import Lanes
-from clerestory.engine.traces import PixelViewJob
 from clerestory.engine.walk import (
     CONNECTIONS,
     Target,
@@ -25,7 +25,7 @@ from clerestory.engine.walk import (
     towards,
     walk,
 )
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 
 # Streams of random numbers, apart from those of sensors and of window patches
 _WHOLE, _DIRECT = 0, 1

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.errors import InputError
-from clerestory.phases.pictures import Camera
+from clerestory.phases.picture_matrices import Camera
 from clerestory.scene.model import Scene
 from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors, read_sensors

@@ -15,7 +15,7 @@ from clerestory.errors import InputError
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.render import irradiance, render
+from clerestory.phases.rendering import irradiance, render
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
 from clerestory.scene.photometry.luminaire_scene import luminaire_scene
 from clerestory.scene.photometry.read import read_luminaire

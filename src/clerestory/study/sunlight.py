@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from clerestory.metrics.sunlight import hours_of_sun, reference_point
-from clerestory.phases.sunshine import sunshine
+from clerestory.phases.sun_visibility import sun_visible
 from clerestory.scene.window import Window, read_windows
 from clerestory.sky.sun import SunPosition, sun_position
 from clerestory.study.config import Study
@@ -36,7 +36,7 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
     reached = np.zeros((len(points), len(moments)), dtype=bool)
     # Not worth a cluster, whose devices may be others
     device = "auto" if study.trace.cluster else study.trace.device
-    seen = sunshine(inputs.scene, points, sun.directions()[high], device=device)
+    seen = sun_visible(inputs.scene, points, sun.directions()[high], device=device)
     reached[:, high] = seen & (_inwards(windows) @ sun.directions()[high].T < 0)
     each, room = hours_of_sun(reached, step_minutes=_STEP_MINUTES)
     return xr.Dataset(

@@ -15,7 +15,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.estimate import (
+from clerestory.engine.controller import (
     Effort,
     Estimate,
     MatrixJob,
