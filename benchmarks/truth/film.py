@@ -22,7 +22,7 @@ import mitsuba as mi
 import numpy as np
 
 import clerestory as cl
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import RGB
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.pixels import PixelRays
 from clerestory.engine.sky_light import SkyLight
@@ -35,7 +35,7 @@ from truth.beams import MOST, Beams, beams, random_numbers
 from truth.setting import HEIGHT, PLANE, SILL, WIDTH, Kind, cameras, demo
 
 ORIGIN = np.array([WIDTH / 2, PLANE, SILL + HEIGHT / 2])
-_LUX = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+_LUX = RGB.weights
 
 # Share of directions that aim at the window, and when weak paths may end
 _AIMED = 0.5

@@ -5,6 +5,7 @@ from dataclasses import fields
 import numpy as np
 
 from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.radiance.function_pattern import DataPattern, FunctionPattern
 from clerestory.scene.model import (
     BsdfSurface,
     Glow,
@@ -16,7 +17,6 @@ from clerestory.scene.model import (
     Spotlight,
 )
 from clerestory.scene.pattern import Pattern, Product
-from clerestory.scene.pattern_function import DataPattern, FunctionPattern
 
 SHINING = (Glow, Illum, Light, Spotlight)
 

@@ -21,8 +21,8 @@ from clerestory.engine import points as sampling
 from clerestory.engine.bsdf_file import Table, forward_table
 from clerestory.engine.points import points
 from clerestory.engine.sky_light import is_sun
-from clerestory.scene.flatness import area_vectors
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
+from clerestory.scene.surface import area_vectors
 
 # Windows of different BSDFs or orientations beyond the largest only cost time.
 MOST = 4
