@@ -13,6 +13,7 @@ from jaxtyping import Float, Float32
 from scipy.sparse import csc_array, csr_array
 
 from clerestory.bands import GREY, RGB, Bands, common_bands
+from clerestory.constants import SKY_COLOUR
 from clerestory.errors import MatrixError
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.matrix.axis import Axis, sky_axis, time_axis
@@ -28,6 +29,11 @@ if TYPE_CHECKING:
 
 # Time steps that are turned from columns into rows at once, in the cache
 _BLOCK = 64
+
+
+def default_colour(bands: Bands) -> tuple[float, ...]:
+    """Return the factor of each band of a sky: gendaymtx's in RGB, white in others."""
+    return SKY_COLOUR if bands == RGB else (1.0,) * len(bands)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,9 +100,7 @@ class SkyMatrix:
 
     @property
     def values(self) -> Float32[np.ndarray, "band patch time"]:
-        """Radiance of all patches and steps [W/(m²·sr)], with as many times the memory
-        as there are bands.
-        """
+        """Radiance of all patches and steps [W/(m²·sr)], dense."""
         return self.block(slice(None))
 
     def block(self, steps: slice) -> Float32[np.ndarray, "band patch block"]:

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.sparse import csc_array
 
+from clerestory.bands import RGB, Bands
 from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import reinhart
@@ -40,8 +41,9 @@ class PointSky:
     sun : unit vector to the sun
     direct_normal : irradiance from the sun [W/m²], zero for none
     ground : radiance of the ground [W/(m²·sr)]
-    colour : factor of each channel of the sky
+    colour : factor of each band of the sky
     time : local standard time, NaT for none
+    bands : spectral bands
     """
 
     distribution: Distribution
@@ -49,8 +51,9 @@ class PointSky:
     sun: Float[np.ndarray, "3"]
     direct_normal: float
     ground: float
-    colour: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    colour: tuple[float, ...] = (1.0, 1.0, 1.0)
     time: np.datetime64 = np.datetime64("NaT", "s")  # noqa: RUF009
+    bands: Bands = RGB
 
     def __post_init__(self) -> None:
         levels = np.array([self.scale, self.direct_normal, self.ground, *self.colour])
@@ -58,6 +61,11 @@ class PointSky:
             raise InputError(
                 f"sky of scale {self.scale}, sun {self.direct_normal}, ground"
                 f" {self.ground}; finite numbers from 0 expected"
+            )
+        if len(self.colour) != len(self.bands):
+            raise InputError(
+                f"sky colour {self.colour}; one number for each of the bands"
+                f" {self.bands} expected"
             )
 
     def radiance(
@@ -190,8 +198,9 @@ def sky_vector(
         partition=partition,
         times=np.array([sky.time], dtype="datetime64[s]"),
         diffuse=diffuse,
-        colour=np.column_stack([np.ones(3), tint]),
+        colour=np.column_stack([np.ones(len(tint)), tint]),
         sun=csc_array(direct),
-        sun_colour=np.ones(3),
+        sun_colour=np.ones(len(tint)),
         attributes={"sun": sun},
+        bands=sky.bands,
     )

@@ -1,8 +1,11 @@
 """Skies as functions of direction: closed forms, tables, and vectors of patches."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from clerestory.bands import unnamed_bands
 from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
 from clerestory.sky.distribution import (
@@ -20,6 +23,21 @@ from clerestory.sky.sky_matrix import sky_matrix
 UP = np.array([0.0, 0.0, 1.0])
 SUN = {"sun_altitude": np.radians(60), "sun_azimuth": 0.0}
 NORTH_60 = np.array([0.0, np.cos(np.radians(60)), np.sin(np.radians(60))])
+
+
+def test_the_vector_of_a_sky_has_its_bands():
+    """Sky in five bands of its own colour, sun and ground white."""
+    five = unnamed_bands(5)
+    sky = cie_sky("clear", ground_reflectance=0.2, **SUN)
+    colour = (0.6, 0.8, 1.0, 1.2, 1.4)
+    vector = sky_vector(replace(sky, colour=colour, bands=five), subdivision=1)
+    grey = sky_vector(replace(sky, colour=(1.0,) * 3), subdivision=1, sun="spread")
+    ratio = vector.block(slice(None))[:, :, 0] / grey.values[0, :, 0]
+    assert vector.bands == five
+    assert ratio[:, 0] == pytest.approx(np.ones(5))
+    assert ratio[:, 1] == pytest.approx(np.array(colour), rel=1e-5)
+    with pytest.raises(InputError, match="one number for each of the bands"):
+        replace(sky, bands=five)
 
 
 def test_a_uniform_sky_sends_pi_times_its_radiance():

@@ -18,13 +18,13 @@ from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.matrix_jobs import CoefficientsJob, DaylightJob, ViewJob
 from clerestory.engine.origin import middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
-from clerestory.engine.points import Points, points
-from clerestory.engine.starts import (
+from clerestory.engine.primary_rays import (
     Lanes,
     lanes,
     trace_sensors,
     trace_window_patches,
 )
+from clerestory.engine.sampler import Points, points
 from clerestory.engine.upload import launching
 from clerestory.engine.walk import Target
 from clerestory.engine.windows import window_shapes
