@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from radiance import ENVIRONMENT, run
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.scene.mgf import parse_mgf
 from clerestory.scene.model import BsdfSurface, Cone, Glass, Polygon, Ring, Sphere
 from clerestory.scene.package import package

@@ -4,8 +4,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.colour import rgb_from_xyz
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.scattering import (
+from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_function import (
     OTHER_SIDE,
     TOGETHER,
     Function,

@@ -10,13 +10,13 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.finding import Finding, Severity, graded
 from clerestory.bsdf.patch_symmetry import (
     TURNS,
     reciprocity_mismatch,
     turn_incident,
 )
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.quality_finding import Finding, Severity, graded
+from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
 # Sizes from which a finding is told, matters, and spoils results.

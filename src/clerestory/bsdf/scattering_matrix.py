@@ -13,11 +13,11 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.bsdf.overlap import opposite_patches, patches_in_patches
-from clerestory.bsdf.scattering import TOGETHER, ScatteringFunction
+from clerestory.bsdf.patch_overlap import opposite_patches, patches_in_patches
+from clerestory.bsdf.scattering_function import TOGETHER, ScatteringFunction
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.hemisphere.patch_table import find_patches
+from clerestory.hemisphere.patch_lookup import find_patches
 
 
 @final

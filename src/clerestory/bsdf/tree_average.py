@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float, Int32
 from scipy import sparse
 
-from clerestory.bsdf.overlap import patches_in_cells
-from clerestory.bsdf.tree_table import Cells, cells
+from clerestory.bsdf.patch_overlap import patches_in_cells
+from clerestory.bsdf.tree_lookup import Cells, cells
 from clerestory.hemisphere.partition import RingPartition
 
 # Steps of azimuth in which rank 3 trees are turned; Klems patches end on halves of one.

@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import ScatteringFunction
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_combine import combine
+from clerestory.bsdf.scattering_function import ScatteringFunction
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import combine
 from clerestory.errors import InputError
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from lxml import etree
 
-from clerestory.bsdf.tree_texts import TreeTexts, cut_trees
+from clerestory.bsdf.xml_tree_extraction import TreeTexts, cut_trees
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 

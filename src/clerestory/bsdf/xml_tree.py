@@ -4,8 +4,8 @@ from typing import Literal
 
 from lxml import etree
 
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_text import parse_tree
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.bsdf.xml_document import Document
 
 # Share of the light that negative values may take away before a file is refused.

@@ -9,11 +9,11 @@ from jaxtyping import Float
 from lxml import etree
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Detail, Product, usual_spectra
-from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.product_data import Detail, Product, usual_spectra
+from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_writer import tree_lines
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_formatter import tree_lines
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.hemisphere.partition import RingPartition

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.colour import rgb_to_xyz
+from clerestory.bsdf.colorimetry import rgb_to_xyz
 from clerestory.bsdfgen.area import SampleArea
 from clerestory.errors import InputError
 from clerestory.scene.model import (

@@ -16,7 +16,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.engine import points as sampling
 from clerestory.engine.bsdf_file import Table, forward_table
 from clerestory.engine.points import points

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering import Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glazing.layer import Layer, mirrored_patches

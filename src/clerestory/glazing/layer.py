@@ -14,7 +14,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.hemisphere.partition import RingPartition

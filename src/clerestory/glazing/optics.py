@@ -7,7 +7,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import FUNCTIONS, Function
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 
 Side = Literal["front", "back"]
 SIDES: tuple[Side, ...] = ("front", "back")

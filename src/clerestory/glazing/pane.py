@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
-from clerestory.glazing.angular import coated, uncoated
+from clerestory.glazing.angular_dependence import coated, uncoated
 from clerestory.glazing.optics import Optics
 from clerestory.spectra import check_wavelengths
 

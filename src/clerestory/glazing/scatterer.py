@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.layer import Layer, diagonal

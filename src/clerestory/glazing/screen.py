@@ -14,7 +14,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.glazing.diffuser import scattered_evenly
 from clerestory.glazing.layer import Layer, diagonal

@@ -13,8 +13,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.scattering import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer

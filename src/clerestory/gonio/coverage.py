@@ -8,10 +8,10 @@ from scipy.spatial import cKDTree
 
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.fit import condense, total_flux
+from clerestory.gonio.lobe_fitting import condense, total_flux
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.measurement import SAME_DIRECTION, Measurement, Scan
 from clerestory.gonio.raster import Raster
+from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
 from clerestory.gonio.symmetry import (
     SYMMETRIES,
     Symmetry,

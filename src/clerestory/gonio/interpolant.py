@@ -13,18 +13,17 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.bsdf.overlap import patches_in_cells
-from clerestory.bsdf.reversed import ReversedFunction
-from clerestory.bsdf.scattering import ScatteringFunction
-from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.patch_overlap import patches_in_cells
+from clerestory.bsdf.reciprocal_function import ReversedFunction
+from clerestory.bsdf.scattering_function import ScatteringFunction
+from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.gonio.angles import above, straight_on, upright
-from clerestory.gonio.continuation import with_continuations
-from clerestory.gonio.displacement import displace
-from clerestory.gonio.flux import Flux, flux_surface
+from clerestory.gonio.displacement_interpolation import displace
+from clerestory.gonio.flux_interpolation import Flux, flux_surface
+from clerestory.gonio.incident_mesh import Place, flat_weights, locate
+from clerestory.gonio.lobe_motion import followed
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.mesh import Place, flat_weights, locate
-from clerestory.gonio.network import Network
-from clerestory.gonio.nodes import about_normal, turned
+from clerestory.gonio.network_assembly import about_normal, turned
 from clerestory.gonio.particles import (
     Particles,
     edge_particles,
@@ -32,8 +31,9 @@ from clerestory.gonio.particles import (
 )
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
+from clerestory.gonio.transport_network import Network
 from clerestory.gonio.tree_export import to_tree
-from clerestory.gonio.turning import followed
+from clerestory.gonio.unmatched_lobes import with_continuations
 from clerestory.hemisphere.partition import RingPartition
 
 # Halvings of the grid on which light is gathered for patches; Klems' smallest patch
@@ -60,7 +60,7 @@ class Interpolant(ScatteringFunction):
 
     Examples
     --------
-    >>> from clerestory.gonio.nodes import connect
+    >>> from clerestory.gonio.network_assembly import connect
     >>> def spot(y):
     ...     centre = np.array([[0, -np.sin(y), np.cos(y)]])
     ...     return Lobes(centre, np.ones(1) / 9, np.ones(1))

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.gonio.transport import Plan
+from clerestory.gonio.optimal_transport import Plan
 
 # Light of a triangle in its smallest particles that is given to the others.
 _SMALL_CHANGE = 2e-3

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.hemisphere.square import square_from_disc
+from clerestory.hemisphere.shirley_chiu import square_from_disc
 
 # Halvings down to the smallest cell, 0.3° wide.
 FINEST = 9

@@ -15,7 +15,7 @@ from jaxtyping import Float, Int
 from scipy import sparse
 
 from clerestory.gonio.lobes import Lobes
-from clerestory.hemisphere.square import disc_from_square, square_from_disc
+from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
 
 # The coarsest grid has 2^4 cells along an axis, each 9° wide.
 _COARSEST = 4

@@ -13,15 +13,15 @@ from typing import Literal, Protocol
 import numpy as np
 from jaxtyping import Float, Int32
 
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_combine import bits_of
-from clerestory.bsdf.tree_text import branch_order
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import bits_of
+from clerestory.bsdf.tree_parser import branch_order
 from clerestory.errors import InputError
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 
 # Halvings at which trees are cut into blocks, counted from the smallest cells.
 _BLOCK = 3

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import InputError
-from clerestory.gonio.layer import read_layer
+from clerestory.gonio.layer_file import read_layer
 from clerestory.scene.arguments import Arguments, Definition
 from clerestory.scene.definition import material
 from clerestory.scene.finish import Finish, finished

@@ -21,11 +21,11 @@ import numpy as np
 import xlrd
 from jaxtyping import Bool, Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry
 
 _ROWS = ("azimuth", "incidence", "receive", "rt")

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.files import read_text
 from clerestory.scene.generators.words import Words
 from clerestory.scene.mgf import parse_mgf
