@@ -7,7 +7,7 @@ known direction. The walk never enters a quarter without light, and never misses
 with light.
 
 The functions of a layer stand one behind the other in one table of slots, laid out
-as in `bsdf.tree`.
+as in `bsdf.tensor_tree`.
 """
 
 from collections.abc import Sequence
