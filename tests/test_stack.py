@@ -12,7 +12,7 @@ import pytest
 import clerestory
 
 STACK = (
-    ("errors", "constants"),
+    ("errors", "constants", "array_types"),
     ("files", "directions"),
     ("hemisphere", "spectra"),
     ("matrix",),

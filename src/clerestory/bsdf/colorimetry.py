@@ -3,12 +3,14 @@
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions, Points2
+
 # Chromaticities x, y of Radiance's red, green, blue and white (Radiance color.h).
 _PRIMARIES = np.array([[0.640, 0.330], [0.290, 0.600], [0.150, 0.060]])
 _WHITE = np.array([1 / 3, 1 / 3])
 
 
-def _xyz(chromaticity: Float[np.ndarray, "*batch 2"]) -> Float[np.ndarray, "*batch 3"]:
+def _xyz(chromaticity: Points2) -> Directions:
     # Tristimulus values of unit luminance
     x, y = np.moveaxis(chromaticity, -1, 0)
     return np.stack([x / y, np.ones_like(y), (1 - x - y) / y], axis=-1)

@@ -7,9 +7,9 @@ that moves from one partition to another is neither lost nor made.
 """
 
 import numpy as np
-from jaxtyping import Float, Int
 from scipy import sparse
 
+from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import disc_from_square
 
@@ -92,12 +92,12 @@ def patches_in_patches(old: RingPartition, new: RingPartition) -> sparse.csr_arr
     return sparse.csr_array((measure.ravel(), place), shape=(len(old), len(new)))
 
 
-def opposite_patches(partition: RingPartition) -> Int[np.ndarray, " patches"]:
+def opposite_patches(partition: RingPartition) -> Indices:
     """Patch on the other side of the pole, half a turn away, for each patch."""
     return partition.find(partition.centres() * [-1, -1, 1])
 
 
-def _azimuth_limits(partition: RingPartition) -> Float[np.ndarray, " limits"]:
+def _azimuth_limits(partition: RingPartition) -> Values:
     # Angles from +x towards +y, of all rings [rad]
     turns = [(np.arange(n) + 0.5) / n for n in np.unique(partition.count)]
     angle = 2 * np.pi * np.concatenate(turns)
@@ -106,8 +106,6 @@ def _azimuth_limits(partition: RingPartition) -> Float[np.ndarray, " limits"]:
     return np.unique(np.remainder(angle, 2 * np.pi))
 
 
-def _directions(
-    a: Float[np.ndarray, " points"], b: Float[np.ndarray, " points"]
-) -> Float[np.ndarray, "points 3"]:
+def _directions(a: Values, b: Values) -> Directions:
     x, y = disc_from_square(a, b)
     return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 1e-300))], axis=-1)

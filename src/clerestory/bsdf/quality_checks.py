@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.bsdf.angle_basis_check import check_labels
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.missing_components import check_presence
@@ -104,7 +104,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
 
 def _scattered(
     tables: Tables, side: _Side, *, reflection_of: _Side
-) -> tuple[Float[np.ndarray, " incident"], ScatteringMatrix | None]:
+) -> tuple[Values, ScatteringMatrix | None]:
     # Share of light scattered in all, on the patches of one of the functions
     transmission: dict[_Side, Function] = {
         "front": "transmission_front",

@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions, ExitIncident, Points2, Values, Vector
 from clerestory.bsdf.patch_overlap import opposite_patches
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.hemisphere.partition import RingPartition
@@ -34,28 +35,18 @@ class ReversedFunction(ScatteringFunction):
     forward: ScatteringFunction
     halvings: int
 
-    def evaluate(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
         return self.forward.evaluate(leaving, incident)
 
-    def hemispherical(
-        self, incident: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def hemispherical(self, incident: Directions) -> Values:
         """Share of the light from each direction that is scattered in all."""
         each = np.reshape(incident, (-1, 3))
         grid = self._grid()
         share = [np.pi * self._over(direction, grid).mean() for direction in each]
         return np.reshape(np.array(share), np.shape(incident)[:-1])
 
-    def sample(
-        self,
-        incident: Float[np.ndarray, "*batch 3"],
-        u: Float[np.ndarray, "*batch 2"],
-    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+    def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Directions into which light leaves, and their probability density [1/sr].
 
         The density is that of the grid, see the head of this module.
@@ -73,17 +64,11 @@ class ReversedFunction(ScatteringFunction):
             leaving[of], density[of] = _choose(value, u[of])
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
-    def resolution(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def resolution(self, incident: Directions, leaving: Directions) -> Values:
         """Projected solid angle of the cell that holds each pair [sr]."""
         return self.forward.resolution(leaving, incident)
 
-    def average(
-        self, exits: RingPartition, incidents: RingPartition
-    ) -> Float[np.ndarray, "exit incident"]:
+    def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         table = self.forward.average(incidents, exits)
         opposite = np.ix_(opposite_patches(incidents), opposite_patches(exits))
@@ -104,22 +89,18 @@ class ReversedFunction(ScatteringFunction):
     def own_partitions(self) -> None:
         """None: the function is not made of patches."""
 
-    def _grid(self) -> Float[np.ndarray, "cells 3"]:
+    def _grid(self) -> Directions:
         # Directions through the middle of equal cells, those of a row together
         edge = 1 << min(max(self.halvings + _FINER, _COARSEST), _FINEST)
         middle = (np.arange(edge) + 0.5) / edge
         a, b = np.meshgrid(middle, middle, indexing="ij")
         return _direction(a.ravel(), b.ravel())
 
-    def _over(
-        self, incident: Float[np.ndarray, "3"], grid: Float[np.ndarray, "cells 3"]
-    ) -> Float[np.ndarray, " cells"]:
+    def _over(self, incident: Vector, grid: Directions) -> Values:
         return self.evaluate(np.broadcast_to(incident, grid.shape), grid)
 
 
-def _direction(
-    a: Float[np.ndarray, " cells"], b: Float[np.ndarray, " cells"]
-) -> Float[np.ndarray, "cells 3"]:
+def _direction(a: Values, b: Values) -> Directions:
     x, y = disc_from_square(a, b)
     return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
 

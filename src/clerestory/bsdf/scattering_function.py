@@ -12,6 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.array_types import Directions, ExitIncident, Points2, Values
 from clerestory.hemisphere.partition import RingPartition
 
 Function = Literal[
@@ -56,25 +57,15 @@ class ScatteringFunction(ABC):
     """One scattering function of a layer, in one channel."""
 
     @abstractmethod
-    def evaluate(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
 
     @abstractmethod
-    def hemispherical(
-        self, incident: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def hemispherical(self, incident: Directions) -> Values:
         """Share of the light from each direction that is scattered in all."""
 
     @abstractmethod
-    def sample(
-        self,
-        incident: Float[np.ndarray, "*batch 3"],
-        u: Float[np.ndarray, "*batch 2"],
-    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+    def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Directions into which light leaves, and their probability density [1/sr].
 
         The density is the BSDF times the cosine of the leaving direction over the
@@ -87,17 +78,11 @@ class ScatteringFunction(ABC):
         """
 
     @abstractmethod
-    def resolution(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def resolution(self, incident: Directions, leaving: Directions) -> Values:
         """Projected solid angle of the leaving cell that holds each pair [sr]."""
 
     @abstractmethod
-    def average(
-        self, exits: RingPartition, incidents: RingPartition
-    ) -> Float[np.ndarray, "exit incident"]:
+    def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved.
 
         Averages are weighted by projected solid angle. Incident patches are

@@ -20,6 +20,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float, Int32, Int64
 
+from clerestory.array_types import Directions, ExitIncident, Points2, Values
 from clerestory.bsdf.reciprocal_function import ReversedFunction
 from clerestory.bsdf.scattering_function import TOGETHER, ScatteringFunction
 from clerestory.bsdf.tree_average import average_tree
@@ -95,11 +96,7 @@ class ScatteringTree(ScatteringFunction):
         if not np.all(np.isfinite(self.slots[self.slots >= 0].view(np.float32))):
             raise InputError("a tensor tree holds values that are not finite [1/sr]")
 
-    def evaluate(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
         return self._over_pairs(
             lambda place: values_at(self.slots, self._top, place, depth=self.depth),
@@ -107,11 +104,7 @@ class ScatteringTree(ScatteringFunction):
             leaving,
         )
 
-    def resolution(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def resolution(self, incident: Directions, leaving: Directions) -> Values:
         """Projected solid angle of the leaving cell that holds each pair [sr]."""
         return self._over_pairs(
             lambda place: (
@@ -121,9 +114,7 @@ class ScatteringTree(ScatteringFunction):
             leaving,
         )
 
-    def hemispherical(
-        self, incident: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def hemispherical(self, incident: Directions) -> Values:
         """Share of the light from each direction that is scattered in all."""
         x, y, _ = _components(incident)
         place, which = np.unique(
@@ -138,11 +129,7 @@ class ScatteringTree(ScatteringFunction):
             )
         return share[which.ravel()].reshape(np.shape(incident)[:-1])
 
-    def sample(
-        self,
-        incident: Float[np.ndarray, "*batch 3"],
-        u: Float[np.ndarray, "*batch 2"],
-    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+    def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Directions into which light leaves, and their probability density [1/sr].
 
         See `ScatteringFunction.sample`.
@@ -169,9 +156,7 @@ class ScatteringTree(ScatteringFunction):
         shape = np.shape(incident)[:-1]
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
-    def average(
-        self, exits: RingPartition, incidents: RingPartition
-    ) -> Float[np.ndarray, "exit incident"]:
+    def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         return average_tree(self.slots, self.rank, exits, incidents)
 
@@ -211,9 +196,9 @@ class ScatteringTree(ScatteringFunction):
     def _over_pairs(
         self,
         read: Callable[[tuple[_Places, ...]], _Pairs],
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+        incident: Directions,
+        leaving: Directions,
+    ) -> Values:
         incident, leaving = np.broadcast_arrays(incident, leaving)
         shape = incident.shape[:-1]
         incident, leaving = incident.reshape(-1, 3), leaving.reshape(-1, 3)
@@ -233,7 +218,7 @@ class ScatteringTree(ScatteringFunction):
         return (np.clip(place, 0, (1 << self.depth) - 1, out=place),)
 
     def _exit_place(
-        self, leaving: Float[np.ndarray, "pairs 3"], x: _Pairs, y: _Pairs
+        self, leaving: Directions, x: _Pairs, y: _Pairs
     ) -> tuple[_Places, _Places]:
         disc = leaving[:, 0], leaving[:, 1]
         if self.rank == 3:
@@ -250,9 +235,7 @@ class ScatteringTree(ScatteringFunction):
         ]
 
 
-def _components(
-    direction: Float[np.ndarray, "*batch 3"],
-) -> tuple[_Pairs, _Pairs, _Pairs]:
+def _components(direction: Directions) -> tuple[_Pairs, _Pairs, _Pairs]:
     x, y, z = np.reshape(np.asarray(direction, dtype=float), (-1, 3)).T
     return x, y, z
 

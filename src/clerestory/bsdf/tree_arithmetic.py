@@ -5,14 +5,13 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float, Float32, Int32
 
+from clerestory.array_types import Values
 from clerestory.bsdf.tensor_tree import ScatteringTree
 
 _Values = Float32[np.ndarray, " cells"]
 
 
-def combine(
-    operation: Callable[..., Float[np.ndarray, " cells"]], *trees: ScatteringTree
-) -> ScatteringTree:
+def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> ScatteringTree:
     """Return the tree of an operation on the values of trees, cell by cell.
 
     Its cells are as small as the smallest of the trees in each place.

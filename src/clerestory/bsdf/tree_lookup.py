@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Int, Int32, Int64
 
+from clerestory.array_types import Indices
+
 # Bits of a path that `dense_top` looks at in one step: 65,536 cells at most.
 _TOP_BITS = 16
 
@@ -185,7 +187,7 @@ def _path(
 
 
 @lru_cache(maxsize=16)
-def _spread(rank: int, depth: int) -> Int[np.ndarray, " places"]:
+def _spread(rank: int, depth: int) -> Indices:
     # Bits of each number set `rank` apart
     number = np.arange(1 << depth, dtype=np.int64)
     apart: Int64[np.ndarray, " places"] = np.zeros_like(number)

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float32, Int, Int8, Int32, Int64
+from jaxtyping import Float32, Int8, Int32, Int64
 
+from clerestory.array_types import Indices
 from clerestory.bsdf.tree_scanner import TreeFault, TreeScan, position_of, scan_tree
 from clerestory.errors import InputError
 
@@ -214,7 +215,7 @@ def _grids(
     return np.concatenate([*levels, leaves.ravel()])
 
 
-def branch_order(rank: int, halvings: int) -> Int[np.ndarray, " cells"]:
+def branch_order(rank: int, halvings: int) -> Indices:
     """Number in a grid, last dimension fastest, of each cell in the order of branches.
 
     >>> branch_order(3, 1).tolist()

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int32
 
+from clerestory.array_types import Values
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_arithmetic import bits_of, combine
 from clerestory.bsdf.tree_lookup import cells
@@ -48,7 +49,7 @@ class _Level:
     most: Float[np.ndarray, " nodes"]
     mean: Float[np.ndarray, " nodes"]
 
-    def measure(self) -> Float[np.ndarray, " nodes"]:
+    def measure(self) -> Values:
         spread = (self.most - self.least) / (np.sqrt(self.mean) + 0.03)
         return np.asarray(np.sqrt(spread))
 

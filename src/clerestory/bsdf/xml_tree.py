@@ -25,10 +25,7 @@ def tree_rank(kind: str) -> Literal[3, 4] | None:
 
 
 def read_tree(
-    block: etree._Element,
-    rank: Literal[3, 4],
-    document: Document,
-    notes: list[str],
+    block: etree._Element, rank: Literal[3, 4], document: Document, notes: list[str]
 ) -> ScatteringTree:
     """Return the tree of one WavelengthDataBlock; what is odd is added to notes.
 

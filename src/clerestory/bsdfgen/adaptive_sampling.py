@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int, Int64
+from jaxtyping import Float, Int64
 
+from clerestory.array_types import Indices, Values
 from clerestory.bsdfgen.effort import TraceEffort
 from clerestory.bsdfgen.flux_preserving_merge import HemisphericalFlux
 from clerestory.bsdfgen.morton_codes import incident_part
@@ -116,7 +117,7 @@ class Counter:
                 return Counted(parts[0], parts[1], int(spent.sum()), not short)
             self._trace(extra, effort)
 
-    def _trace(self, extra: Int[np.ndarray, " row"], effort: TraceEffort) -> None:
+    def _trace(self, extra: Indices, effort: TraceEffort) -> None:
         # Cells that go on from the same number by the same number go together
         have = self._paths[self._rows]
         groups = [
@@ -181,7 +182,7 @@ class Counter:
         roots = 1 << 2 * (grid.depth - grid.block)
         return chosen_cells(levels, rank=grid.rank, roots=roots)
 
-    def _risk(self, cells: Cells) -> Float[np.ndarray, " row"]:
+    def _risk(self, cells: Cells) -> Values:
         # Expected square of the errors, summed over the finest cells of each row
         grid, bits = self.grid, self.grid.rank - 2
         risk = np.zeros(grid.incidents)
@@ -196,9 +197,7 @@ class Counter:
             risk += np.repeat(sums, wide)
         return risk[self._rows]
 
-    def _ratio(
-        self, parts: list[Part], risk: Float[np.ndarray, " row"], aim: float
-    ) -> float:
+    def _ratio(self, parts: list[Part], risk: Values, aim: float) -> float:
         # How many times the error aimed at remains
         finest = len(self._rows) << 2 * self.grid.depth
         error = np.sqrt(risk.sum() / (2 * finest))
@@ -207,7 +206,7 @@ class Counter:
         return float(error / (aim * mean)) if mean > 0 else 0.0
 
 
-def _shared(cost: Float[np.ndarray, " row"], more: int) -> Int[np.ndarray, " row"]:
+def _shared(cost: Values, more: int) -> Indices:
     # Paths for each row: the root of its cost, in powers of two for few launches
     root = np.sqrt(cost)
     if more <= 0 or not root.any():

@@ -6,13 +6,14 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Points2
 from clerestory.scene.model import Polygon
 
 # A curved slat is cut into strips that turn by at most this much [rad].
 _STRIP = np.radians(3.0)
 
 
-def arc(width: float, rise: float) -> Float[np.ndarray, "point 2"]:
+def arc(width: float, rise: float) -> Points2:
     """Points (along, above) of a slat from one edge to the other, its middle at 0, 0.
 
     Parameters
@@ -39,7 +40,7 @@ def arc(width: float, rise: float) -> Float[np.ndarray, "point 2"]:
 
 
 def extruded(
-    section: Float[np.ndarray, "point 2"],
+    section: Points2,
     *,
     ends: tuple[float, float],
     material: str,

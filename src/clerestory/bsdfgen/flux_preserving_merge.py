@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int32
 
+from clerestory.array_types import Values
 from clerestory.bsdfgen.morton_codes import incident_part
 from clerestory.bsdfgen.subcells import Pieces
 
@@ -62,7 +63,7 @@ class HemisphericalFlux:
 
 def preserve_flux(
     pieces: list[Pieces],
-    luminous: Float[np.ndarray, " cell"],
+    luminous: Values,
     light: HemisphericalFlux,
     *,
     rank: int,
@@ -111,7 +112,7 @@ def preserve_flux(
 
 def preserve_flux_on_both_sides(
     pieces: list[Pieces],
-    luminous: Float[np.ndarray, " cell"],
+    luminous: Values,
     incident: HemisphericalFlux,
     leaving: HemisphericalFlux,
 ) -> list[Pieces]:

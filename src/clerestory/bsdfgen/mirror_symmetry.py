@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.array_types import Directions, Indices, Vector
 from clerestory.bsdfgen.area import SampleArea
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import (
@@ -108,7 +109,7 @@ class Orbits:
         return cls(np.unique(flips.min(axis=0)), flips)
 
     @property
-    def kind(self) -> Int[np.ndarray, " patch"]:
+    def kind(self) -> Indices:
         """Number of each patch's kind."""
         kind: Int[np.ndarray, " patch"] = np.searchsorted(
             self.chosen, self.flips.min(axis=0)
@@ -135,10 +136,10 @@ class Orbits:
 
 
 def _key(
-    surface: Polygon | Cone, middle: Float[np.ndarray, "3"], flip: Flip, unit: float
+    surface: Polygon | Cone, middle: Vector, flip: Flip, unit: float
 ) -> tuple[object, ...]:
     # What tells a surface from all others that are not in the same place
-    def grid(points: Float[np.ndarray, "point 3"]) -> list[tuple[int, ...]]:
+    def grid(points: Directions) -> list[tuple[int, ...]]:
         moved = (points - middle) * [*flip, 1] / unit + _OFF_GRID
         return [tuple(row) for row in np.round(moved).astype(int).tolist()]
 

@@ -9,6 +9,8 @@ from functools import cache
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.array_types import Indices
+
 # Bits of the numbers whose parts are looked up in a table.
 _TABLE_BITS = 16
 
@@ -32,7 +34,7 @@ def incident_part(number: _Number, *, rank: int, levels: int) -> _Number:
 
 
 @cache
-def _incident_parts(rank: int, digits: int) -> Int[np.ndarray, " number"]:
+def _incident_parts(rank: int, digits: int) -> Indices:
     # The incident part of all numbers of a few digits
     number = np.arange(1 << rank * digits)
     found = np.zeros_like(number)

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import ExitIncident
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
@@ -37,7 +37,7 @@ def reciprocal_with_errors(functions: Functions) -> Functions:
 
 def _matrix_error(
     part: ScatteringFunction, other: ScatteringMatrix
-) -> Float[np.ndarray, "exit incident"] | None:
+) -> ExitIncident | None:
     if not isinstance(part, ScatteringMatrix):
         return None
     one, two = part.standard_error, other.standard_error

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Points2, Vector2
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.shading_system import System
@@ -159,7 +160,7 @@ def holed_sheet(
     return Scene({material.name: material}, tuple(surfaces))
 
 
-def _rim(shape: str, hole: float) -> Float[np.ndarray, "corner 2"]:
+def _rim(shape: str, hole: float) -> Points2:
     if shape == "square":
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
         square: Float[np.ndarray, "corner 2"] = hole / 2 * corners
@@ -170,12 +171,7 @@ def _rim(shape: str, hole: float) -> Float[np.ndarray, "corner 2"]:
 
 
 def _around(
-    middle: Float[np.ndarray, "2"],
-    rim: Float[np.ndarray, "corner 2"],
-    pitch: float,
-    z: float,
-    side: int,
-    material: str,
+    middle: Vector2, rim: Points2, pitch: float, z: float, side: int, material: str
 ) -> Iterator[Polygon]:
     # Four parts of a square around a hole, each from one corner to the next
     outer = pitch / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
@@ -194,10 +190,7 @@ def _around(
 
 
 def _wall(
-    middle: Float[np.ndarray, "2"],
-    rim: Float[np.ndarray, "corner 2"],
-    thickness: float,
-    material: str,
+    middle: Vector2, rim: Points2, thickness: float, material: str
 ) -> Iterator[Polygon]:
     for number, (a, b) in enumerate(zip(rim, np.roll(rim, -1, axis=0), strict=True)):
         corners: Sequence[tuple[float, ...]] = [

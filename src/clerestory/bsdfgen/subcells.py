@@ -9,7 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float32, Int, Int32
+from jaxtyping import Float32, Int32
+
+from clerestory.array_types import Indices, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,9 +32,7 @@ class Pieces:
     def __len__(self) -> int:
         return len(self.place)
 
-    def cut(
-        self, split: Bool[np.ndarray, " piece"], *, rank: int
-    ) -> "tuple[Pieces, Pieces]":
+    def cut(self, split: Mask, *, rank: int) -> "tuple[Pieces, Pieces]":
         """Return the pieces that stay whole, and the branches of those that split."""
         width = 1 << rank
         place = (self.place[split, None] << rank) + np.arange(width, dtype=np.int32)
@@ -43,7 +43,7 @@ class Pieces:
         )
         return self.only(~split), branches
 
-    def only(self, which: slice | Bool[np.ndarray, " piece"]) -> "Pieces":
+    def only(self, which: slice | Mask) -> "Pieces":
         """Return some of the pieces."""
         return Pieces(self.place[which], self.cell[which], self.factor[which])
 
@@ -56,9 +56,7 @@ class Pieces:
         )
 
 
-def uncut(
-    place: Int[np.ndarray, " cell"], height: Int[np.ndarray, " cell"], *, depth: int
-) -> list[Pieces]:
+def uncut(place: Indices, height: Indices, *, depth: int) -> list[Pieces]:
     """Return whole cells as pieces, by their height above the finest cells.
 
     >>> [len(pieces) for pieces in uncut(np.arange(16), np.zeros(16, int), depth=1)]

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bsdfgen.channel_weights import VISIBLE, VISIBLE_AND_SOLAR, Weights
 from clerestory.errors import InputError
 
@@ -12,9 +12,7 @@ from clerestory.errors import InputError
 Share = float | Sequence[float]
 
 
-def share(
-    name: str, value: Share, solar: float | None = None
-) -> Float[np.ndarray, "3"]:
+def share(name: str, value: Share, solar: float | None = None) -> Vector:
     """Return a share of light in the three channels that are traced.
 
     Parameters

@@ -3,8 +3,9 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Float32
 
+from clerestory.array_types import Values
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_arithmetic import bits_of
 from clerestory.bsdfgen.adaptive_sampling import Counter, Part
@@ -78,7 +79,7 @@ def _block(rank: int, depth: int, channels: int) -> int:
 
 
 def _pieces(
-    blocks: list[Part], weights: Float[np.ndarray, " channel"], grid: Any
+    blocks: list[Part], weights: Values, grid: Any
 ) -> tuple[Cells, list[Pieces]]:
     # Cells of the whole tree, of which blocks have counted their parts, and their cuts
     rank, depth = grid.rank, grid.depth

@@ -21,6 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from clerestory.array_types import Indices, Mask, Values
+
 # The λ above. For a blind at 2,000 paths a cell, errors were least from 1 to 2, with a
 # third of the cells at 2.
 _CAUTION = 1.5
@@ -57,9 +59,7 @@ class Level:
     split: Bool[np.ndarray, " node"]
 
 
-def climbed(
-    finest: Light, weights: Float[np.ndarray, " channel"], *, rank: int, levels: int
-) -> list[Level]:
+def climbed(finest: Light, weights: Values, *, rank: int, levels: int) -> list[Level]:
     """Return the levels from the roots to the finest cells, with decisions to split.
 
     Parameters
@@ -93,9 +93,7 @@ def _coarser(
     return Light(above[first], mean / (1 << rank), noise), apart
 
 
-def _cost(
-    luminous: Float[np.ndarray, " node"], noise: Float[np.ndarray, " node"], cells: int
-) -> Float[np.ndarray, " node"]:
+def _cost(luminous: Values, noise: Values, cells: int) -> Values:
     cost: Float[np.ndarray, " node"] = 2 * _CAUTION * noise / cells - cells * np.square(
         luminous
     )
@@ -139,9 +137,7 @@ def chosen_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
     return Cells(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
 
-def _nodes(
-    light: Light, place: Int[np.ndarray, " node"]
-) -> tuple[Int[np.ndarray, " node"], Bool[np.ndarray, " node"]]:
+def _nodes(light: Light, place: Indices) -> tuple[Indices, Mask]:
     # Where nodes stand in a level, and whether they do
     if not len(light.place):
         return np.zeros_like(place), np.zeros(len(place), dtype=bool)

@@ -9,8 +9,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Points2
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.extrusion import arc, extruded, turned
@@ -166,9 +166,7 @@ def _sample(spacing: float, slats: int, length: float | None) -> _Layout:
     return _Layout(int(slats), 0, across, (0.0, across))
 
 
-def _section(
-    width: float, rise: float, thickness: float, tilt: float
-) -> Float[np.ndarray, "point 2"]:
+def _section(width: float, rise: float, thickness: float, tilt: float) -> Points2:
     # Points (y, z) of a slat around its middle: the upper side from the inner to the
     # outer edge, then the lower side back
     line = arc(width, rise)[::-1]

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float
 
+from clerestory.array_types import Directions, Indices, Mask, Values
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import full_tree
@@ -153,11 +154,7 @@ class _Tally:
     sent: Float[np.ndarray, "incident leaving"]
 
     @classmethod
-    def of(
-        cls,
-        plan: _Plan,
-        rng: np.random.Generator,
-    ) -> "_Tally":
+    def of(cls, plan: _Plan, rng: np.random.Generator) -> "_Tally":
         size = plan.cells * plan.cells
         sums = np.zeros((2, size))
         step = max(1, _TOGETHER // plan.walkers)
@@ -174,9 +171,7 @@ class _Tally:
         return cls(sums[0].reshape(shape), sums[1].reshape(shape))
 
 
-def _start(
-    cell: Int[np.ndarray, " walker"], plan: _Plan, rng: np.random.Generator
-) -> Float[np.ndarray, "walker 3"]:
+def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
     # Directions of travel, even over the cell, so like the cosine over the hemisphere
     wide = 1 << plan.halvings
     inside = rng.random((2, len(cell)))
@@ -188,13 +183,11 @@ def _start(
 
 
 def _walk(
-    met: Sequence[Scatterer],
-    travel: Float[np.ndarray, "walker 3"],
-    rng: np.random.Generator,
+    met: Sequence[Scatterer], travel: Directions, rng: np.random.Generator
 ) -> tuple[
-    Float[np.ndarray, "walker 3"],
-    Float[np.ndarray, " walker"],
-    Bool[np.ndarray, " walker"],
+    Directions,
+    Values,
+    Mask,
 ]:
     """Return direction and weight of walkers that came out, and whether across."""
     into_room = bool(travel[0, 2] > 0)
@@ -226,9 +219,7 @@ def _walk(
     return travel, weight, (ahead >= len(met)) == into_room
 
 
-def _cell(
-    travel: Float[np.ndarray, "walker 3"], halvings: int
-) -> Int[np.ndarray, " walker"]:
+def _cell(travel: Directions, halvings: int) -> Indices:
     wide = 1 << halvings
     a, b = square_from_disc(travel[:, 0], travel[:, 1])
     place = np.minimum((np.stack([a, b]) * wide).astype(int), wide - 1)

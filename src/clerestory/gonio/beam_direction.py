@@ -5,8 +5,8 @@ what is at least half as bright about it is not.
 """
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
@@ -19,9 +19,7 @@ _REACH = np.radians(20.0)
 _HALVINGS, _FEWEST = 6, 8
 
 
-def beam_direction(
-    lobes: Lobes, *, near: Float[np.ndarray, "3"] | None = None
-) -> Float[np.ndarray, "3"]:
+def beam_direction(lobes: Lobes, *, near: Vector | None = None) -> Vector:
     """Direction of the brightest beam, or of the one uphill of a direction.
 
     >>> centre = np.array([[0, 0.6, 0.8]])

@@ -10,8 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from clerestory.array_types import Indices
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.beam_direction import beam_direction
@@ -197,9 +198,7 @@ def _left_out(
     )
 
 
-def _about(
-    network: Network, symmetry: Symmetry, scan: Scan
-) -> Int[np.ndarray, " edges"]:
+def _about(network: Network, symmetry: Symmetry, scan: Scan) -> Indices:
     # Edges that the light from a direction depends on: those of the corners about it
     mesh = network.mesh
     place = locate(mesh, _folded(network, symmetry, scan))

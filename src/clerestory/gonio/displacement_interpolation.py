@@ -19,6 +19,7 @@ M. Kurt, N. Bonneel, MAM 2014, for the step into triangles.
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import Values, Vector
 from clerestory.gonio.angles import above
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.particles import Particles
@@ -36,7 +37,7 @@ def displace(
     *,
     s: float,
     t: float,
-    weights: Float[np.ndarray, "3"] | None = None,
+    weights: Vector | None = None,
     total: float | None = None,
 ) -> Lobes:
     """Return the lobes at a place of a triangle or an edge.
@@ -83,11 +84,7 @@ def displace(
     return Lobes(above(disc), np.sqrt(square), flux)
 
 
-def with_total(
-    flux: Float[np.ndarray, " particles"],
-    change: Float[np.ndarray, " particles"],
-    total: float,
-) -> Float[np.ndarray, " particles"]:
+def with_total(flux: Values, change: Values, total: float) -> Values:
     """Fluxes that sum to a total, changed most where light differs between corners.
 
     Each is multiplied by the exponential of its own relative change times a number
@@ -121,7 +118,7 @@ def with_total(
 
 
 def _among(
-    present: Bool[np.ndarray, "particles 3"], weights: Float[np.ndarray, "3"]
+    present: Bool[np.ndarray, "particles 3"], weights: Vector
 ) -> Float[np.ndarray, "particles 3"]:
     # Weights of the corners at which a particle has a lobe, 1 in all
     own = present * weights

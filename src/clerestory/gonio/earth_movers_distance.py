@@ -6,6 +6,7 @@ import numpy as np
 import ot
 from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
@@ -38,7 +39,7 @@ def earth_mover(one: Lobes, other: Lobes) -> float:
     return float(ot.emd2(give, take, cost, numItermax=1_000_000))
 
 
-def _light(lobes: Lobes) -> Float[np.ndarray, " cells"]:
+def _light(lobes: Lobes) -> Values:
     wide, part = 1 << _HALVINGS, 1 << _DRAWN - _HALVINGS
     cells = Raster.of(_DRAWN).cells(lobes).reshape(wide, part, wide, part)
     light = cells.sum(axis=(1, 3)).ravel()

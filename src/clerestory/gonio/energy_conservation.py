@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.gonio.fitted_measurement import Fitted
 from clerestory.gonio.interpolant import Interpolant
@@ -57,9 +58,7 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
     return Conserved(tuple(result), largest, changed)
 
 
-def _sums(
-    fit: Fitted, visible: dict[Function, Interpolant]
-) -> Float[np.ndarray, " vertices"]:
+def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
     # Light scattered by both functions of the side, from each vertex
     vertices = fit.interpolant.network.mesh.vertices
     side = next(pair for pair in _SIDES if fit.function in pair)
@@ -70,7 +69,7 @@ def _sums(
     return total
 
 
-def _scaled(network: Network, factors: Float[np.ndarray, " vertices"]) -> Network:
+def _scaled(network: Network, factors: Values) -> Network:
     lobes = tuple(
         Lobes(part.centre, part.radius, part.flux * factor)
         for part, factor in zip(network.lobes, factors, strict=True)

@@ -29,6 +29,7 @@ from jaxtyping import Float
 from scipy import linalg
 from scipy.interpolate import PchipInterpolator
 
+from clerestory.array_types import Directions, Values, Vector, Vector2
 from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import NO_LIGHT
 from clerestory.gonio.symmetry import Symmetry, fold, images
@@ -61,9 +62,7 @@ _DIGITS = 7
 class Flux(Protocol):
     """From incident direction to the share of light that is scattered in all."""
 
-    def at(
-        self, direction: Float[np.ndarray, "directions 3"]
-    ) -> Float[np.ndarray, " directions"]:
+    def at(self, direction: Directions) -> Values:
         """Share at each direction; not a number where nothing is said."""
 
 
@@ -86,9 +85,7 @@ class FluxCurve:
 
     curve: PchipInterpolator
 
-    def at(
-        self, direction: Float[np.ndarray, "directions 3"]
-    ) -> Float[np.ndarray, " directions"]:
+    def at(self, direction: Directions) -> Values:
         """Share at each direction; not a number beyond the outermost ones."""
         return np.asarray(self.curve(_fall(direction)))
 
@@ -115,9 +112,7 @@ class FluxProcess:
     mean: float
     most: float
 
-    def at(
-        self, direction: Float[np.ndarray, "directions 3"]
-    ) -> Float[np.ndarray, " directions"]:
+    def at(self, direction: Directions) -> Values:
         """Share at each direction."""
         kernel = _kernel(
             direction, self.known, self.images, self.coordinates, self.reach
@@ -128,11 +123,7 @@ class FluxProcess:
 
 
 def flux_surface(
-    mesh: Mesh,
-    totals: Float[np.ndarray, " vertices"],
-    *,
-    symmetry: Symmetry,
-    quadrant: Float[np.ndarray, "2"],
+    mesh: Mesh, totals: Values, *, symmetry: Symmetry, quadrant: Vector2
 ) -> Flux:
     """Return what follows the shares at the vertices of a mesh.
 
@@ -172,7 +163,7 @@ def _likeliest(
     totals: Float[np.ndarray, " known"],
     factors: Float[np.ndarray, "images 3"],
     name: Coordinates,
-) -> tuple[float, Float[np.ndarray, "3"], float]:
+) -> tuple[float, Vector, float]:
     """Search one coordinate's reach after the other, then the noise.
 
     Returns
@@ -237,7 +228,7 @@ def _kernel(
     other: Float[np.ndarray, "other 3"],
     factors: Float[np.ndarray, "images 3"],
     name: Coordinates,
-    reach: Float[np.ndarray, "3"],
+    reach: Vector,
 ) -> Float[np.ndarray, "one other"]:
     # Matérn's of order 3/2, whose curves may bend sharply, over all images
     total = np.zeros((len(one), len(other)))
@@ -249,9 +240,7 @@ def _kernel(
     return total
 
 
-def _coordinates(
-    direction: Float[np.ndarray, "points 3"], name: Coordinates
-) -> Float[np.ndarray, "points 3"]:
+def _coordinates(direction: Directions, name: Coordinates) -> Directions:
     x, y, z = direction.T
     height = np.maximum(z, _LEAST_HEIGHT)
     theta = np.arccos(np.clip(z, -1, 1))
@@ -262,9 +251,7 @@ def _coordinates(
     return np.stack([x, y, theta], axis=-1)
 
 
-def _curve(
-    vertices: Float[np.ndarray, "vertices 3"], totals: Float[np.ndarray, " vertices"]
-) -> FluxCurve:
+def _curve(vertices: Directions, totals: Values) -> FluxCurve:
     # Beyond the normal the arc has a mirror image; up to the normal flux is even
     own = vertices[:, 0] >= 0
     fall, total = _fall(vertices[own]), totals[own]
@@ -273,7 +260,7 @@ def _curve(
     return FluxCurve(PchipInterpolator(fall, total, extrapolate=False))
 
 
-def _fall(direction: Float[np.ndarray, "points 3"]) -> Float[np.ndarray, " points"]:
+def _fall(direction: Directions) -> Values:
     # 1 − cos θ, exact near the normal
     square = direction[:, 0] ** 2 + direction[:, 1] ** 2
     return np.asarray(square / (1 + direction[:, 2]))

@@ -12,6 +12,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
+from clerestory.array_types import Directions, Values
+
 # Points on the horizon that carry the nearest measured value.
 _RIM = 240
 
@@ -22,9 +24,7 @@ _DIGITS = 9
 _AT_RIM = 0.9995
 
 
-def integration_weights(
-    direction: Float[np.ndarray, "points 3"],
-) -> Float[np.ndarray, " points"]:
+def integration_weights(direction: Directions) -> Values:
     """Projected solid angle that each point stands for [sr]; the sum is π.
 
     >>> ring = 2 * np.pi * np.arange(12) / 12
@@ -37,7 +37,7 @@ def integration_weights(
 
 
 @functools.lru_cache(maxsize=4)
-def _weights_of(pattern: bytes) -> Float[np.ndarray, " points"]:
+def _weights_of(pattern: bytes) -> Values:
     every = np.round(np.frombuffer(pattern).reshape(-1, 2), _DIGITS)
     disc, place, count = np.unique(
         every, axis=0, return_inverse=True, return_counts=True

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial import Delaunay, QhullError
 
+from clerestory.array_types import Directions, Indices, Mask, Values, Vector, Vector2
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
 
@@ -75,7 +76,7 @@ class Place:
     found: Float[np.ndarray, "directions 3"]
 
 
-def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Mesh:
+def triangulate(vertices: Directions) -> Mesh:
     """Return the Delaunay mesh of directions on the hemisphere.
 
     Raises
@@ -97,7 +98,7 @@ def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Mesh:
     return Mesh(vertices, corners, edges, sides == 1)
 
 
-def string(theta: Float[np.ndarray, " vertices"]) -> Mesh:
+def string(theta: Values) -> Mesh:
     """Return the mesh of an isotropic layer: an arc of growing polar angles [rad].
 
     >>> string(np.radians([0.0, 30.0, 60.0])).edges.tolist()
@@ -110,7 +111,7 @@ def string(theta: Float[np.ndarray, " vertices"]) -> Mesh:
     return Mesh(vertices, none, edges, np.ones(len(edges), dtype=bool))
 
 
-def locate(mesh: Mesh, direction: Float[np.ndarray, "directions 3"]) -> Place:
+def locate(mesh: Mesh, direction: Directions) -> Place:
     """Find the triangle of each direction, or the nearest point of the rim."""
     simplex, s, t = (np.zeros(len(direction)) for _ in range(3))
     outside = np.ones(len(direction), dtype=bool)
@@ -124,9 +125,7 @@ def locate(mesh: Mesh, direction: Float[np.ndarray, "directions 3"]) -> Place:
     return Place(simplex.astype(int), outside, s, t, found)
 
 
-def flat_weights(
-    corners: Float[np.ndarray, "corners 3"], direction: Float[np.ndarray, "3"]
-) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "2"]]:
+def flat_weights(corners: Directions, direction: Vector) -> tuple[Vector, Vector2]:
     """Weights of corners in the disc below the hemisphere, and the place they give.
 
     In a triangle that is the place of the direction itself; of an edge the nearest.
@@ -146,12 +145,12 @@ def flat_weights(
 
 
 def _in_triangles(
-    mesh: Mesh, direction: Float[np.ndarray, "directions 3"]
+    mesh: Mesh, direction: Directions
 ) -> tuple[
-    Float[np.ndarray, " directions"],
-    Float[np.ndarray, " directions"],
-    Float[np.ndarray, " directions"],
-    Bool[np.ndarray, " directions"],
+    Values,
+    Values,
+    Values,
+    Mask,
 ]:
     corner = mesh.vertices[mesh.triangles]
     inverse = np.linalg.inv(corner.transpose(0, 2, 1))
@@ -174,11 +173,11 @@ def _in_triangles(
 
 
 def _on_rim(
-    mesh: Mesh, direction: Float[np.ndarray, "directions 3"]
+    mesh: Mesh, direction: Directions
 ) -> tuple[
-    Int[np.ndarray, " directions"],
-    Float[np.ndarray, " directions"],
-    Float[np.ndarray, "directions 3"],
+    Indices,
+    Values,
+    Directions,
 ]:
     # The nearest point of each rim edge: of its great circle, or an end of it
     rim = np.flatnonzero(mesh.rim)

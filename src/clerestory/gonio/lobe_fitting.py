@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions, Values
 from clerestory.errors import InputError
 from clerestory.gonio.hemispherical_integration import integration_weights
 from clerestory.gonio.lobes import LEAST_RADIUS, MOST_RADIUS, NO_LIGHT, Lobes
@@ -177,7 +178,7 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
     return lobes
 
 
-def misplaced_light(points: Points, predicted: Float[np.ndarray, " points"]) -> float:
+def misplaced_light(points: Points, predicted: Values) -> float:
     """Share of measured light that a prediction puts elsewhere; 1 where it is dark.
 
     Parameters
@@ -204,9 +205,9 @@ def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
 def _placed(
     points: Points, options: FitOptions, most: int
 ) -> tuple[
-    Float[np.ndarray, "lobes 3"],
-    Float[np.ndarray, " lobes"],
-    Float[np.ndarray, " lobes"],
+    Directions,
+    Values,
+    Values,
 ]:
     # A lobe a cell: at the centroid of its light, as wide as the cell, with its flux
     cells = Quadtree(points.direction, points.value).cut(

@@ -6,8 +6,9 @@ incident light to that of the lobe, both in the disc below the hemisphere.
 """
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from clerestory.array_types import Indices, Points2, Values, Vector2
 from clerestory.gonio.angles import above, straight_on
 from clerestory.gonio.lobes import Lobes, angles_among
 from clerestory.gonio.transport_network import Network
@@ -89,14 +90,12 @@ class Turns:
         )
         self.sure = np.clip(1 - missed / np.maximum(moved, 1e-30), 0, 1)
 
-    def expected(self, turn: Float[np.ndarray, "2"]) -> Float[np.ndarray, "lobes 2"]:
+    def expected(self, turn: Vector2) -> Points2:
         """Places of the lobes in the disc after a turn, as far as it is sure."""
         shift = self.sure[:, None] * (self.matrix @ turn)
         return np.asarray(self.lobes.centre[:, :2] + shift)
 
-    def moved(
-        self, number: Int[np.ndarray, " chosen"], turn: Float[np.ndarray, "2"]
-    ) -> Lobes:
+    def moved(self, number: Indices, turn: Vector2) -> Lobes:
         """Lobes without light where some would stand after a turn."""
         disc = self.lobes.centre[number, :2] + self.matrix[number] @ turn
         return Lobes(above(disc), self.lobes.radius[number], np.zeros(len(number)))
@@ -113,10 +112,10 @@ class Turns:
 def _moves(
     network: Network, number: int, vertex: int
 ) -> tuple[
-    Int[np.ndarray, " moves"],
-    Float[np.ndarray, "moves 2"],
-    Float[np.ndarray, "2"],
-    Float[np.ndarray, " moves"],
+    Indices,
+    Points2,
+    Vector2,
+    Values,
 ]:
     # Own lobes, where their light moves in the disc, the turn of incidence, and flux
     plan = network.plans[number]

@@ -9,6 +9,7 @@ changes fast, and nowhere twice.
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions
 from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.symmetry import Symmetry, fold, images, measured_quadrant
@@ -19,7 +20,7 @@ _CANDIDATES = 4000
 
 def worth_measuring(
     validation: CrossValidation, *, symmetry: Symmetry, count: int
-) -> Float[np.ndarray, "count 3"]:
+) -> Directions:
     """Incident directions that are worth most, the best first.
 
     They lie in the measured part of the hemisphere, no farther from the normal than

@@ -7,8 +7,9 @@ of the measured part; only what reaches into that part is kept.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from clerestory.array_types import Directions, Indices, Vector2
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.incident_mesh import Mesh, string, triangulate
@@ -22,7 +23,7 @@ from clerestory.gonio.transport_refinement import plan_again
 
 
 def connect(
-    incidents: Float[np.ndarray, "scans 3"],
+    incidents: Directions,
     fits: Sequence[Lobes],
     symmetry: Symmetry,
     *,
@@ -40,7 +41,7 @@ def connect(
 
 
 def join(
-    incidents: Float[np.ndarray, "scans 3"],
+    incidents: Directions,
     fits: Sequence[Lobes],
     symmetry: Symmetry,
     *,
@@ -89,8 +90,8 @@ def about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
 
 
 def _around(
-    incidents: Float[np.ndarray, "scans 3"], fits: Sequence[Lobes], symmetry: Symmetry
-) -> tuple[Mesh, tuple[Lobes, ...], Float[np.ndarray, "2"]]:
+    incidents: Directions, fits: Sequence[Lobes], symmetry: Symmetry
+) -> tuple[Mesh, tuple[Lobes, ...], Vector2]:
     # Triangles that reach into the measured part
     quadrant = measured_quadrant(incidents)
     vertices, lobes = _with_images(incidents, fits, symmetry)
@@ -100,7 +101,7 @@ def _around(
 
 
 def _isotropic(
-    incidents: Float[np.ndarray, "scans 3"], fits: Sequence[Lobes]
+    incidents: Directions, fits: Sequence[Lobes]
 ) -> tuple[Mesh, tuple[Lobes, ...]]:
     # Turn every direction to azimuth 0; without the normal go on to the other side
     azimuth = np.arctan2(incidents[:, 1], incidents[:, 0])
@@ -133,7 +134,7 @@ def _with_images(
     return np.array(vertices), tuple(lobes)
 
 
-def _only(mesh: Mesh, triangles: Int[np.ndarray, " kept"]) -> Mesh:
+def _only(mesh: Mesh, triangles: Indices) -> Mesh:
     corners = mesh.triangles[triangles]
     every = np.concatenate([corners[:, [0, 1]], corners[:, [0, 2]], corners[:, [1, 2]]])
     edges = np.unique(every, axis=0)

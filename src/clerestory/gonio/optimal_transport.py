@@ -23,6 +23,7 @@ import numpy as np
 import ot
 from jaxtyping import Bool, Float, Int
 
+from clerestory.array_types import Values
 from clerestory.gonio.angles import angle_table
 from clerestory.gonio.lobes import Lobes, angles_among
 
@@ -90,11 +91,7 @@ def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
 
 
 def plan_moves(
-    start: Lobes,
-    end: Lobes,
-    *,
-    distance: Float[np.ndarray, "start end"],
-    slack: float,
+    start: Lobes, end: Lobes, *, distance: Float[np.ndarray, "start end"], slack: float
 ) -> Plan:
     """Return the plan of least cost for given distances between lobes.
 
@@ -190,7 +187,7 @@ def _moved(
     return np.asarray(plan)[:-1, :-1] * whole
 
 
-def _reach(lobes: Lobes, slack: float) -> Float[np.ndarray, " lobes"]:
+def _reach(lobes: Lobes, slack: float) -> Values:
     return slack + _REACH_PER_RADIUS * lobes.radius
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
@@ -139,7 +140,7 @@ class Measurement:
         return self.claimed or deduce_symmetry(self.incidents)
 
     @property
-    def incidents(self) -> Float[np.ndarray, "scans 3"]:
+    def incidents(self) -> Directions:
         """Incident directions of the scans."""
         return np.array([scan.incident for scan in self.scans])
 

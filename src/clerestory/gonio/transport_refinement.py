@@ -16,8 +16,9 @@ squared moves that the turn explains.
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from clerestory.array_types import Directions, Indices, Points2, Values, Vector2
 from clerestory.gonio.angles import above, angle_table, straight_on
 from clerestory.gonio.lobe_motion import Turns, followed
 from clerestory.gonio.lobes import Lobes
@@ -38,11 +39,7 @@ def plan_again(
 
 
 def replan(
-    network: Network,
-    chosen: Int[np.ndarray, " chosen"],
-    *,
-    processes: int = 1,
-    report: Report = silent,
+    network: Network, chosen: Indices, *, processes: int = 1, report: Report = silent
 ) -> Network:
     """Return a network of which some plans are made again, as by `plan_again`.
 
@@ -66,9 +63,7 @@ def replan(
     return replace(network, plans=tuple(plans))
 
 
-def _missed(
-    start: Turns, end: Turns, turn: Float[np.ndarray, "2"]
-) -> Float[np.ndarray, "start end"]:
+def _missed(start: Turns, end: Turns, turn: Vector2) -> Float[np.ndarray, "start end"]:
     # Angles between lobes and where the other end expects them, beyond the rim too
     onward, over = _lifted(start.expected(turn))
     back, short = _lifted(end.expected(-turn))
@@ -77,17 +72,13 @@ def _missed(
     return np.asarray((there + here) / 2)
 
 
-def _lifted(
-    disc: Float[np.ndarray, "lobes 2"],
-) -> tuple[Float[np.ndarray, "lobes 3"], Float[np.ndarray, " lobes"]]:
+def _lifted(disc: Points2) -> tuple[Directions, Values]:
     # Directions above the disc, and how far places lie beyond its rim
     beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
     return above(disc), beyond
 
 
-def _plan(
-    work: tuple[Lobes, Lobes, Float[np.ndarray, "start end"], Float[np.ndarray, "2"]],
-) -> Plan:
+def _plan(work: tuple[Lobes, Lobes, Float[np.ndarray, "start end"], Vector2]) -> Plan:
     start, end, distance, turn = work
     slack = _REACH_PER_TURN * float(np.hypot(*turn))
     return plan_moves(start, end, distance=distance, slack=slack)

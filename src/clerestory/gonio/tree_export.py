@@ -13,6 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 from jaxtyping import Float, Int32
 
+from clerestory.array_types import Directions
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_arithmetic import bits_of
 from clerestory.bsdf.tree_parser import branch_order
@@ -40,7 +41,7 @@ class Source(Protocol):
     def symmetry(self) -> Symmetry:
         """Symmetry of the layer."""
 
-    def lobes_of(self, incident: Float[np.ndarray, "directions 3"]) -> Iterator[Lobes]:
+    def lobes_of(self, incident: Directions) -> Iterator[Lobes]:
         """Yield the lobes of the light from each direction."""
 
 

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int, Int16
 
+from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.partition import RingPartition
 
 # The grid: cells along an axis, and their range, which keeps the lines of the grid off
@@ -42,12 +43,7 @@ class PatchTable:
     partition: RingPartition
     patch: Int16[np.ndarray, " cells"]
 
-    def find(
-        self,
-        x: Float[np.ndarray, " directions"],
-        y: Float[np.ndarray, " directions"],
-        z: Float[np.ndarray, " directions"],
-    ) -> Int[np.ndarray, " directions"]:
+    def find(self, x: Values, y: Values, z: Values) -> Indices:
         """Patch that holds each direction; those below the rim count as mirrored up."""
         length = x * x + y * y + z * z
         length -= 1
@@ -63,9 +59,7 @@ class PatchTable:
         return patch
 
 
-def find_patches(
-    partition: RingPartition, direction: Float[np.ndarray, "directions 3"]
-) -> Int[np.ndarray, " directions"]:
+def find_patches(partition: RingPartition, direction: Directions) -> Indices:
     """Patch that holds each unit vector; those below the rim count as mirrored up.
 
     >>> from clerestory.hemisphere.klems import klems
@@ -117,12 +111,7 @@ def _on_disc(
     return _find(partition, x.ravel(), y.ravel(), height.ravel()).reshape(x.shape)
 
 
-def _find(
-    partition: RingPartition,
-    x: Float[np.ndarray, " directions"],
-    y: Float[np.ndarray, " directions"],
-    z: Float[np.ndarray, " directions"],
-) -> Int[np.ndarray, " directions"]:
+def _find(partition: RingPartition, x: Values, y: Values, z: Values) -> Indices:
     # The rim is in
     height = np.maximum(np.abs(z), 1e-300)
     return partition.find(np.stack([x, y, height], axis=-1))

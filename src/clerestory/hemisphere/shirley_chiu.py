@@ -12,6 +12,8 @@ Journal of Graphics Tools 2 (3), 1997, 45–52.
 import numpy as np
 from jaxtyping import Float, Float32, Int32
 
+from clerestory.array_types import Values
+
 # Coefficients of x, x³, … x¹⁷ of the arc tangent.
 _ARC_TANGENT = (
     1.0,
@@ -31,9 +33,7 @@ _NEAR_BORDER = 2e-6
 _TINY = np.float32(1e-30)
 
 
-def square_from_disc(
-    x: Float[np.ndarray, "*batch"], y: Float[np.ndarray, "*batch"]
-) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch"]]:
+def square_from_disc(x: Values, y: Values) -> tuple[Values, Values]:
     """Points of the square [0, 1]² for points of the unit disc.
 
     Opposite points of the disc lie opposite in the square: −x, −y go to 1 − a, 1 − b.
@@ -105,9 +105,7 @@ def _eighths(slope: Float32[np.ndarray, " batch"]) -> Float32[np.ndarray, " batc
     return np.asarray(turn)
 
 
-def disc_from_square(
-    a: Float[np.ndarray, "*batch"], b: Float[np.ndarray, "*batch"]
-) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch"]]:
+def disc_from_square(a: Values, b: Values) -> tuple[Values, Values]:
     """Points of the unit disc for points of the square [0, 1]².
 
     >>> x, y = disc_from_square(np.array(0.5), np.array(1.0))

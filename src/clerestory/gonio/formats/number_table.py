@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.errors import InputError
 
 _SEPARATOR = re.compile(r"[,;\s]+")
@@ -65,11 +66,7 @@ def table(
 
 
 def check_angles(
-    theta_deg: Float[np.ndarray, " points"],
-    *,
-    most: float,
-    file: str | Path,
-    what: str = "θ",
+    theta_deg: Values, *, most: float, file: str | Path, what: str = "θ"
 ) -> None:
     """Refuse angles to the normal outside 0…most [°].
 

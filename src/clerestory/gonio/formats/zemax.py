@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_text
@@ -132,7 +133,7 @@ def _choice(
 
 def _axis(
     lines: list[_Line], head: dict[str, tuple[int, list[str]]], key: str, path: Path
-) -> Float[np.ndarray, " axis"]:
+) -> Values:
     if key not in head:
         raise InputError(f"no {key}; a count and a line of angles expected", file=path)
     place, words = head[key]
