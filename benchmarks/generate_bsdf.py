@@ -35,7 +35,7 @@ from clerestory.bsdfgen.shading_system import System
 from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.rad_writer import format_rad
+from clerestory.radiance.rad_writer import format_rad
 
 BOUNCES = 5
 HALVINGS = 5

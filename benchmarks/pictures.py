@@ -26,7 +26,7 @@ from clerestory.image.false_colour import false_colour
 from clerestory.image.human_vision import human_vision
 from clerestory.image.tone import filmic, linear
 from clerestory.phases.render import render
-from clerestory.scene.sky import sky_scene
+from clerestory.radiance.generated_sky import sky_scene
 from clerestory.scene.view import solid_angles
 
 DOCS = Path(__file__).parents[1] / "docs"

@@ -1,8 +1,8 @@
-"""Bands of a BSDF from the three channels that are traced at once.
+"""Channels of a generated BSDF as weighted sums of the scene's bands.
 
-The channels of a scene are red, green and blue, as a rule. They may as well hold
-other bands, such as the visible and the solar reflectance of grey materials: all
-three are traced in one pass, and a band is any sum of them.
+A scene has three bands, as a rule red, green and blue. They may as well be others,
+such as the visible and the solar reflectance of grey materials: all three are traced
+in one pass, and a channel of the BSDF is any weighted sum of them.
 """
 
 from collections.abc import Mapping
@@ -11,14 +11,16 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import RGB
 from clerestory.bsdf.colorimetry import rgb_to_xyz
-from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.errors import InputError
 
 Weights = tuple[float, float, float]
 
-# Light as the eye weighs it, from red, green and blue.
-VISIBLE: Mapping[str, Weights] = MappingProxyType({"visible": LUMINANCE_WEIGHTS})
+# Luminous values, from red, green and blue.
+VISIBLE: Mapping[str, Weights] = MappingProxyType(
+    {"visible": tuple(RGB.shares.tolist())}
+)
 
 # Channels that hold the visible and the solar band of grey materials.
 VISIBLE_AND_SOLAR: Mapping[str, Weights] = MappingProxyType(
@@ -44,20 +46,6 @@ def check_bands(bands: Mapping[str, Weights]) -> None:
             )
     if not bands:
         raise InputError('no band; at least one such as "visible" expected')
-
-
-def band_values(
-    channels: Float[np.ndarray, " channel *value"], weights: Weights
-) -> Float[np.ndarray, " *value"]:
-    """Values of a band; the one channel of grey scenes serves for all three.
-
-    >>> band_values(np.array([[0.5], [0.5], [0.5]]), (0.2, 0.7, 0.1)).round(6).tolist()
-    [0.5]
-    """
-    weight = np.asarray(weights, dtype=float)
-    if len(channels) == 1:
-        return np.asarray(weight.sum() * channels[0])
-    return np.asarray(np.tensordot(weight, channels, axes=1))
 
 
 def tristimulus(

@@ -6,10 +6,11 @@ import numpy as np
 from jaxtyping import Float32
 
 from clerestory.array_types import Values
+from clerestory.bands import RGB, weighted_sum
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_arithmetic import bits_of
 from clerestory.bsdfgen.adaptive_sampling import Counter, Part
-from clerestory.bsdfgen.channel_weights import band_values, chromaticity
+from clerestory.bsdfgen.channel_weights import chromaticity
 from clerestory.bsdfgen.flux_preserving_merge import (
     HemisphericalFlux,
     preserve_flux,
@@ -19,7 +20,6 @@ from clerestory.bsdfgen.morton_codes import joined
 from clerestory.bsdfgen.subcells import Pieces, slots_of, uncut
 from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
 from clerestory.bsdfgen.tree_pruning import Cells, Light, chosen_cells, climbed
-from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.scene.model import Scene
 
 # Most finest cells in a block of a rank 4 tree, for both functions and all channels.
@@ -39,7 +39,7 @@ def trace_trees(
     """
     area, effort = request.area, request.effort
     slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
-    weights = np.array([1.0]) if slab.grey else np.array(LUMINANCE_WEIGHTS)
+    weights = np.array([1.0]) if slab.grey else RGB.shares
     grid = engine.Grid(rank, depth, _block(rank, depth, len(weights) + 1))
     functions: Functions = {}
     paths, reached = 0, True
@@ -125,8 +125,7 @@ def _trees(
 ) -> dict[str, ScatteringTree]:
     # Values of each band on the same cells; errors are those of the luminous value
     channels = cells.value.T
-    weights = LUMINANCE_WEIGHTS if len(channels) == 3 else (1.0, 0.0, 0.0)
-    luminous = band_values(channels, weights)
+    luminous = weighted_sum(channels, RGB.shares, axis=0)
     relative = np.divide(
         np.sqrt(cells.noise),
         luminous,
@@ -147,7 +146,7 @@ def _trees(
 
     made = {}
     for band, of in request.bands.items():
-        value = band_values(channels, of).astype(np.float32)
+        value = weighted_sum(channels, np.array(of), axis=0).astype(np.float32)
         error = (value * relative).astype(np.float32)
         made[band] = tree(value[cell] * factor, tree(error[cell] * factor, None))
     if request.colour:

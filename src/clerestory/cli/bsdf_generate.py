@@ -18,8 +18,8 @@ from clerestory.cli.options import Bounces, DeviceOption, Quiet, Seed
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.files import write_text
-from clerestory.scene.rad import read_rad
-from clerestory.scene.rad_writer import format_rad
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.rad_writer import format_rad
 
 EXAMPLE = (
     "Example: clerestory bsdf generate"

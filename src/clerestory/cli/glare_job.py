@@ -27,8 +27,8 @@ from clerestory.glare.view import GlareView
 from clerestory.glare.zones import Zones
 from clerestory.image.read import read_picture
 from clerestory.image.write import write_picture
+from clerestory.radiance.view_text import parse_view, read_view
 from clerestory.scene.view import View
-from clerestory.scene.view_text import parse_view, read_view
 
 # Threshold in task luminances, and without a task [cd/m²] (evalglare)
 _TASK_FACTOR, _LUMINANCE = 5.0, 2000.0

@@ -24,7 +24,7 @@ from clerestory.image.read import read_picture
 from clerestory.image.statistics import statistics
 from clerestory.image.tone import filmic, linear
 from clerestory.image.write import write_picture
-from clerestory.scene.view_text import format_view
+from clerestory.radiance.view_text import format_view
 
 app = typer.Typer(no_args_is_help=True, help="Pictures: .hdr, .pic and .exr.")
 

@@ -31,8 +31,8 @@ from clerestory.image.capture_response import (
 from clerestory.image.capture_vignetting import Vignetting, correct_vignetting
 from clerestory.image.read import read_picture
 from clerestory.image.write import write_picture
+from clerestory.radiance.view_text import parse_view
 from clerestory.scene.view import View
-from clerestory.scene.view_text import parse_view
 
 Output = Annotated[
     Path, typer.Option("--output", "-o", help="Picture to write: .hdr or .exr.")
