@@ -25,8 +25,7 @@ from clerestory.glare.rules import LARGEST_FACTOR, SourceRules, Threshold, Zone
 from clerestory.glare.sources import find_sources, in_zone
 from clerestory.glare.view import GlareView
 from clerestory.glare.zones import Zones
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.scene.view import View
 from clerestory.scene.view_text import parse_view, read_view
 
