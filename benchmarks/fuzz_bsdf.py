@@ -34,7 +34,7 @@ from clerestory.bsdf.xml import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.klems import from_rings
-from clerestory.scene.package import layer_geometry
+from clerestory.radiance.bsdf_package import layer_geometry
 
 HERE = Path(__file__).parent
 SEEDS = HERE.parent / "tests" / "data"

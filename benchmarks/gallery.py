@@ -31,10 +31,10 @@ from clerestory.image.denoise import denoise
 from clerestory.image.srgb_display import to_srgb, write_display
 from clerestory.image.visibility_matching import human_vision
 from clerestory.phases.render import render
-from clerestory.scene.package import package
-from clerestory.scene.sky import sky_scene
+from clerestory.radiance.bsdf_package import package
+from clerestory.radiance.generated_sky import sky_scene
 from clerestory.scene.surface import TriangleMesh
-from clerestory.scene.xform import parse_transform
+from clerestory.scene.transform import parse_transform
 
 HERE = Path(__file__).parent
 SCENES = HERE / "gallery"

@@ -35,7 +35,7 @@ from clerestory.bsdfgen.slats import venetian
 from clerestory.bsdfgen.system import System
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.rad_writer import format_rad
+from clerestory.radiance.rad_writer import format_rad
 
 BOUNCES = 5
 HALVINGS = 5

@@ -34,9 +34,9 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.report.page import write_report
 from clerestory.study.config import read_study
-from clerestory.study.demo import write_demo
-from clerestory.study.plan import plan_study
-from clerestory.study.run import run_study
+from clerestory.study.demo_study import write_demo
+from clerestory.study.run_plan import plan_study
+from clerestory.study.study_run import run_study
 
 # Stages of a run, by how the display of its phases begins
 STAGES = {

@@ -25,7 +25,7 @@ from clerestory.gonio.export import export_bsdf
 from clerestory.gonio.fitted import fit_measurement
 from clerestory.gonio.read import read_measurement
 from clerestory.gonio.storage import write_fits
-from clerestory.study.demo import write_demo
+from clerestory.study.demo_study import write_demo
 from clerestory.study.results import read_results
 
 LIMITS = (0.05, 0.10, 0.20)

@@ -16,7 +16,7 @@ from duel import ENVIRONMENT
 from rooms import room
 
 import clerestory as cl
-from clerestory.scene.rad_writer import format_rad
+from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.sensors import Sensors
 
 SHARED = Path(__file__).parents[2] / "shared" / "data"

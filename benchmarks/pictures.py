@@ -26,7 +26,7 @@ from clerestory.image.srgb_display import to_srgb
 from clerestory.image.tone_curves import filmic, linear
 from clerestory.image.visibility_matching import human_vision
 from clerestory.phases.render import render
-from clerestory.scene.sky import sky_scene
+from clerestory.radiance.generated_sky import sky_scene
 from clerestory.scene.view import solid_angles
 
 DOCS = Path(__file__).parents[1] / "docs"

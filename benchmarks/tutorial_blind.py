@@ -21,7 +21,7 @@ from duel import ENVIRONMENT, stamp
 
 import clerestory as cl
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.rad_writer import format_rad
+from clerestory.radiance.rad_writer import format_rad
 
 FULL = klems("full")
 MEASURE = FULL.projected_solid_angles()

@@ -24,8 +24,8 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdfgen.slats import venetian
 from clerestory.bsdfgen.system import System
 from clerestory.hemisphere.klems import klems
+from clerestory.radiance.rad_writer import format_rad
 from clerestory.report.bsdf_plot import lobe_figure, patch_direction
-from clerestory.scene.rad_writer import format_rad
 
 WIDTH, SPACING, REFLECTANCE = 0.08, 0.072, 0.48
 CASES = ((0.0, 64), (45.0, 122))

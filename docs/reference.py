@@ -12,7 +12,7 @@ _PAGES = (
         "scenes",
         "Scenes",
         "Rooms, windows, sensors, views, luminaires.",
-        ("scene",),
+        ("scene", "formats", "radiance"),
     ),
     (
         "bsdfs",

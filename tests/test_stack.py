@@ -13,12 +13,14 @@ import clerestory
 
 STACK = (
     ("errors", "constants"),
-    ("files", "directions"),
+    ("files", "directions", "bands"),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),
     ("gonio", "glazing"),
     ("scene",),
+    ("formats",),
+    ("radiance",),
     ("image",),
     ("engine",),
     ("cluster",),
@@ -104,6 +106,6 @@ def test_an_upward_import_is_seen(tmp_path):
         "import clerestory.cli.main\n"
         "from clerestory import report\n"
         "def late():\n"
-        "    from clerestory.study.run import run_study\n"
+        "    from clerestory.study.study_run import run_study\n"
     )
     assert set(imported_packages(file)) == {"cli", "report", "study"}

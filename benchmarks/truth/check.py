@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 import clerestory as cl
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import RGB
 from clerestory.phases.render import irradiance
 from clerestory.scene.model import Scene
 from truth.setting import Kind, demo, weather
@@ -21,7 +21,7 @@ SUN_DEG = 10.0
 # The truth needs so many times fewer paths
 _FEWER = 8
 
-_LUX = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+_LUX = RGB.weights
 
 # One hour of each day
 HOURS = ("2023-03-21T11:30", "2023-06-21T11:30", "2023-12-21T13:30")

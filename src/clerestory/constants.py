@@ -5,9 +5,6 @@ import math
 # Radiance's luminous efficacy for white light [lm/W] (Radiance color.h: WHTEFFICACY).
 LUMINOUS_EFFICACY = 179.0
 
-# Share of red, green and blue in luminance for Radiance's primaries (color.h, CIE_rf…).
-LUMINANCE_WEIGHTS = (0.265, 0.670, 0.065)
-
 # Default colour of sky and reflectance of ground in gendaymtx, gensky's documentation.
 SKY_COLOUR = (0.960, 1.004, 1.118)
 GROUND_REFLECTANCE = 0.2

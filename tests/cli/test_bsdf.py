@@ -13,7 +13,7 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.rad import read_rad
+from clerestory.radiance.rad_reader import read_rad
 
 QUARTER = klems("quarter")
 

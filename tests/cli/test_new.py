@@ -4,9 +4,9 @@ import tomllib
 
 import pytest
 
-from clerestory.scene.window import read_windows
+from clerestory.radiance.window_reader import read_windows
 from clerestory.study.config import read_study
-from clerestory.study.demo import write_demo
+from clerestory.study.demo_study import write_demo
 
 COMMAND = (
     "new office --scene materials.rad room.rad --window window.rad"

@@ -3,7 +3,7 @@
 import re
 
 import clerestory as cl
-from clerestory.study.plan import plan_study
+from clerestory.study.run_plan import plan_study
 
 
 def test_a_plan_names_matrices_and_writes_nothing(call, room):

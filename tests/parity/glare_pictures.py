@@ -3,8 +3,8 @@
 import numpy as np
 
 from clerestory.image.picture import Picture
+from clerestory.radiance.view_text import parse_view
 from clerestory.scene.view import View
-from clerestory.scene.view_text import parse_view
 
 VIEWS = (
     "-vta -vd 0 1 0 -vu 0 0 1 -vh 180 -vv 180",

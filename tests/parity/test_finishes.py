@@ -18,7 +18,7 @@ import mitsuba as mi
 
 from clerestory.engine import materials
 from clerestory.phases.render import irradiance
-from clerestory.scene.rad import read_rad
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.sensors import Sensors
 
 FILES = {

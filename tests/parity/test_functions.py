@@ -7,9 +7,9 @@ import pytest
 from radiance import _HOME as HOME
 from radiance import run
 
-from clerestory.scene.cal.program import Program
-from clerestory.scene.cal.syntax import parse_definitions
-from clerestory.scene.rad import read_rad
+from clerestory.radiance.cal.program import Program
+from clerestory.radiance.cal.syntax import parse_definitions
+from clerestory.radiance.rad_reader import read_rad
 
 # Two inputs, x and y; the last lines use the start file that rcalc is given
 EXPRESSIONS = """

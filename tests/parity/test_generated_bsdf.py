@@ -11,9 +11,9 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.slats import venetian
 from clerestory.hemisphere.klems import klems
+from clerestory.radiance.bsdf_package import layer_geometry
+from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.model import Plastic, Polygon, Scene
-from clerestory.scene.package import layer_geometry
-from clerestory.scene.rad_writer import format_rad
 
 FUNCTIONS = {
     "transmission_front": ("front", "transmittance"),

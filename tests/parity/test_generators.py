@@ -8,8 +8,8 @@ import pytest
 from radiance import run
 
 from clerestory.errors import ClerestoryWarning
-from clerestory.scene.rad import read_rad
-from clerestory.scene.statements import Primitive, parse_statements
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.statements import Primitive, parse_statements
 
 GREY = "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
 
@@ -130,7 +130,7 @@ def test_skies_are_those_of_radiance(command, tmp_path):
 
     The Perez skies have the sun's diameter and the efficacy of the same papers.
     """
-    from clerestory.scene.generators.catalogue import generate
+    from clerestory.radiance.generators.catalogue import generate
 
     theirs = primitives(run(command, folder=tmp_path))
     program, *words = command.split()

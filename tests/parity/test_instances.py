@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from radiance import run
 
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Cone, Polygon, Sphere
-from clerestory.scene.rad import read_rad
 from clerestory.scene.tessellate import meshes
 
 MATERIALS = """void plastic red 0 0 5 .6 .1 .1 0 0

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from radiance import run
 
-from clerestory.scene.photometry.luminaire_scene import luminaire_scene
-from clerestory.scene.photometry.read import read_luminaire
-from clerestory.scene.rad import read_rad
+from clerestory.formats.photometry.luminaire_scene import luminaire_scene
+from clerestory.formats.photometry.read import read_luminaire
+from clerestory.radiance.rad_reader import read_rad
 
 # Flux of the whole luminaire [lm]: as the files themselves tell it
 FLUX = {"1.IES": 9217, "2.IES": 5834, "4.IES": 5822, "5.IES": 754}

@@ -19,7 +19,7 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine import materials
-from clerestory.scene.rad import read_rad
+from clerestory.radiance.rad_reader import read_rad
 
 
 def unit(*vector):

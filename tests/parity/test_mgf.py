@@ -7,10 +7,10 @@ import pytest
 from radiance import ENVIRONMENT, run
 
 from clerestory.bsdf.xml import read_bsdf
-from clerestory.scene.mgf import parse_mgf
+from clerestory.formats.mgf import parse_mgf
+from clerestory.radiance.bsdf_package import package
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import BsdfSurface, Cone, Glass, Polygon, Ring, Sphere
-from clerestory.scene.package import package
-from clerestory.scene.rad import read_rad
 
 EVERYTHING = """# a comment
 c warm =

@@ -7,8 +7,8 @@ import pytest
 from radiance import run
 
 from clerestory.errors import InputError
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import BsdfSurface
-from clerestory.scene.rad import read_rad
 
 
 @pytest.mark.parametrize("name", ["blindsT3.xml", "blinds30.xml"])

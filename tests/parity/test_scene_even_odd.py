@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.proximity import first_hits
-from clerestory.scene.rad import read_rad
 from clerestory.scene.tessellate import meshes
 
 pyradiance = pytest.importorskip("pyradiance")

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Cone, Polygon, Ring, Sphere
-from clerestory.scene.rad import read_rad
 
 pyradiance = pytest.importorskip("pyradiance")
 ROOT = Path(pyradiance.__file__).parent

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from radiance import run
 
-from clerestory.scene.view_text import format_view, parse_view
+from clerestory.radiance.view_text import format_view, parse_view
 
 VIEWS = {
     "perspective": "-vtv -vp 1 -2 1.5 -vd 1 2 -.3 -vu 0 .1 1 -vh 65 -vv 45",

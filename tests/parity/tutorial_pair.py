@@ -11,8 +11,8 @@ import numpy as np
 from tutorial import SUN_SR, Tutorial
 
 import clerestory as cl
+from clerestory.bands import RGB
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.phases.five import FivePhases, five_phase
 from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
 from clerestory.phases.pictures import (
@@ -26,7 +26,7 @@ from clerestory.sky.suns import patch_suns
 
 VIEWS = ("south", "eastBlinds")
 BOUNCES = 4
-WEIGHTS = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+WEIGHTS = RGB.weights
 
 
 def write_tree(source: Path, path: Path) -> None:

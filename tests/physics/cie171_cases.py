@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
+from clerestory.formats.photometry.luminaire_scene import luminaire_scene, panel_scene
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.phases.render import irradiance
 from clerestory.phases.trace import daylight_coefficients
 from clerestory.scene.emitter import Light
 from clerestory.scene.model import Plastic, Polygon, Scene, Sphere
-from clerestory.scene.photometry.luminaire import Luminaire, LuminousShape
-from clerestory.scene.photometry.luminaire_scene import luminaire_scene, panel_scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import DistantSource
 from clerestory.sky.distribution import Overcast, cie_general, horizontal_integral

@@ -16,11 +16,11 @@ import mitsuba as mi
 from clerestory.engine.function_code import FunctionCode
 from clerestory.engine.pattern_code import multiplier, share
 from clerestory.errors import InputError
-from clerestory.scene.cal.program import Program
-from clerestory.scene.cal.syntax import parse_definitions, parse_expression
-from clerestory.scene.data_array import DataArray
+from clerestory.radiance.cal.program import Program
+from clerestory.radiance.cal.syntax import parse_definitions, parse_expression
+from clerestory.radiance.data_array import DataArray
+from clerestory.radiance.function_pattern import DataPattern, FunctionPattern
 from clerestory.scene.material import Source
-from clerestory.scene.pattern_function import DataPattern, FunctionPattern
 
 RNG = np.random.default_rng(1)
 X, Y, Z = RNG.uniform(-3, 3, (3, 400))

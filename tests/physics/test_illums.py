@@ -6,7 +6,8 @@ import pytest
 from clerestory.errors import InputError
 from clerestory.phases.illum import precompute_illums
 from clerestory.phases.render import irradiance, render
-from clerestory.scene.illum_table import write_illums
+from clerestory.radiance.illum_table import write_illums
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import (
     DistantSource,
     Glass,
@@ -18,7 +19,6 @@ from clerestory.scene.model import (
     Scene,
     Trans,
 )
-from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 

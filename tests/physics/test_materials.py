@@ -15,8 +15,9 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine import materials
-from clerestory.scene.cal.program import Program
-from clerestory.scene.cal.syntax import parse_expression
+from clerestory.radiance.cal.program import Program
+from clerestory.radiance.cal.syntax import parse_expression
+from clerestory.radiance.function_pattern import FunctionPattern
 from clerestory.scene.model import (
     Dielectric,
     Illum,
@@ -33,7 +34,6 @@ from clerestory.scene.model import (
     Trans2,
     Void,
 )
-from clerestory.scene.pattern_function import FunctionPattern
 
 WHITE = np.ones(3)
 TINTED = np.array([0.6, 0.5, 0.4])

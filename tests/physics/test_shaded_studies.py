@@ -11,7 +11,7 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.study.config import read_study
 from clerestory.study.results import read_results
-from clerestory.study.run import run_study
+from clerestory.study.study_run import run_study
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
 TAUS = (0.6, 0.15, 0.02)

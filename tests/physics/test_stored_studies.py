@@ -16,9 +16,9 @@ from clerestory.hemisphere.klems import klems
 from clerestory.phases import stored_views
 from clerestory.study import results as study_results
 from clerestory.study.config import read_study
-from clerestory.study.plan import plan_study
 from clerestory.study.results import read_results
-from clerestory.study.run import run_study
+from clerestory.study.run_plan import plan_study
+from clerestory.study.study_run import run_study
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
 

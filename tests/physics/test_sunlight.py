@@ -14,7 +14,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.sky.sun import sun_position
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
-from clerestory.study.sunlight import sunlight
+from clerestory.study.sunlight_exposure import sunlight
 
 LATITUDE = np.radians(48.0)
 LOWEST = np.radians(10.0)

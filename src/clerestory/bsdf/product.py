@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 class Geometry:
     """The shape of a layer as a text in MGF, the Materials and Geometry Format.
 
-    `clerestory.scene.package.layer_geometry` makes a scene of it.
+    `clerestory.radiance.bsdf_package.layer_geometry` makes a scene of it.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ from typing import Literal
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product import Geometry, Product
 from clerestory.bsdfgen.area import SampleArea, area_of
-from clerestory.bsdfgen.bands import VISIBLE, Weights, check_bands
+from clerestory.bsdfgen.channel_weights import VISIBLE, Weights, check_bands
 from clerestory.bsdfgen.check import check_system
 from clerestory.bsdfgen.effort import Progress, TraceEffort
 from clerestory.bsdfgen.finish import one_transmission, reciprocal_with_errors, reduced

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import weighted_sum
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdfgen.bands import band_values, tristimulus
+from clerestory.bsdfgen.channel_weights import tristimulus
 from clerestory.bsdfgen.mirror import NO_MIRROR, Orbits, mirrors
 from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
 from clerestory.hemisphere.partition import RingPartition
@@ -57,7 +58,9 @@ def trace_matrices(
                 np.moveaxis(traced.components[:, :, incident, exits], 0, 1)
             )
             for band, weights in request.bands.items():
-                value, error = (band_values(of, weights) for of in (part, spread))
+                value, error = (
+                    weighted_sum(of, np.array(weights), axis=0) for of in (part, spread)
+                )
                 functions[band, name] = _matrix(value, error, partition)
             if request.colour:
                 xyz, errors = tristimulus(part), tristimulus(spread)

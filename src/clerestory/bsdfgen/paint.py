@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdfgen.bands import VISIBLE, VISIBLE_AND_SOLAR, Weights
+from clerestory.bsdfgen.channel_weights import VISIBLE, VISIBLE_AND_SOLAR, Weights
 from clerestory.errors import InputError
 
 # A share of light: one for grey, or three for red, green and blue.

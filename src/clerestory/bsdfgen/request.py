@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from clerestory.bsdf.scattering import Function, ScatteringFunction
 from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.bands import Weights
+from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.effort import TraceEffort
 
 Functions = dict[tuple[str, Function], ScatteringFunction]

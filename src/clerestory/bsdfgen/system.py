@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from clerestory.bsdf.product import Product
 from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.bands import VISIBLE, Weights
+from clerestory.bsdfgen.channel_weights import VISIBLE, Weights
 from clerestory.scene.model import Scene
 
 

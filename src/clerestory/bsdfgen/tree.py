@@ -5,17 +5,17 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Float32
 
+from clerestory.bands import RGB, weighted_sum
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.tree_combine import bits_of
-from clerestory.bsdfgen.bands import band_values, chromaticity
 from clerestory.bsdfgen.branches import joined
+from clerestory.bsdfgen.channel_weights import chromaticity
 from clerestory.bsdfgen.count import Counter, Part
 from clerestory.bsdfgen.keep_both import keep_both
 from clerestory.bsdfgen.keep_light import SummedLight, keep_light
 from clerestory.bsdfgen.pieces import Pieces, slots_of, uncut
 from clerestory.bsdfgen.refine import Cells, Light, chosen_cells, climbed
 from clerestory.bsdfgen.request import Functions, Traced, TraceRequest
-from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.scene.model import Scene
 
 # Most finest cells in a block of a rank 4 tree, for both functions and all channels.
@@ -35,7 +35,7 @@ def trace_trees(
     """
     area, effort = request.area, request.effort
     slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
-    weights = np.array([1.0]) if slab.grey else np.array(LUMINANCE_WEIGHTS)
+    weights = np.array([1.0]) if slab.grey else RGB.shares
     grid = engine.Grid(rank, depth, _block(rank, depth, len(weights) + 1))
     functions: Functions = {}
     paths, reached = 0, True
@@ -121,8 +121,7 @@ def _trees(
 ) -> dict[str, ScatteringTree]:
     # Values of each band on the same cells; errors are those of the luminous value
     channels = cells.value.T
-    weights = LUMINANCE_WEIGHTS if len(channels) == 3 else (1.0, 0.0, 0.0)
-    luminous = band_values(channels, weights)
+    luminous = weighted_sum(channels, RGB.shares, axis=0)
     relative = np.divide(
         np.sqrt(cells.noise),
         luminous,
@@ -143,7 +142,7 @@ def _trees(
 
     made = {}
     for band, of in request.bands.items():
-        value = band_values(channels, of).astype(np.float32)
+        value = weighted_sum(channels, np.array(of), axis=0).astype(np.float32)
         error = (value * relative).astype(np.float32)
         made[band] = tree(value[cell] * factor, tree(error[cell] * factor, None))
     if request.colour:

@@ -9,8 +9,8 @@ import typer
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.area import area_from_dimensions, area_of
-from clerestory.bsdfgen.bands import Weights
 from clerestory.bsdfgen.catalogue import make_system, parse_words, read_system
+from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.finish import error_functions
 from clerestory.bsdfgen.generate import Basis, Sides, generate_bsdf
 from clerestory.bsdfgen.system import System
@@ -18,8 +18,8 @@ from clerestory.cli.options import Bounces, DeviceOption, Quiet, Seed
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.files import write_text
-from clerestory.scene.rad import read_rad
-from clerestory.scene.rad_writer import format_rad
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.rad_writer import format_rad
 
 EXAMPLE = (
     "Example: clerestory bsdf generate"

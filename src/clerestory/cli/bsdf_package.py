@@ -9,10 +9,10 @@ import typer
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.errors import InputError
 from clerestory.files import write_text
+from clerestory.radiance.bsdf_package import package
+from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.model import BsdfSurface
-from clerestory.scene.package import package
-from clerestory.scene.rad_writer import format_rad
-from clerestory.scene.xform import parse_transform
+from clerestory.scene.transform import parse_transform
 
 
 def package_file(

@@ -26,8 +26,8 @@ from clerestory.glare.sources import find_sources, in_zone
 from clerestory.glare.view import GlareView
 from clerestory.glare.zones import Zones
 from clerestory.image.picture_files import read_picture, write_picture
+from clerestory.radiance.view_text import parse_view, read_view
 from clerestory.scene.view import View
-from clerestory.scene.view_text import parse_view, read_view
 
 # Threshold in task luminances, and without a task [cd/m²] (evalglare)
 _TASK_FACTOR, _LUMINANCE = 5.0, 2000.0

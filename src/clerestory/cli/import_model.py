@@ -7,12 +7,12 @@ import typer
 
 from clerestory.cli.options import Quiet
 from clerestory.errors import InputError
-from clerestory.scene.gltf import read_gltf
-from clerestory.scene.hbjson import read_hbjson
-from clerestory.scene.material_map import MaterialMap, read_material_map
+from clerestory.formats.gltf import read_gltf
+from clerestory.formats.hbjson import read_hbjson
+from clerestory.formats.obj import read_obj
+from clerestory.radiance.material_map import MaterialMap, read_material_map
 from clerestory.scene.model import Scene
-from clerestory.scene.obj import read_obj
-from clerestory.study.imported import Written, write_honeybee_model, write_scene
+from clerestory.study.model_import import Written, write_honeybee_model, write_scene
 
 _HONEYBEE, _MESHES = (".hbjson", ".json"), (".obj", ".gltf", ".glb")
 

@@ -7,9 +7,9 @@ import typer
 
 from clerestory.errors import InputError
 from clerestory.files import replace_file
+from clerestory.formats.photometry.luminaire import Luminaire
+from clerestory.formats.photometry.read import read_luminaire
 from clerestory.report.luminaire_plot import polar_figure
-from clerestory.scene.photometry.luminaire import Luminaire
-from clerestory.scene.photometry.read import read_luminaire
 
 app = typer.Typer(no_args_is_help=True, help="Luminaires: IES and EULUMDAT files.")
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from clerestory.cli.options import Quiet, SceneFiles, WindowFiles
-from clerestory.study.beginning import begin_study
+from clerestory.study.new_study import begin_study
 
 
 def new(

@@ -23,7 +23,7 @@ from clerestory.image.radiance_hdr import write_radiance
 from clerestory.image.srgb_display import to_srgb, write_display
 from clerestory.image.tone_curves import filmic, linear
 from clerestory.image.visibility_matching import Screen, human_vision
-from clerestory.scene.view_text import format_view
+from clerestory.radiance.view_text import format_view
 
 app = typer.Typer(no_args_is_help=True, help="Pictures: .hdr, .pic and .exr.")
 

@@ -30,8 +30,8 @@ from clerestory.image.photograph import (
 from clerestory.image.photometric_calibration import calibrate as calibrate_picture
 from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.image.vignetting import Vignetting, correct_vignetting
+from clerestory.radiance.view_text import parse_view
 from clerestory.scene.view import View
-from clerestory.scene.view_text import parse_view
 
 Output = Annotated[
     Path, typer.Option("--output", "-o", help="Picture to write: .hdr or .exr.")

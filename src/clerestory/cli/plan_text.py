@@ -2,7 +2,7 @@
 
 from rich.table import Table
 
-from clerestory.study.plan import PlannedMatrix, StudyPlan
+from clerestory.study.run_plan import PlannedMatrix, StudyPlan
 
 
 def plan_table(plan: StudyPlan) -> Table:

@@ -29,10 +29,10 @@ from clerestory.image.picture import photometric, photometric_unit
 from clerestory.image.picture_files import write_picture
 from clerestory.phases.render import Rendering, render_irradiance
 from clerestory.phases.render import render as render_picture
+from clerestory.radiance.generated_sky import sky_at, sky_scene
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.view_text import view_of
 from clerestory.scene.model import Scene
-from clerestory.scene.rad import read_rad
-from clerestory.scene.sky import sky_at, sky_scene
-from clerestory.scene.view_text import view_of
 from clerestory.sky.read import read_weather
 
 Sky = Annotated[

@@ -38,9 +38,9 @@ from clerestory.phases.trace import (
     daylight_matrices,
     view_matrices,
 )
-from clerestory.scene.rad import read_rad
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.sensors import read_sensors
-from clerestory.scene.window import read_windows
 from clerestory.sky.read import read_weather
 from clerestory.sky.suns import sun_matrix
 

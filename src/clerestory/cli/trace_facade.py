@@ -13,8 +13,8 @@ from clerestory.cli.traced import warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.facade import facade_matrices
-from clerestory.scene.rad import read_rad
-from clerestory.scene.window import read_windows
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.window_reader import read_windows
 
 PortFiles = Annotated[
     list[Path],

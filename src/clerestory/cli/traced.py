@@ -10,15 +10,14 @@ import typer
 
 from clerestory.cli.matrix_files import write_pictures
 from clerestory.cli.matrix_output import write_any_matrix
-from clerestory.constants import LUMINANCE_WEIGHTS
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.matrix.radiance_format import Encoding
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.pictures import Camera
-from clerestory.scene.check import check_scene
+from clerestory.radiance.view_text import view_of
 from clerestory.scene.model import Scene
+from clerestory.scene.scene_checks import check_scene
 from clerestory.scene.sensors import Sensors, read_sensors
-from clerestory.scene.view_text import view_of
 from clerestory.scene.window import Window
 
 
@@ -87,7 +86,7 @@ def write_traced(
 def _summary(matrix: TransferMatrix) -> str:
     # Size, and the error of the row sums: what a uniform source would give
     size = f"{matrix.rows.describe()} by {matrix.columns.describe()}"
-    grey = matrix.weighted(LUMINANCE_WEIGHTS)
+    grey = matrix.weighted(matrix.bands.shares)
     if grey.components is None:
         return size
     total = grey.values[0].sum(axis=1)

@@ -43,7 +43,7 @@ from clerestory.comparison.scan import Axis, GridLayout, ScanTime, read_scan
 from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text
-from clerestory.study.complaint import input_error, parse_toml
+from clerestory.study.config_errors import input_error, parse_toml
 
 
 def _several(value: Any) -> Any:

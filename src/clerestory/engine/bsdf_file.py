@@ -22,7 +22,7 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.engine.matrix_table import MatrixTable
-from clerestory.engine.peak import PeakTable
+from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.tree_table import TreeTable
 from clerestory.scene.model import BsdfSurface
 
@@ -98,9 +98,9 @@ class Added:
     Front is the side of the normal, the room.
     """
 
-    front: mi.Color3f
-    back: mi.Color3f
-    transmission: mi.Color3f
+    front: "mi.Color3f"
+    back: "mi.Color3f"
+    transmission: "mi.Color3f"
 
 
 def define() -> type:
@@ -296,7 +296,7 @@ def register() -> type:
     return _classes[variant]
 
 
-def plugin(surface: BsdfSurface) -> mi.BSDF:
+def plugin(surface: BsdfSurface) -> "mi.BSDF":
     """Return the plugin that scatters like a surface of the scene."""
     made = register()(mi.Properties("bsdf_file"))
     added = (surface.front, surface.back, surface.transmission)

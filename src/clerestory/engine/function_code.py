@@ -16,10 +16,10 @@ import numpy as np
 
 from clerestory.engine.function_library import FUNCTIONS, Value, either_bad, where
 from clerestory.errors import InputError
-from clerestory.scene.cal.library import PRELUDE
-from clerestory.scene.cal.program import Program
-from clerestory.scene.cal.rows import Frame
-from clerestory.scene.cal.syntax import (
+from clerestory.radiance.cal.library import PRELUDE
+from clerestory.radiance.cal.program import Program
+from clerestory.radiance.cal.rows import Frame
+from clerestory.radiance.cal.syntax import (
     Call,
     Chain,
     Definition,

@@ -11,7 +11,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from clerestory.scene.cal.noise import TABLES, noise, slope_of
+from clerestory.radiance.cal.noise import TABLES, noise, slope_of
 
 
 @dataclass(frozen=True)

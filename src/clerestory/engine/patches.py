@@ -28,12 +28,12 @@ class PatchTable:
     """
 
     inner: list[float]
-    count: mi.UInt32
-    first: mi.UInt32
-    low: mi.Float
-    high: mi.Float
-    phi: mi.Float
-    width: mi.Float
+    count: "mi.UInt32"
+    first: "mi.UInt32"
+    low: "mi.Float"
+    high: "mi.Float"
+    phi: "mi.Float"
+    width: "mi.Float"
     compass: bool
 
     @classmethod
@@ -108,8 +108,8 @@ class SkyTable:
     """
 
     rows: int
-    count: mi.UInt32
-    first: mi.UInt32
+    count: "mi.UInt32"
+    first: "mi.UInt32"
     size: int
 
     @classmethod

@@ -15,11 +15,11 @@ from jaxtyping import Float
 from clerestory.engine.function_code import FunctionCode
 from clerestory.engine.function_library import Value
 from clerestory.errors import InputError
-from clerestory.scene.data_array import DataArray
+from clerestory.radiance.data_array import DataArray
+from clerestory.radiance.function_pattern import NUMBERED, DataPattern, FunctionPattern
 from clerestory.scene.material import Source
 from clerestory.scene.pattern import Pattern, Product
-from clerestory.scene.pattern_function import NUMBERED, DataPattern, FunctionPattern
-from clerestory.scene.xform import Transform
+from clerestory.scene.transform import Transform
 
 # From an interaction to the three or one values of a pattern, and where they are faulty
 Code = Callable[[Any], tuple[list[Any], Any]]
@@ -76,7 +76,7 @@ def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], A
 
 
 def perturbation(
-    pattern: FunctionPattern | DataPattern, origin: Float[np.ndarray, "3"]
+    pattern: Pattern, origin: Float[np.ndarray, "3"]
 ) -> Callable[[Any], Any]:
     """Return three values as a vector of the scene: what bends a normal."""
     code = pattern_code(pattern, origin)

@@ -12,11 +12,11 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int, Int64
 
-from clerestory.constants import LUMINANCE_WEIGHTS
-from clerestory.engine.points import points
+from clerestory.bands import RGB
+from clerestory.engine.primary_rays import Lanes, lanes
 from clerestory.engine.sample_area import Slab, follow, lower_slab, start
+from clerestory.engine.sampler import points
 from clerestory.engine.square import disc_from_square, square_from_disc
-from clerestory.engine.starts import Lanes, lanes
 from clerestory.engine.sums import FIXED_POINT
 from clerestory.engine.walk import Target
 from clerestory.errors import DeviceError
@@ -130,9 +130,8 @@ class _Cells:
         light = [weight[channel] for channel in range(self.target.channels - 1)]
         luminance = light[0]
         if len(light) == 3:
-            luminance = sum(
-                w * c for w, c in zip(LUMINANCE_WEIGHTS, light, strict=True)
-            )
+            shares = RGB.shares.tolist()
+            luminance = sum(w * c for w, c in zip(shares, light, strict=True))
         scores = [*light, dr.square(luminance)]
         self.target.score(mi.UInt32(0), cell, scores, active)
 

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import RGB
+from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.glare.sources import Members
 from clerestory.image.picture import Picture
@@ -70,5 +71,5 @@ def _primaries(colour: Colour) -> Float[np.ndarray, "3"]:
     shares = np.asarray(colour, dtype=float)
     if not (shares.min() >= 0 and 0 < shares.sum() < np.inf):
         raise InputError(f"colour {colour}; shares of 0 or more expected, not all 0")
-    primaries: np.ndarray = shares / shares.sum() / np.array(LUMINANCE_WEIGHTS)
+    primaries: np.ndarray = shares / shares.sum() / RGB.shares
     return primaries

@@ -19,7 +19,7 @@ from clerestory.errors import InputError
 from clerestory.files import read_bytes, replace_file
 from clerestory.image.picture import Picture
 from clerestory.image.primaries import RADIANCE, Primaries, conversion
-from clerestory.scene.view_text import format_view, parse_view
+from clerestory.radiance.view_text import format_view, parse_view
 
 _MOST_PIXELS = 1 << 27
 

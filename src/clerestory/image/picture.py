@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float32
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import RGB, Bands
 from clerestory.errors import InputError
 from clerestory.scene.view import View
 
@@ -23,12 +23,13 @@ class Picture:
 
     Attributes
     ----------
-    radiance : red, green and blue [W/(m²·sr)]; of an irradiance picture, as rpict -i
-        makes it, the irradiance of the surface that the pixel shows [W/m²]
+    radiance : in each band [W/(m²·sr)]; of an irradiance picture, as rpict -i makes
+        it, the irradiance of the surface that the pixel shows [W/m²]
     view : where it was taken from, if known
     header : further lines of the file's header: commands that made it, notes
     pixel_aspect : height of a pixel over its width
     quantity : radiance or irradiance
+    bands : spectral bands of the channels; files hold RGB
 
     Raises
     ------
@@ -41,17 +42,19 @@ class Picture:
     (2, 3, 179.0)
     """
 
-    radiance: Float32[np.ndarray, "row column 3"]
+    radiance: Float32[np.ndarray, "row column band"]
     view: View | None = None
     header: tuple[str, ...] = ()
     pixel_aspect: float = 1.0
     quantity: Quantity = "radiance"
+    bands: Bands = RGB
 
     def __post_init__(self) -> None:
         values = np.asarray(self.radiance, dtype=np.float32)
-        if values.ndim != 3 or values.shape[2] != 3 or values.size == 0:
+        bands = len(self.bands)
+        if values.ndim != 3 or values.shape[2] != bands or values.size == 0:
             raise InputError(
-                f"pixels of shape {values.shape}; (rows, columns, 3) expected"
+                f"pixels of shape {values.shape}; (rows, columns, {bands}) expected"
             )
         if not np.isfinite(values).all():
             row, column, _ = np.argwhere(~np.isfinite(values))[0]
@@ -100,9 +103,7 @@ class Picture:
 
 def photometric(picture: Picture) -> Float32[np.ndarray, "row column"]:
     """Luminance [cd/m²] or illuminance [lux] of every pixel, as the picture holds."""
-    weights = np.array(LUMINANCE_WEIGHTS, dtype=np.float32) * LUMINOUS_EFFICACY
-    values: np.ndarray = picture.radiance @ weights.astype(np.float32)
-    return values
+    return picture.bands.photometric(picture.radiance)
 
 
 def photometric_unit(picture: Picture) -> str:

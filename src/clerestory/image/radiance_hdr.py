@@ -21,7 +21,7 @@ from clerestory.image.radiance_header import (
     split_header,
 )
 from clerestory.image.run_length import RunLengthError, decode, encode
-from clerestory.scene.view_text import format_view, opens_view
+from clerestory.radiance.view_text import format_view, opens_view
 
 # The exponent's byte counts from here (color.h: COLXS)
 _EXCESS = 128

@@ -15,9 +15,9 @@ from jaxtyping import Float, UInt8
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.image.picture import Quantity
 from clerestory.image.primaries import RADIANCE, Primaries
+from clerestory.radiance.view_text import opens_view, parse_view
+from clerestory.scene.transform import number
 from clerestory.scene.view import View
-from clerestory.scene.view_text import opens_view, parse_view
-from clerestory.scene.xform import number
 
 _LONGEST = 1 << 20
 _MOST_PIXELS = 1 << 27

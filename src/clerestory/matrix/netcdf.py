@@ -1,13 +1,14 @@
-"""Matrices in NetCDF: values, statistical error and the meaning of rows and columns.
+"""NetCDF files of transfer matrices: values, standard errors, bands and axes.
 
-The files are NetCDF-4 for xarray, Panoply or ncdump: a variable `values` (channel,
-row, column), a variable `components` (component, channel, row, column) if there is
-a statistical error, and per axis a variable `rows` or `columns` whose attributes say
-what the axis stands for. The same matrix always gives the same bytes.
+NetCDF-4 for xarray, Panoply or ncdump: a variable `values` (channel, row, column), a
+variable `components` (component, channel, row, column) if there is a statistical
+error, and a variable `rows` and `columns` whose attributes say what the axis stands
+for. Attributes of `values` name the spectral bands; files without them are in RGB or
+grey. The same matrix always gives the same bytes.
 
-Behind the NetCDF data, where other programs do not look, stands a SHA-256 sum of
-them: it is checked before the file is opened, since libhdf5 may never come back from
-a damaged one. h5netcdf writes, for the conventions of NetCDF; h5py reads.
+A SHA-256 sum follows the NetCDF data. It is checked before the file is opened, since
+libhdf5 may hang on a damaged one. h5netcdf writes, for the conventions of NetCDF;
+h5py reads.
 """
 
 import hashlib
@@ -20,6 +21,7 @@ import h5netcdf  # type: ignore[import-untyped]
 import h5py
 import numpy as np
 
+from clerestory.bands import RGB, Bands
 from clerestory.errors import InputError
 from clerestory.files import read_bytes, replace_file
 from clerestory.hemisphere.partition import RingPartition
@@ -58,7 +60,8 @@ def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
         file.attrs["format"] = _FORMAT
         channels, rows, columns = matrix.values.shape
         file.dimensions = {"channel": channels, "row": rows, "column": columns}
-        _add(file, "values", ("channel", "row", "column"), matrix.values)
+        values = _add(file, "values", ("channel", "row", "column"), matrix.values)
+        _write_bands(values, matrix.bands)
         if matrix.components is not None:
             file.dimensions["component"] = len(matrix.components)
             _add(
@@ -98,7 +101,8 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
                 else None
             )
             rows, columns = _read_axis(file, "row"), _read_axis(file, "column")
-        return TransferMatrix(values, rows, columns, components)
+            bands = _read_bands(file["values"])
+        return TransferMatrix(values, rows, columns, components, bands)
     except InputError as error:
         raise InputError(error.message, file=path) from error
     except Exception as error:  # HDF5 reports damage by many kinds of exception
@@ -121,6 +125,29 @@ def _add(
     check = {"fletcher32": True} if data.size else {}
     return file.create_variable(
         name, dimensions, data=np.ascontiguousarray(data), **check
+    )
+
+
+def _write_bands(variable: h5netcdf.Variable, bands: Bands) -> None:
+    if bands == RGB:  # as in files of version 0.1
+        return
+    variable.attrs["band_names"] = "\n".join(bands.names)
+    if bands.efficacy is not None:
+        variable.attrs["band_efficacy_lm_per_W"] = np.array(bands.efficacy)
+    if bands.limits_nm is not None:
+        variable.attrs["band_limits_nm"] = np.ravel(bands.limits_nm)
+
+
+def _read_bands(variable: h5py.Dataset) -> Bands:
+    attributes = variable.attrs
+    if "band_names" not in attributes:
+        return RGB
+    efficacy = attributes.get("band_efficacy_lm_per_W")
+    limits = np.reshape(attributes.get("band_limits_nm", ()), (-1, 2))
+    return Bands(
+        tuple(attributes["band_names"].split("\n")),
+        None if efficacy is None else tuple(np.ravel(efficacy).tolist()),
+        tuple(map(tuple, limits.tolist())) or None,
     )
 
 

@@ -2,8 +2,8 @@
 
 A text header names the size (NROWS, NCOLS, NCOMP), the encoding (FORMAT) and the
 byte order (BigEndian, absent in ASCII); after an empty line follow the values,
-row by row, the components of an entry side by side. The file does not say what
-its rows and columns stand for; the caller does.
+row by row, the components (bands) of an entry side by side. The file does not say
+what its rows, columns and components stand for; the caller does.
 """
 
 import re
@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import RGB, Bands, unnamed_bands
 from clerestory.errors import InputError
 from clerestory.files import read_bytes, replace_file
 from clerestory.matrix.axis import Axis, unknown_axis
@@ -40,20 +41,26 @@ class _Header:
 
 
 def read_matrix(
-    path: str | Path, *, rows: Axis | None = None, columns: Axis | None = None
+    path: str | Path,
+    *,
+    rows: Axis | None = None,
+    columns: Axis | None = None,
+    bands: Bands | None = None,
 ) -> TransferMatrix:
-    r"""Return the matrix of a Radiance file with one or three components.
+    r"""Return the matrix of a Radiance file.
 
     Sky matrices of gendaymtx have a row per patch and a column per time step.
 
     Parameters
     ----------
     rows, columns : what they stand for; unlabelled when not given
+    bands : of the components; when not given, three are RGB, one is grey, and any
+        other number unnamed
 
     Raises
     ------
     InputError : not such a file, damaged, not finite, or of another size than
-        `rows` and `columns`
+        `rows`, `columns` and `bands`
 
     Examples
     --------
@@ -79,8 +86,15 @@ def read_matrix(
             f" {rows.describe()} by {columns.describe()} expected",
             file=path,
         )
+    bands = bands or unnamed_bands(header.channels)
+    if header.channels not in (1, len(bands)):
+        raise InputError(
+            f"{header.channels} components; one, or one for each of the {len(bands)}"
+            " bands expected",
+            file=path,
+        )
     values = np.ascontiguousarray(np.moveaxis(table, -1, 0))
-    return TransferMatrix(values, rows, columns)
+    return TransferMatrix(values, rows, columns, bands=bands)
 
 
 def write_matrix(
@@ -193,13 +207,7 @@ def _read_header(data: bytes, path: str | Path) -> _Header:
         raise InputError(
             "no NCOLS in the header; the number of columns expected", file=path
         )
-    channels = _read_count(variables, "NCOMP", path) or 3
-    if channels not in (1, 3):
-        raise InputError(
-            f"{channels} components; 1 (grey) or 3 (RGB) expected",
-            file=path,
-            line=variables["NCOMP"][1],
-        )
+    channels = _read_count(variables, "NCOMP", path) or len(RGB)
     rows = _read_count(variables, "NROWS", path)
     big_endian = variables.get("BigEndian", ("0", 0))[0] == "1"
     return _Header(rows, columns, channels, encoding, big_endian, end.end())  # type: ignore[arg-type]

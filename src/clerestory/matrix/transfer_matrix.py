@@ -10,13 +10,14 @@ every correlation between the coefficients without a covariance matrix:
 """
 
 import importlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import GREY, RGB, Bands, common_bands, weighted_sum
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
 
@@ -30,9 +31,10 @@ class TransferMatrix:
 
     Attributes
     ----------
-    values : one or three channels (RGB) of coefficients
+    values : coefficients in one channel per band, or in one for all bands alike
     rows, columns : what receives and what sends
     components : error components, None for a matrix that has no statistical error
+    bands : spectral bands of the channels
 
     Raises
     ------
@@ -43,12 +45,14 @@ class TransferMatrix:
     rows: Axis
     columns: Axis
     components: Float[np.ndarray, "component channel row column"] | None = None
+    bands: Bands = RGB
 
     def __post_init__(self) -> None:
-        if self.values.ndim != 3 or self.values.shape[0] not in (1, 3):
+        bands = len(self.bands)
+        if self.values.ndim != 3 or self.values.shape[0] not in (1, bands):
             raise MatrixError(
                 f"matrix of shape {self.values.shape};"
-                " (1 or 3 channels, rows, columns) expected"
+                f" (1 or {bands} channels, rows, columns) expected"
             )
         if self.values.shape[1:] != (self.rows.size, self.columns.size):
             raise MatrixError(
@@ -86,6 +90,7 @@ class TransferMatrix:
         if not isinstance(other, TransferMatrix):
             return NotImplemented
         require_fit(self.columns, other.rows)
+        bands = self._common_bands(other)
         left, right = self.values, other.values
         values = left @ right
 
@@ -100,7 +105,7 @@ class TransferMatrix:
 
         rows = self.rows.at_window(other.rows.window)
         columns = other.columns.at_window(self.columns.window)
-        return TransferMatrix(values, rows, columns, components)
+        return TransferMatrix(values, rows, columns, components, bands)
 
     def __add__(self, other: "TransferMatrix") -> "TransferMatrix":
         """Return the sum of two independent matrices over the same rows and columns."""
@@ -111,12 +116,16 @@ class TransferMatrix:
                 f"cannot add {other.rows.describe()} by {other.columns.describe()} to"
                 f" {self.rows.describe()} by {self.columns.describe()}"
             )
+        bands = self._common_bands(other)
         values = self.values + other.values
         parts = [m.components for m in (self, other) if m.components is not None]
         parts = [np.broadcast_to(part, (len(part), *values.shape)) for part in parts]
         columns = replace(self.columns, window=None)
         components = np.concatenate(parts) if parts else None
-        return TransferMatrix(values, self.rows, columns, components)
+        return TransferMatrix(values, self.rows, columns, components, bands)
+
+    def _common_bands(self, other: "TransferMatrix") -> Bands:
+        return common_bands((m.bands, len(m.values)) for m in (self, other))
 
     def select_rows(self, rows: slice) -> "TransferMatrix":
         """Return some of the rows, such as one block of sensors."""
@@ -127,42 +136,37 @@ class TransferMatrix:
             self, values=self.values[:, rows], rows=axis, components=components
         )
 
-    def weighted(self, weights: tuple[float, ...]) -> "TransferMatrix":
-        """Return one channel, the sum of the three under `weights`.
+    def weighted(
+        self, weights: Sequence[float] | Float[np.ndarray, " band"]
+    ) -> "TransferMatrix":
+        """Return one channel, the sum of all bands under `weights`.
 
-        A matrix of one channel is grey: the sum of the weights multiplies it.
+        A matrix of one channel has the same value in all bands: the sum of the
+        weights multiplies it.
         """
-        if self.values.shape[0] == 1:
-            factor = np.array([sum(weights)])
-        else:
-            factor = np.array(weights)
-        factor = factor.astype(self.values.dtype)[:, None, None]
+        factor = np.asarray(weights, dtype=float)
         components = self.components
         if components is not None:
-            scale = factor.astype(components.dtype)
-            components = np.sum(components * scale, axis=1, keepdims=True)
-        values = np.sum(self.values * factor, axis=0, keepdims=True)
-        return replace(self, values=values, components=components)
+            components = weighted_sum(components, factor, axis=1)[:, None]
+        values = weighted_sum(self.values, factor, axis=0)[None]
+        return replace(self, values=values, components=components, bands=GREY)
 
     def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of sensors per time step, with its standard error.
 
-        The matrix must hold irradiance [W/m²] in Radiance's RGB: 179 lm/W times
-        0.265 R + 0.670 G + 0.065 B.
+        The matrix must hold irradiance [W/m²] in bands of known luminous efficacy; in
+        RGB illuminance is 179 lm/W times 0.265 R + 0.670 G + 0.065 B.
 
         Raises
         ------
         MatrixError : columns are not time steps
+        InputError : the luminous efficacy of the bands is not known
         """
         if self.columns.kind not in ("time", "unknown"):
             raise MatrixError(
                 f"columns are {self.columns.describe()}; multiply by a sky matrix first"
             )
-        weights = cast(
-            tuple[float, ...],
-            tuple(LUMINOUS_EFFICACY * weight for weight in LUMINANCE_WEIGHTS),
-        )
-        lux = self.weighted(weights)
+        lux = self.weighted(self.bands.weights)
         return illuminance_dataset(
             lux.values[0], lux.standard_error[0], sensors=self.rows, times=self.columns
         )

@@ -18,7 +18,6 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
@@ -126,7 +125,7 @@ def sun_illuminance(
     variance: Float[np.ndarray, "sensor sun"] = np.zeros(0)
     for number, matrix in enumerate(coefficients):
         _require_suns(matrix.columns, suns)
-        lux = matrix.weighted(tuple(LUMINOUS_EFFICACY * w for w in LUMINANCE_WEIGHTS))
+        lux = matrix.weighted(matrix.bands.weights)
         light = lux.values[0] + (light if number else 0)
         variance = lux.standard_error[0] ** 2 + (variance if number else 0)
 

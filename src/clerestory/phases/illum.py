@@ -15,7 +15,7 @@ from clerestory.directions import unit
 from clerestory.engine.outgoing import Patches, trace_outgoing
 from clerestory.errors import InputError
 from clerestory.phases.trace import Tracing, matrix_effort, warn_if_short
-from clerestory.scene.illum_table import LeavingLight, light_pattern
+from clerestory.radiance.illum_table import LeavingLight, light_pattern
 from clerestory.scene.model import Illum, Material, Polygon, Scene
 from clerestory.scene.triangulate import triangulate
 

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory import __version__
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import RGB, Bands
 from clerestory.engine.estimate import Effort
 from clerestory.engine.lit import trace_irradiance, trace_picture
 from clerestory.errors import InputError
@@ -27,7 +27,7 @@ DEFAULT_RELATIVE_ERROR = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Rendering:
-    """A picture and how sure it is.
+    """A picture and its standard errors.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Rendering:
     """
 
     picture: Picture
-    error: Float[np.ndarray, "row column 3"]
+    error: Float[np.ndarray, "row column band"]
     paths: int
 
 
@@ -47,19 +47,20 @@ class Gathered:
 
     Attributes
     ----------
-    irradiance : RGB [W/m²]
+    irradiance : in each band [W/m²]
     error : standard error of each value
     paths : traced in all
+    bands : spectral bands of the scene
     """
 
-    irradiance: Float[np.ndarray, "sensor 3"]
-    error: Float[np.ndarray, "sensor 3"]
+    irradiance: Float[np.ndarray, "sensor band"]
+    error: Float[np.ndarray, "sensor band"]
     paths: int
+    bands: Bands = RGB
 
     def illuminance(self) -> Float[np.ndarray, " sensor"]:
         """Illuminance of each sensor [lux]."""
-        lux: np.ndarray = self.irradiance @ _weights()
-        return lux
+        return self.bands.photometric(self.irradiance)
 
 
 def render(
@@ -162,10 +163,6 @@ def irradiance(
     lit = trace_irradiance(scene, sensors, effort)
     warn_if_short(lit, "irradiance", effort)
     return Gathered(lit.value, lit.error, lit.paths)
-
-
-def _weights() -> Float[np.ndarray, "3"]:
-    return np.array(LUMINANCE_WEIGHTS) * LUMINOUS_EFFICACY
 
 
 def _check_light(scene: Scene) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import RGB
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
@@ -252,10 +252,10 @@ def _received(
 
 def _beside_each_other(values: np.ndarray) -> np.ndarray:
     # (…, channel, sensor, patch) as lux per radiance, (…, sensor, channel × patch)
-    weights = np.array(LUMINANCE_WEIGHTS, np.float32) * LUMINOUS_EFFICACY
-    shape = (*values.shape[:-3], 3, *values.shape[-2:])
-    three = np.broadcast_to(values.astype(np.float32), shape) * weights[:, None, None]
-    side = np.moveaxis(three, -3, -2)
+    weights = RGB.weights.astype(np.float32)
+    shape = (*values.shape[:-3], len(weights), *values.shape[-2:])
+    each = np.broadcast_to(values.astype(np.float32), shape) * weights[:, None, None]
+    side = np.moveaxis(each, -3, -2)
     return np.ascontiguousarray(side).reshape(*side.shape[:-2], -1)
 
 

@@ -19,7 +19,7 @@ import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import RGB
 from clerestory.errors import MatrixError
 from clerestory.files import replace_path
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -36,7 +36,7 @@ _SENSORS = 1024
 # Sensors and steps of a chunk of the results
 _CHUNK = 256, 730
 
-_WEIGHTS = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+_WEIGHTS = RGB.weights
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
 from clerestory.errors import InputError
-from clerestory.scene.photometry.luminaire import Luminaire
+from clerestory.formats.photometry.luminaire import Luminaire
 
 # Steps along a curve [°]
 _STEP_DEG = 0.5
@@ -40,7 +40,7 @@ def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure
 
     Examples
     --------
-    >>> from clerestory.scene.photometry.luminaire import LuminousShape
+    >>> from clerestory.formats.photometry.luminaire import LuminousShape
     >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
     >>> angles, table = np.array([0.0, 90.0]), np.array([[100.0, 0.0]])
     >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, table, disc)

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 
 from clerestory.report.markup import Markup, element
 from clerestory.report.uncertain_value import number
-from clerestory.study.comparison import LEAST_LUX, WITHIN, differences
+from clerestory.study.method_comparison import LEAST_LUX, WITHIN, differences
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,1 +1,1 @@
-"""What stands in the scene: surfaces, materials, windows, sensors; plain values."""
+"""The scene as plain values: surfaces, materials, windows, sensors, views."""

@@ -24,7 +24,6 @@ from clerestory.scene.material import (
     Trans2,
 )
 from clerestory.scene.pattern import Pattern
-from clerestory.scene.pattern_function import DataPattern, FunctionPattern
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,13 +90,13 @@ class Textured:
 
     Attributes
     ----------
-    texture : of which three values are added to the unit normal, in the coordinates
-        of the function
+    texture : three values that are added to the unit normal, in the coordinates of the
+        function
     """
 
     name: str
     base: "Material"
-    texture: FunctionPattern | DataPattern
+    texture: Pattern
     source: Source | None = None
 
 

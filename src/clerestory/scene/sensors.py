@@ -9,7 +9,7 @@ from jaxtyping import Float
 from clerestory.directions import unit
 from clerestory.errors import InputError
 from clerestory.files import read_text
-from clerestory.scene.xform import number
+from clerestory.scene.transform import number
 
 
 @dataclass(frozen=True, eq=False)

@@ -149,3 +149,16 @@ def _disc_extent(
 ) -> Float[np.ndarray, "2 3"]:
     axis = normal / np.linalg.norm(normal)
     return centre + np.outer([-1, 1], radius * np.sqrt(np.clip(1 - axis**2, 0, 1)))
+
+
+def area_vectors(
+    vertices: Float[np.ndarray, "vertices 3"], first: np.ndarray
+) -> Float[np.ndarray, "polygons 3"]:
+    """Normals of polygons by Newell's method, as long as their areas [m²]."""
+    length = np.diff(first)
+    origin = vertices[first[:-1]]
+    local = vertices - np.repeat(origin, length, axis=0)
+    following = np.roll(local, -1, axis=0)
+    following[first[1:] - 1] = local[first[:-1]]
+    crossed = np.cross(local, following) / 2
+    return np.add.reduceat(crossed, first[:-1], axis=0)

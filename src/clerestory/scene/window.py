@@ -1,12 +1,6 @@
-"""Windows: flat groups of polygons whose front faces the room, with a Klems basis.
-
-The comments `#@rfluxmtx h=kf u=Z` of a window file give the basis and the up vector,
-as for Radiance's rfluxmtx. Without them the basis is Klems full; up is +z, or +y for
-a window that lies flat.
-"""
+"""Windows: polygons with one normal that act as one opening, with an angular basis."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
@@ -15,18 +9,11 @@ from clerestory.directions import Frame, unit
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.scene.flatness import area_vectors
-from clerestory.scene.model import Polygon, Scene, Source
-from clerestory.scene.placed import Placed, placed_items
-from clerestory.scene.statements import Directive, PolygonRun
+from clerestory.scene.surface import Polygon, area_vectors
 from clerestory.scene.triangulate import Triangles, triangulate
-from clerestory.scene.xform import number
 
 # Normals of one group may differ by this much
 _SAME_NORMAL_DEG = 0.5
-
-_BASES = {"k": "full", "kf": "full", "k1": "full", "kh": "half", "k2": "half"}
-_BASES |= {"kq": "quarter", "k4": "quarter"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,108 +65,25 @@ class Window:
         return tuple(triangulate(p.vertices) for p in self.polygons)
 
 
-def read_window(path: str | Path) -> Window:
-    r"""Return the window in a .rad file; all polygons of the file belong to it.
+def window_of(
+    polygons: tuple[Polygon, ...],
+    *,
+    name: str,
+    up: Float[np.ndarray, "3"] | None = None,
+    partition: RingPartition | None = None,
+) -> Window:
+    """Return the window that polygons make up, with the frame of their mean normal.
 
-    Materials do not matter. The window takes the name of its polygons' modifier
-    or, where they have several, of the file.
-
-    Raises
-    ------
-    InputError : with file and line, where the file is missing or malformed, has no
-        polygons or other surfaces, polygons of different normals, or asks for a
-        basis that windows cannot have
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> text = "#@rfluxmtx h=kf u=Z\n void polygon pane 0 0 9 0 0 0 0 0 1 1 0 0"
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder, "south.rad")
-    ...     _ = file.write_text(text)
-    ...     window = read_window(file)
-    >>> window.name, window.area, window.frame.normal.tolist()
-    ('south', 0.5, [0.0, 1.0, 0.0])
-    """
-    groups = _groups(path)
-    names = list(groups)
-    name = names[0] if len(names) == 1 and names[0] != "void" else Path(path).stem
-    panes = [pane for group in groups.values() for pane in group]
-    return _window(name, panes)
-
-
-def read_windows(*paths: str | Path) -> tuple[Window, ...]:
-    """Return the windows in .rad files, one for each modifier, in the order met.
+    Parameters
+    ----------
+    up : up vector of the basis; None: +z, or +y for a horizontal window
+    partition : None: Klems full
 
     Raises
     ------
-    InputError : as for `read_window`
+    InputError : polygons of different normals, or an up vector along the normal
     """
-    groups: dict[str, list[_Pane]] = {}
-    for path in paths:
-        for name, panes in _groups(path).items():
-            groups.setdefault(name, []).extend(panes)
-    return tuple(_window(name, panes) for name, panes in groups.items())
-
-
-@dataclass(frozen=True, eq=False)
-class _Pane:
-    # A polygon, and the variables in force where it stands
-    polygon: Polygon
-    basis: str
-    up: Float[np.ndarray, "3"] | None
-
-
-def _groups(path: str | Path) -> dict[str, list[_Pane]]:
-    # Polygons of a file by modifier
-    groups: dict[str, list[_Pane]] = {}
-    basis, up = "full", None
-    for placed in placed_items(path):
-        match placed.item:
-            case Directive():
-                basis, up = _variables(placed.item, placed.file, basis, up)
-            case PolygonRun():
-                for polygon in _polygons(placed.item, placed.file):
-                    groups.setdefault(polygon.material, []).append(
-                        _Pane(polygon, basis, up)
-                    )
-            case _:
-                _refuse_surface(placed)
-    if not groups:
-        raise InputError("no polygons; the polygons of a window expected", file=path)
-    return groups
-
-
-def _polygons(run: PolygonRun, file: str) -> list[Polygon]:
-    parts = np.split(run.vertices, run.first[1:-1])
-    return [
-        Polygon(vertices, modifier, name, Source(file, line))
-        for vertices, modifier, name, line in zip(
-            parts, run.modifier, run.name, run.line, strict=True
-        )
-    ]
-
-
-def _refuse_surface(placed: Placed) -> None:
-    if isinstance(placed.item, Scene):
-        raise InputError(
-            "a command that makes a scene in a window file; polygons expected",
-            file=placed.file,
-        )
-    source = getattr(placed.item, "source", None)
-    if source is not None:
-        kind = type(placed.item).__name__.lower()
-        raise InputError(
-            f"a {kind} in a window file; a window is made of polygons",
-            file=source.file,
-            line=source.line,
-        )
-
-
-def _window(name: str, panes: list[_Pane]) -> Window:
-    polygons = tuple(pane.polygon for pane in panes)
     normal = unit(_normals(polygons).sum(axis=0))
-    up = panes[0].up
     if up is None:
         up = np.array([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9999 else [0.0, 1.0, 0.0])
     try:
@@ -191,67 +95,9 @@ def _window(name: str, panes: list[_Pane]) -> Window:
             file=source.file if source else None,
             line=source.line if source else None,
         ) from error
-    return Window(name, polygons, frame, klems(panes[0].basis))
+    return Window(name, polygons, frame, partition or klems("full"))
 
 
 def _normals(polygons: tuple[Polygon, ...]) -> Float[np.ndarray, "polygons 3"]:
     first = np.cumsum([0, *(len(p.vertices) for p in polygons)])
     return area_vectors(np.concatenate([p.vertices for p in polygons]), first)
-
-
-def _variables(
-    directive: Directive, file: str, basis: str, up: Float[np.ndarray, "3"] | None
-) -> tuple[str, Float[np.ndarray, "3"] | None]:
-    # Values after a `#@rfluxmtx` comment
-    for word in directive.text.split():
-        key, _, value = word.partition("=")
-        match key:
-            case "h":
-                basis = _basis(value, file, directive.line)
-            case "u":
-                up = _up(value, file, directive.line)
-            case "o":
-                pass  # where rfluxmtx would write its matrix
-            case _:
-                raise InputError(
-                    f'unknown variable "{word}" of #@rfluxmtx; h=kf|kh|kq or'
-                    " u=X|Y|Z|x,y,z expected",
-                    file=file,
-                    line=directive.line,
-                )
-    return basis, up
-
-
-def _basis(value: str, file: str, line: int) -> str:
-    if value.startswith("-"):
-        raise InputError(
-            f"h={value} asks for left-handed coordinates, which are not supported;"
-            f" h={value[1:]} expected",
-            file=file,
-            line=line,
-        )
-    name = value.removeprefix("+").lower()
-    if name not in _BASES:
-        raise InputError(
-            f"h={value} is no basis for a window; kf, kh or kq expected",
-            file=file,
-            line=line,
-        )
-    return _BASES[name]
-
-
-def _up(value: str, file: str, line: int) -> Float[np.ndarray, "3"]:
-    if value.lstrip("+-").lower() in ("x", "y", "z"):
-        sign = -1.0 if value.startswith("-") else 1.0
-        axis = np.zeros(3)
-        axis["xyz".index(value[-1].lower())] = sign
-        return axis
-    parts = [number(part) for part in value.split(",")]
-    vector = np.array([p for p in parts if p is not None])
-    if len(parts) != 3 or len(vector) != 3 or not vector.any():
-        raise InputError(
-            f"u={value} is no direction; X, -X, Y, -Y, Z, -Z or x,y,z expected",
-            file=file,
-            line=line,
-        )
-    return vector

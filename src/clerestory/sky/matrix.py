@@ -1,8 +1,7 @@
 """The sky matrix S: radiance of every sky patch at every time step.
 
-It is kept as what it is made of, grey sky times colour plus a sparse sun,
-which takes a third of the memory of three channels and, with `SkyResponse`, a
-third of the time to multiply.
+Stored as its factors: a grey sky times a colour per patch, plus a sparse sun. Memory
+and, with `SkyResponse`, the time of a product are those of one band.
 """
 
 from collections.abc import Iterator, Mapping
@@ -13,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Float32
 from scipy.sparse import csc_array, csr_array
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import GREY, RGB, Bands, common_bands
 from clerestory.errors import MatrixError
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.matrix.axis import Axis, sky_axis, time_axis
@@ -33,19 +32,20 @@ _BLOCK = 64
 
 @dataclass(frozen=True, eq=False)
 class SkyMatrix:
-    """Radiance of ground and sky patches over time, in RGB.
+    """Radiance of ground and sky patches over time.
 
-    The radiance of channel c is colour[c] · diffuse + sun_colour[c] · sun.
+    The radiance in band b is colour[b] · diffuse + sun_colour[b] · sun.
 
     Attributes
     ----------
     partition : the patches, with the ground as patch 0
     times : centres of the steps, local standard time
     diffuse : grey radiance of ground and sky [W/(m²·sr)]
-    colour : factor of each channel, per patch; the ground's reflectance for patch 0
+    colour : factor of each band, per patch; the ground's reflectance for patch 0
     sun : radiance that the sun adds to the patches [W/(m²·sr)], (patch, time)
-    sun_colour : factor of each channel
+    sun_colour : factor of each band
     attributes : how it was made
+    bands : spectral bands
 
     Raises
     ------
@@ -55,10 +55,11 @@ class SkyMatrix:
     partition: SkyPartition
     times: np.ndarray
     diffuse: Float32[np.ndarray, "patch time"]
-    colour: Float[np.ndarray, "3 patch"]
+    colour: Float[np.ndarray, "band patch"]
     sun: csc_array
-    sun_colour: Float[np.ndarray, "3"]
+    sun_colour: Float[np.ndarray, " band"]
     attributes: Mapping[str, str | float]
+    bands: Bands = RGB
 
     # Leave `array @ sky` to this class, which refuses it
     __array_ufunc__ = None
@@ -70,10 +71,11 @@ class SkyMatrix:
                 f"sky of shape {self.diffuse.shape}, sun of shape {self.sun.shape};"
                 f" {self.rows.describe()} by {self.columns.describe()} expected"
             )
-        if self.colour.shape != (3, shape[0]) or self.sun_colour.shape != (3,):
+        bands = len(self.bands)
+        if self.colour.shape != (bands, shape[0]) or self.sun_colour.shape != (bands,):
             raise MatrixError(
                 f"colours of shape {self.colour.shape} and {self.sun_colour.shape};"
-                f" (3, {shape[0]}) and (3,) expected"
+                f" ({bands}, {shape[0]}) and ({bands},) expected"
             )
         # NaN fails the first comparison, infinity the second
         for part in (self.diffuse, self.sun.data, self.colour, self.sun_colour):
@@ -91,11 +93,13 @@ class SkyMatrix:
         return time_axis(self.times)
 
     @property
-    def values(self) -> Float32[np.ndarray, "3 patch time"]:
-        """Radiance of all patches and steps [W/(m²·sr)]: three times the memory."""
+    def values(self) -> Float32[np.ndarray, "band patch time"]:
+        """Radiance of all patches and steps [W/(m²·sr)], with as many times the memory
+        as there are bands.
+        """
         return self.block(slice(None))
 
-    def block(self, steps: slice) -> Float32[np.ndarray, "3 patch block"]:
+    def block(self, steps: slice) -> Float32[np.ndarray, "band patch block"]:
         """Radiance of all patches [W/(m²·sr)] in some time steps."""
         colour = self.colour.astype(np.float32)[:, :, None]
         radiance = colour * self.diffuse[None, :, steps]
@@ -132,34 +136,34 @@ class SkyMatrix:
         )
 
     def to_transfer_matrix(self) -> TransferMatrix:
-        """Return the same as a plain matrix of three channels, stored row by row."""
-        values = np.empty((3, len(self.partition), len(self.times)), np.float32)
+        """Return the same as a dense matrix of all bands, stored row by row."""
+        shape = len(self.bands), len(self.partition), len(self.times)
+        values = np.empty(shape, np.float32)
         for start in range(0, len(self.times), _BLOCK):
             steps = slice(start, start + _BLOCK)
             values[:, :, steps] = self.block(steps)
-        return TransferMatrix(values, self.rows, self.columns)
+        return TransferMatrix(values, self.rows, self.columns, bands=self.bands)
 
     def luminance(self) -> TransferMatrix:
         """Return the luminance of the patches [cd/m²], as a matrix of one channel."""
-        weights = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+        weights = self.bands.weights
         tint = (weights @ self.colour).astype(np.float32)
         sun = self.sun.tocoo()
         values = self.diffuse * tint[:, None]
         values[sun.coords] += np.float32(weights @ self.sun_colour) * sun.data
-        return TransferMatrix(values[None], self.rows, self.columns)
+        return TransferMatrix(values[None], self.rows, self.columns, bands=GREY)
 
-    def row_blocks(self) -> Iterator[Float32[np.ndarray, "patch time 3"]]:
-        """Yield the radiance of some patches after the others, channels side by side.
+    def row_blocks(self) -> Iterator[Float32[np.ndarray, "patch time band"]]:
+        """Yield the radiance of successive blocks of patches, bands side by side.
 
-        The whole matrix comes by in the order of files, without three channels of it
-        ever being held.
+        The order is that of matrix files; the matrix is never held in all bands.
         """
         sun = csr_array(self.sun)
         tint = self.sun_colour.astype(np.float32)
         for start in range(0, len(self.partition), _BLOCK):
             patches = slice(start, start + _BLOCK)
             grey = np.ascontiguousarray(self.diffuse[patches])
-            radiance = np.empty((*grey.shape, 3), np.float32)
+            radiance = np.empty((*grey.shape, len(self.bands)), np.float32)
             for channel, colour in enumerate(self.colour[:, patches, None]):
                 factor = colour.astype(np.float32)
                 np.multiply(grey, factor, out=radiance[:, :, channel])
@@ -198,14 +202,19 @@ class SkyResponse:
 
     def __post_init__(self) -> None:
         require_fit(self.transfer.columns, self.sky.rows)
+        common_bands(self._parts())
+
+    def _parts(self) -> Iterator[tuple[Bands, int]]:
+        yield self.transfer.bands, len(self.transfer.values)
+        yield self.sky.bands, len(self.sky.colour)
 
     def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of sensors per time step, with its standard error.
 
-        The three channels are folded into luminance before the product; hours
-        without light are skipped.
+        The bands are folded into luminance before the product; hours without light
+        are skipped.
         """
-        weights = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+        weights = common_bands(self._parts()).weights
         lux = self._weighted(self.transfer.values[None], weights)[0]
         error = self._error(weights)
         return illuminance_dataset(
@@ -213,21 +222,26 @@ class SkyResponse:
         )
 
     def rgb(self) -> TransferMatrix:
-        """Return the product in three channels, dense, with its error components."""
+        """Return the product in all bands, dense, with its error components."""
         values, parts = [], []
-        for channel in np.eye(3):
+        bands = common_bands(self._parts())
+        for channel in np.eye(len(bands)):
             values.append(self._weighted(self.transfer.values[None], channel)[0])
             if self.transfer.components is not None:
                 parts.append(self._weighted(self.transfer.components, channel))
         components = np.stack(parts, axis=1) if parts else None
         return TransferMatrix(
-            np.stack(values), self.transfer.rows, self.sky.columns, components
+            np.stack(values),
+            self.transfer.rows,
+            self.sky.columns,
+            components,
+            bands,
         )
 
     def _weighted(
         self,
         values: Float[np.ndarray, "layer channel row patch"],
-        weights: Float[np.ndarray, "3"],
+        weights: Float[np.ndarray, " band"],
     ) -> Float[np.ndarray, "layer row time"]:
         # Weighted sum of channels of several matrices times the sky
         layers, _, rows, patches = values.shape
@@ -240,7 +254,9 @@ class SkyResponse:
                     total[layer, part][:, steps] = received
         return total
 
-    def _error(self, weights: Float[np.ndarray, "3"]) -> Float[np.ndarray, "row time"]:
+    def _error(
+        self, weights: Float[np.ndarray, " band"]
+    ) -> Float[np.ndarray, "row time"]:
         # Root of the sum of squares over the error components
         components = self.transfer.components
         rows = self.transfer.rows.size
@@ -257,15 +273,17 @@ class SkyResponse:
     def _blocks(
         self,
         values: Float[np.ndarray, "layer channel row patch"],
-        weights: Float[np.ndarray, "3"],
+        weights: Float[np.ndarray, " band"],
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         # Blocks of time steps, with the rows of all layers below each other
         sky = self.sky
-        tint = np.broadcast_to(sky.sun_colour[:, None], sky.colour.shape)
         patches = values.shape[-1]
+        folded = (
+            fold(values, np.broadcast_to(tint, (len(weights), patches)), weights)
+            for tint in (sky.colour, sky.sun_colour[:, None])
+        )
         return product_blocks(
-            fold(values, sky.colour, weights).reshape(-1, patches),
-            fold(values, tint, weights).reshape(-1, patches),
+            *(part.reshape(-1, patches) for part in folded),
             diffuse=sky.diffuse,
             direct=sky.sun,
             steps=lit_steps(sky.diffuse, sky.sun),

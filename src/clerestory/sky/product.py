@@ -1,8 +1,8 @@
 """Transfer coefficients times a year of sky, in blocks and in one channel.
 
-The three channels of the sky are one grey distribution times a colour per
-patch. A weighted sum of channels, such as luminance, is therefore folded into
-the transfer matrix first, and a year costs one real product instead of three.
+The sky's radiance in each band is one grey distribution times a colour per patch. A
+weighted sum of bands, such as luminance, is therefore folded into the transfer matrix
+first, and a year costs one matrix product instead of one per band.
 """
 
 from collections.abc import Iterator
@@ -17,10 +17,10 @@ _BLOCK = 32_000_000
 
 def fold(
     values: Float[np.ndarray, "*batch channel row patch"],
-    colour: Float[np.ndarray, "3 patch"],
-    weights: Float[np.ndarray, "3"],
+    colour: Float[np.ndarray, "band patch"],
+    weights: Float[np.ndarray, " band"],
 ) -> Float32[np.ndarray, "*batch row patch"]:
-    """Sum over channels of weight, colour and coefficient; a single channel is grey."""
+    """Sum over bands of weight, colour and coefficient; one channel is all bands."""
     tint = weights[:, None] * colour
     if values.shape[-3] == 1:
         tint = tint.sum(axis=0, keepdims=True)

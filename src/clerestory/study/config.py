@@ -21,9 +21,8 @@ from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
 from clerestory.files import read_text
-from clerestory.study.complaint import input_error, parse_toml
-from clerestory.study.lighting_tables import LightingTable, LuminaireTable
-from clerestory.study.tables import (
+from clerestory.study.config_errors import input_error, parse_toml
+from clerestory.study.config_tables import (
     MetricsTable,
     Named,
     OutputTable,
@@ -39,6 +38,7 @@ from clerestory.study.tables import (
     WeatherTable,
     rule_broken,
 )
+from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.window_tables import WindowTable
 
 Method = Literal["2-phase", "3-phase", "5-phase"]

@@ -7,14 +7,14 @@ from jaxtyping import Int
 
 from clerestory.errors import InputError
 from clerestory.phases.pictures import Camera
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.view_text import read_view
 from clerestory.scene.model import Scene
-from clerestory.scene.rad import read_rad
 from clerestory.scene.sensors import Sensors, read_sensors
-from clerestory.scene.view_text import read_view
 from clerestory.sky.weather import Weather
 from clerestory.study.config import Study
-from clerestory.study.tables import ViewTable
-from clerestory.study.weather import study_weather
+from clerestory.study.config_tables import ViewTable
+from clerestory.study.study_weather import study_weather
 from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 

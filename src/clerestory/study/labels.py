@@ -10,11 +10,11 @@ from clerestory.metrics.hours import occupied_hours
 from clerestory.metrics.spatial import hours_above
 from clerestory.metrics.summary import sensor_metrics
 from clerestory.study.config import Study
+from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing
-from clerestory.study.evidence import Evidence
 from clerestory.study.inputs import Inputs
-from clerestory.study.operation import Operation
 from clerestory.study.results import sensor_names
+from clerestory.study.shade_operation import ShadeOperation
 
 # Sensors whose metrics are taken at a time: a year of them takes 140 MB
 _SENSORS = 4096
@@ -37,8 +37,8 @@ def label_results(
     inputs: Inputs,
     hourly: xr.Dataset,
     parts: Sequence[xr.Dataset],
-    evidence: Evidence,
-    acts: Operation,
+    signals: ControlInputs,
+    acts: ShadeOperation,
 ) -> xr.Dataset:
     """Return all that a run found as one dataset; see `Results`.
 
@@ -64,8 +64,8 @@ def label_results(
             room_drawing(inputs.scene),
             window_drawing([group.inner for group in inputs.groups]),
             layer_drawing(inputs.groups),
-            _states(evidence, acts),
-            _direct_sun(evidence, hours),
+            _states(signals, acts),
+            _direct_sun(signals, hours),
             *(_sensors_left_out(part) for part in parts),
         ],
         combine_attrs="drop_conflicts",
@@ -115,9 +115,9 @@ def _sensors_left_out(part: xr.Dataset) -> xr.Dataset:
     return part.drop_vars("sensor", errors="ignore")
 
 
-def _states(evidence: Evidence, acts: Operation) -> xr.Dataset:
+def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:
     # What the shades did and what they looked at, where there is a choice
-    groups = evidence.inputs.groups
+    groups = signals.inputs.groups
     if all(len(group.states) == 1 for group in groups):
         return xr.Dataset()
     most = max(len(group.states) for group in groups)
@@ -135,35 +135,35 @@ def _states(evidence: Evidence, acts: Operation) -> xr.Dataset:
             "control": ("window", np.array(rules, dtype=str)),
             "facade_irradiance": (
                 axes,
-                _single([evidence.irradiance(n) for n in numbers]),
+                _single([signals.irradiance(n) for n in numbers]),
                 {"units": "W/m2"},
             ),
             "profile_angle": (
                 axes,
-                _single([evidence.profile(n) for n in numbers]),
+                _single([signals.profile(n) for n in numbers]),
                 {"units": "rad"},
             ),
         },
-        coords={"time": evidence.times},
+        coords={"time": signals.times},
     )
     if acts.kept is not None:
         found["rule_kept"] = ("time", acts.kept)
     return found
 
 
-def _direct_sun(evidence: Evidence, hours: Bool[np.ndarray, " time"]) -> xr.Dataset:
+def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.Dataset:
     # Light straight from the sun with every shade at its most open, where it is known
-    tracing = evidence.tracing
+    tracing = signals.tracing
     if tracing.suns is None and not tracing.direct:
         return xr.Dataset()
-    steps = len(evidence.times)
-    opened = [np.zeros(steps, dtype=np.int64) for _ in evidence.inputs.groups]
-    lux = tracing.direct_illuminance(evidence.skies, opened)
+    steps = len(signals.times)
+    opened = [np.zeros(steps, dtype=np.int64) for _ in signals.inputs.groups]
+    lux = tracing.direct_illuminance(signals.skies, opened)
     sun = lux.drop_vars(["sensor", "time"])
-    found = xr.Dataset({"direct_open": sun}, coords={"time": evidence.times})
+    found = xr.Dataset({"direct_open": sun}, coords={"time": signals.times})
     if tracing.suns is None:
         return found  # spread over patches, too dim to count hours above a limit
-    step_hours = evidence.step_minutes / 60
+    step_hours = signals.step_minutes / 60
     return found.assign(sun_hours=hours_above(sun, hours, step_hours=step_hours))
 
 

@@ -17,7 +17,7 @@ import xarray as xr
 
 from clerestory.errors import InputError
 from clerestory.files import read_bytes, read_text, replace_path, write_text
-from clerestory.study.hourly import append_hourly
+from clerestory.study.hourly_file import append_hourly
 
 RESULTS_FILE = "results.nc"
 RUN_FILE = "run.json"

@@ -24,7 +24,7 @@ from clerestory.sky.weather import Weather
 from clerestory.study.coefficients import trace_coefficients
 from clerestory.study.config import Study
 from clerestory.study.job import DIRECT, STATE, SUN, Job
-from clerestory.study.size import is_stored, most_sensors
+from clerestory.study.memory_size import is_stored, most_sensors
 from clerestory.study.stored import StoredTracing, Traced
 from clerestory.study.traced import Skies, Tracing
 from clerestory.study.window_groups import WindowGroup

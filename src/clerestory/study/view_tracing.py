@@ -26,9 +26,9 @@ from clerestory.phases.pictures import (
 )
 from clerestory.phases.shaded import ShadedWindow, States
 from clerestory.phases.streamed import Opening
+from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, STATE, SUN, Job
 from clerestory.study.stored import Traced
-from clerestory.study.tables import ViewTable
 from clerestory.study.traced import Skies
 
 # Bytes of a pixel's coefficient for one sun: three half-precision numbers

@@ -19,10 +19,10 @@ from clerestory.image.picture_files import write_picture
 from clerestory.phases.shaded import States
 from clerestory.phases.trace import Progress
 from clerestory.scene.view import View
-from clerestory.study.evidence import Judge
+from clerestory.study.config_tables import EVERY, ViewTable
+from clerestory.study.control_inputs import GlareFunction
 from clerestory.study.job import Display
-from clerestory.study.lamps import Lamps
-from clerestory.study.tables import EVERY, ViewTable
+from clerestory.study.luminaire_matrices import Lamps
 from clerestory.study.traced import Skies
 from clerestory.study.view_tracing import ViewTracing
 
@@ -95,9 +95,9 @@ def sees_glare(view: View) -> bool:
     return wide and view.kind in ("angular", "hemispherical")
 
 
-def glare_judge(
+def glare_function(
     views: Sequence[ViewTracing], skies: Skies, *, display: Display
-) -> Judge:
+) -> GlareFunction:
     """Return what tells rules the glare of some steps, electric light left out.
 
     Steps without daylight have none: 0.

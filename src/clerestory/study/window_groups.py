@@ -14,7 +14,8 @@ from clerestory.gonio.layer import read_layer
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.scene.window import Window, read_windows
+from clerestory.radiance.window_reader import read_windows
+from clerestory.scene.window import Window
 from clerestory.study.window_tables import (
     ControlTable,
     StateChoice,

@@ -11,7 +11,13 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.control.direct_sun import MOST_SENSORS, SUN_LUX
-from clerestory.study.tables import InputFile, Named, NamedFile, Table, rule_broken
+from clerestory.study.config_tables import (
+    InputFile,
+    Named,
+    NamedFile,
+    Table,
+    rule_broken,
+)
 
 RuleName = Literal[
     "fixed",

@@ -20,9 +20,9 @@ from clerestory.bsdfgen.profile import arc
 from clerestory.bsdfgen.screen import perforated, woven
 from clerestory.bsdfgen.slats import venetian
 from clerestory.errors import InputError
+from clerestory.formats.mgf import parse_mgf
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.mgf import parse_mgf
-from clerestory.scene.rad import read_rad
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.tessellate import meshes
 
 BLIND = {"slat_width": 0.08, "spacing": 0.072}

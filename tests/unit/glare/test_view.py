@@ -8,8 +8,8 @@ from clerestory.glare.pitch import pixel_pitch
 from clerestory.glare.quadrilateral import quadrilaterals
 from clerestory.glare.rays import pixel_rays
 from clerestory.glare.view import glare_view
+from clerestory.radiance.view_text import parse_view
 from clerestory.scene.view import View, solid_angles
-from clerestory.scene.view_text import parse_view
 
 WHOLE = ["-vta -vh 180 -vv 180", "-vth -vh 180 -vv 180", "-vta -vh 220 -vv 220"]
 PARTS = [

@@ -9,6 +9,7 @@ import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from clerestory.bands import GREY, RGB, Bands, unnamed_bands
 from clerestory.errors import InputError, OutputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
@@ -32,6 +33,23 @@ def matrix(rows, columns, *, channels=3, dtype=float, components=0):
     values = rng.random(shape).astype(dtype)
     spread = rng.random((components, *shape)).astype(np.float32) if components else None
     return TransferMatrix(values, rows, columns, spread)
+
+
+NINE = Bands(
+    tuple(f"{start} nm" for start in range(380, 780, 45)),
+    tuple(np.linspace(1.0, 30.0, 9).tolist()),
+    tuple((float(start), start + 45.0) for start in range(380, 780, 45)),
+)
+
+
+@pytest.mark.parametrize(
+    "bands", [RGB, GREY, NINE, unnamed_bands(2), Bands(("x",), None, ((380.0, 780.0),))]
+)
+def test_bands_are_read_as_written(tmp_path, bands):
+    values = np.ones((len(bands), 2, 3))
+    written = TransferMatrix(values, sensor_axis(2), unknown_axis(3), bands=bands)
+    write_netcdf(tmp_path / "a.nc", written)
+    assert read_netcdf(tmp_path / "a.nc").bands == bands
 
 
 def edit(path):

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from clerestory.bands import unnamed_bands
 from clerestory.errors import InputError, OutputError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis, unknown_axis
@@ -18,7 +19,8 @@ NUMBERS = "1 2 3\n4 5 6\n"
 def matrix(channels=3, rows=4, columns=5, dtype=float):
     rng = np.random.default_rng(7)
     values = rng.normal(size=(channels, rows, columns)).astype(dtype)
-    return TransferMatrix(values, unknown_axis(rows), unknown_axis(columns))
+    axes = unknown_axis(rows), unknown_axis(columns)
+    return TransferMatrix(values, *axes, bands=unnamed_bands(channels))
 
 
 @pytest.fixture
@@ -31,7 +33,7 @@ def write(tmp_path):
     return to_file
 
 
-@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("channels", [1, 3, 9])
 @pytest.mark.parametrize(
     ("dtype", "encoding"),
     [(float, "ascii"), (float, "double"), (np.float32, "ascii"), (np.float32, "float")],
@@ -52,6 +54,16 @@ def test_components_lie_side_by_side_and_rows_one_after_the_other(write):
     read = read_matrix(write(header + "1 2 3\t4 5 6\n7 8 9\t10 11 12\n"))
     np.testing.assert_array_equal(read.values[0], [[1, 4], [7, 10]])
     np.testing.assert_array_equal(read.values[2], [[3, 6], [9, 12]])
+
+
+def test_components_may_be_named(write):
+    """The file holds their number; one that is alike in all bands fits any."""
+    nine = unnamed_bands(9)
+    header = "#?RADIANCE\nNCOMP=%d\nNROWS=1\nNCOLS=1\nFORMAT=ascii\n\n"
+    assert read_matrix(write(header % 9 + "1 2 3 4 5 6 7 8 9\n")).bands == nine
+    assert read_matrix(write(header % 1 + "1\n"), bands=nine).values.shape == (1, 1, 1)
+    with pytest.raises(InputError, match="3 components; one, or one for each of the 9"):
+        read_matrix(write(header % 3 + "1 2 3\n"), bands=nine)
 
 
 @pytest.mark.parametrize(("order", "flag"), [("<", 0), (">", 1)])
@@ -122,7 +134,7 @@ FAULTS = {
     "negative rows": ("NROWS=2", "NROWS=-2", "NROWS=-2; a positive whole number"),
     "huge counts": ("NROWS=2", "NROWS=99999999999", "6 values; 299999999997 expected"),
     "absurd counts": ("NROWS=2", "NROWS=" + "9" * 30, "a positive whole number"),
-    "hyperspectral": ("NCOMP=1", "NCOMP=20", "20 components; 1 (grey) or 3 (RGB)"),
+    "more components": ("NCOMP=1", "NCOMP=20", "6 values; 120 expected for 2 rows of"),
     "a picture": ("FORMAT=ascii", "FORMAT=32-bit_rle_rgbe", "'32-bit_rle_rgbe'"),
     "too few values": ("4 5 6", "4 5", "5 values; 6 expected"),
     "too many values": ("4 5 6", "4 5 6 7", "7 values; 6 expected"),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from clerestory.bands import Bands
 from clerestory.errors import MatrixError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
@@ -116,6 +117,39 @@ def test_illuminance_weighs_channels_as_radiance_does():
     assert lux["illuminance"].values == pytest.approx(
         np.array([[179 * (0.265 + 2 * 0.065), 179 * 0.670]])
     )
+
+
+NINE = Bands(tuple(f"band {k}" for k in range(9)), tuple(np.arange(9.0)))
+
+
+def in_nine(rows, columns):
+    shape = (9, rows.size, columns.size)
+    return TransferMatrix(RNG.random(shape), rows, columns, bands=NINE)
+
+
+def test_products_in_nine_bands():
+    """Each band is a product of its own; a grey factor serves all nine."""
+    view, middle, sky = (
+        in_nine(SENSORS, INSIDE),
+        matrix(INSIDE, OUTSIDE, channels=1),
+        in_nine(OUTSIDE, time_axis(np.arange(2))),
+    )
+    product = view @ middle @ sky
+    expected = np.einsum("cij,jk,ckl->cil", view.values, middle.values[0], sky.values)
+    assert product.values == pytest.approx(expected)
+    assert product.bands == NINE
+    lux = product.illuminance()["illuminance"].values
+    assert lux == pytest.approx(np.tensordot(np.arange(9.0), expected, axes=1))
+
+
+def test_other_bands_do_not_fit():
+    """Nine bands times three are refused, and their sum."""
+    with pytest.raises(MatrixError, match="red, green, blue"):
+        in_nine(SENSORS, INSIDE) @ matrix(INSIDE, OUTSIDE)
+    with pytest.raises(MatrixError, match="red, green, blue"):
+        matrix(SENSORS, SKY) + in_nine(SENSORS, SKY)
+    with pytest.raises(MatrixError, match="1 or 9 channels"):
+        TransferMatrix(np.ones((3, 3, 146)), SENSORS, SKY, bands=NINE)
 
 
 def test_sums_add_errors_of_independent_matrices():

@@ -16,7 +16,7 @@ from clerestory.phases.stored_views import StoredViews
 from clerestory.phases.streamed import Opening, leaving_light, stream_illuminance
 from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
-from clerestory.study.demo import write_demo
+from clerestory.study.demo_study import write_demo
 
 BASIS = klems("quarter")
 SENSORS = 70

@@ -5,9 +5,9 @@ import pytest
 
 from clerestory.directions import Frame
 from clerestory.hemisphere.klems import klems
-from clerestory.scene import check
-from clerestory.scene.check import check_scene
+from clerestory.scene import scene_checks
 from clerestory.scene.model import Plastic, Polygon, Scene
+from clerestory.scene.scene_checks import check_scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
@@ -77,7 +77,7 @@ def test_a_misplaced_sensor_is_named(point, message):
 
 def test_findings_among_some_of_the_sensors_say_so(monkeypatch):
     """Where all would take too long; what needs no triangles is asked of each."""
-    monkeypatch.setattr(check, "_EFFORT", 2 * 14)  # triangles of the room
+    monkeypatch.setattr(scene_checks, "_EFFORT", 2 * 14)  # triangles of the room
     few = check_scene(room(), (), sensors((2, 2, 0), *DESKS, DESKS[0]))
     assert few[0] == "sensor 5 of 5 is given twice"
     assert few[1].startswith("sensor 1 of 5, 2 of which were looked at, is nearer")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.window_reader import read_window
 from clerestory.scene.floor_grid import floor_grid, room_side
-from clerestory.scene.rad import read_rad
-from clerestory.scene.window import read_window
 
 FLOOR = "grey polygon floor 0 0 12  0 0 0  6 0 0  6 4 0  0 4 0\n"
 CEILING = "grey polygon ceiling 0 0 12  0 0 3  0 4 3  6 4 3  6 0 3\n"

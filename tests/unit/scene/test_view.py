@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from clerestory.errors import InputError
+from clerestory.radiance.view_text import format_view, parse_view, read_view
 from clerestory.scene.view import View, solid_angles
-from clerestory.scene.view_text import format_view, parse_view, read_view
 
 KINDS = {
     "perspective": (90, 60),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.scene.window import read_window, read_windows
+from clerestory.radiance.window_reader import read_window, read_windows
 
 PANE = "polygon pane 0 0 12 0 0 1  0 0 2  3 0 2  3 0 1\n"  # faces +y, 3 m²
 SKYLIGHT = "polygon sky 0 0 12 0 0 3  0 1 3  1 1 3  1 0 3\n"  # faces down

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.scene.xform import parse_transform
+from clerestory.scene.transform import parse_transform
 
 X, Y, Z = np.eye(3)
 

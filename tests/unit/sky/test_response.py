@@ -1,9 +1,11 @@
 """Products with the sky against the dense product in double precision."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
+from clerestory.bands import GREY, RGB, Bands
 from clerestory.errors import MatrixError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis
@@ -11,10 +13,10 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.sky import product
 from clerestory.sky.sky_matrix import sky_matrix
 
-LUX = LUMINOUS_EFFICACY * np.array(LUMINANCE_WEIGHTS)
+LUX = RGB.weights
 
 
-def transfer(channels=3, rows=7, layers=4, subdivision=1):
+def transfer(channels=3, rows=7, layers=4, subdivision=1, bands=RGB):
     random = np.random.default_rng(3)
     sky = sky_axis(reinhart(subdivision))
     shape = (channels, rows, sky.size)
@@ -23,6 +25,7 @@ def transfer(channels=3, rows=7, layers=4, subdivision=1):
         sensor_axis(rows),
         sky,
         0.01 * random.normal(size=(layers, *shape)) if layers else None,
+        bands,
     )
 
 
@@ -49,6 +52,23 @@ def test_the_standard_error_equals_the_dense_one(sky):
     expected = np.sqrt(np.sum(spread**2, axis=0))
     result = (left @ sky).illuminance()
     np.testing.assert_allclose(result["standard_error"], expected, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("bands", [1, 9])
+@pytest.mark.parametrize("channels", [1, 9])
+def test_skies_of_other_bands_equal_the_dense_product(sky, bands, channels):
+    """A sky or a transfer matrix of one channel is the same in all nine bands."""
+    nine = Bands(tuple(f"band {k}" for k in range(9)), tuple(np.arange(9.0)))
+    colour = np.random.default_rng(8).random((bands, len(sky.partition)))
+    own = nine if bands == 9 else GREY
+    sky = replace(sky, colour=colour, sun_colour=colour[:, 3], bands=own)
+    left = transfer(channels, bands=nine)
+    dense = left @ sky.to_transfer_matrix()
+    lazy = (left @ sky).rgb()
+    assert lazy.bands == dense.bands
+    np.testing.assert_allclose(lazy.values, dense.values, rtol=1e-6)
+    for name, lux in (left @ sky).illuminance().items():
+        np.testing.assert_allclose(lux, dense.illuminance()[name], rtol=1e-5)
 
 
 def test_small_blocks_give_the_same(sky, monkeypatch):

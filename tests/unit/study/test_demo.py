@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from clerestory.errors import OutputError
-from clerestory.scene.check import check_scene
+from clerestory.scene.scene_checks import check_scene
 from clerestory.study.config import read_study
-from clerestory.study.demo import write_demo
+from clerestory.study.demo_study import write_demo
 from clerestory.study.inputs import read_inputs
 
 

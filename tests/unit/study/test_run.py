@@ -15,7 +15,7 @@ from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.results import read_results
-from clerestory.study.run import run_study
+from clerestory.study.study_run import run_study
 from clerestory.study.tracing import trace_study
 
 TRANSMITTANCE = 0.5  # of the diffuser in the study's window

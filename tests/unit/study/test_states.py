@@ -19,7 +19,7 @@ from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
-from clerestory.study.run import run_study
+from clerestory.study.study_run import run_study
 
 TAUS = (0.6, 0.2, 0.05)
 GREY = 179 * np.array([0.265, 0.670, 0.065])

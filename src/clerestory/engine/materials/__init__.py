@@ -9,6 +9,8 @@ share one kernel.
 one in each variant. `plugin` describes a material of a scene, `load` makes it.
 """
 
+from __future__ import annotations
+
 import mitsuba as mi
 
 from clerestory.engine.materials import (

@@ -39,7 +39,7 @@ Description = dict[str, object]
 _NOWHERE = np.zeros(3)
 
 
-def load(material: Material, origin: Float[np.ndarray, "3"] = _NOWHERE) -> mi.BSDF:
+def load(material: Material, origin: Float[np.ndarray, "3"] = _NOWHERE) -> "mi.BSDF":
     """Return the Mitsuba BSDF of a material.
 
     Parameters
@@ -52,7 +52,7 @@ def load(material: Material, origin: Float[np.ndarray, "3"] = _NOWHERE) -> mi.BS
 
 def plugin(
     material: Material, origin: Float[np.ndarray, "3"] = _NOWHERE
-) -> Description | mi.BSDF:
+) -> "Description | mi.BSDF":
     """Return the Mitsuba description of a material.
 
     Where a file or a function takes part, it is the plugin itself. Surfaces that shine

@@ -38,10 +38,10 @@ class Ellipse:
     u2, v2 : squared roughness along the axes
     """
 
-    cos: mi.Float
-    sin: mi.Float
-    u2: mi.Float
-    v2: mi.Float
+    cos: "mi.Float"
+    sin: "mi.Float"
+    u2: "mi.Float"
+    v2: "mi.Float"
 
     def along(self, vector):
         """Components of a vector along both axes."""

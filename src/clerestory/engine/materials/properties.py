@@ -4,6 +4,8 @@ Literal parameters would give each instance its own code; opaque ones let any nu
 of instances share one kernel. A pattern gives its instance code of its own.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Any
 

@@ -91,7 +91,7 @@ def define() -> type:
     return RadianceTextured
 
 
-def plugin(base: mi.BSDF, added) -> mi.BSDF:
+def plugin(base: "mi.BSDF", added) -> "mi.BSDF":
     """Return a material that a function of the interaction bends the normal of.
 
     Parameters

@@ -1,0 +1,75 @@
+"""Spheres and cylinders as Mitsuba's own shapes, with their true normals.
+
+Highlights and refraction follow the normal, so facets would show. What shines, and
+what stands for geometry, stays tessellated: their tables are made of triangles.
+"""
+
+from dataclasses import replace
+
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.channels import SHINING
+from clerestory.scene.model import (
+    BsdfSurface,
+    Cone,
+    Material,
+    Scene,
+    Sphere,
+)
+
+
+def without_round(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
+    """Return the scene without its round shapes, and these."""
+    exact = [
+        s
+        for s in scene.surfaces
+        if isinstance(s, Sphere | Cone) and _is_round(s, scene.materials[s.material])
+    ]
+    if not exact:
+        return scene, ()
+    chosen = {id(s) for s in exact}
+    left = tuple(s for s in scene.surfaces if id(s) not in chosen)
+    return replace(scene, surfaces=left), tuple(exact)
+
+
+def round_shape(
+    surface: Sphere | Cone, bsdf: mi.BSDF, origin: Float[np.ndarray, "3"]
+) -> mi.Shape:
+    """Return the shape of a sphere or cylinder.
+
+    Parameters
+    ----------
+    origin : point of the scene that lies at the device's origin [m]
+    """
+    shared = {"flip_normals": surface.inward, "bsdf": bsdf}
+    if isinstance(surface, Sphere):
+        centre = _point(surface.centre - origin)
+        ball = {"type": "sphere", "center": centre, "radius": float(surface.radius)}
+        return mi.load_dict(ball | shared)
+    tube = {
+        "type": "cylinder",
+        "p0": _point(surface.base - origin),
+        "p1": _point(surface.top - origin),
+        "radius": float(surface.base_radius),
+    }
+    # Mitsuba takes the rounding of long slanting tubes for shear, and says so
+    level = mi.log_level()
+    mi.set_log_level(mi.LogLevel.Error)
+    try:
+        return mi.load_dict(tube | shared)
+    finally:
+        mi.set_log_level(level)
+
+
+def _is_round(surface: Sphere | Cone, material: Material) -> bool:
+    if isinstance(material, SHINING):
+        return False
+    if isinstance(material, BsdfSurface) and material.thickness:
+        return False
+    return isinstance(surface, Sphere) or surface.base_radius == surface.top_radius
+
+
+def _point(point: Float[np.ndarray, "3"]) -> list[float]:
+    return [float(c) for c in point]

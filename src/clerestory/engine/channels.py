@@ -1,0 +1,61 @@
+"""Whether a scene treats all channels alike, so that one channel says all."""
+
+from dataclasses import fields
+
+import numpy as np
+
+from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.radiance.function_pattern import DataPattern, FunctionPattern
+from clerestory.scene.model import (
+    BsdfSurface,
+    Glow,
+    Illum,
+    Light,
+    Material,
+    Patterned,
+    Scene,
+    Spotlight,
+)
+from clerestory.scene.pattern import Pattern, Product
+
+SHINING = (Glow, Illum, Light, Spotlight)
+
+
+def channels_of(scene: Scene) -> int:
+    """Return the channels that traces through a scene need: one, or three."""
+    return 1 if all(is_grey(m) for m in scene.materials.values()) else 3
+
+
+def is_grey(material: Material) -> bool:
+    """Whether a material treats all channels alike; what it sends does not count."""
+    if isinstance(material, SHINING):
+        return not isinstance(material, Illum) or is_grey(material.alternate)
+    parts = [getattr(material, f.name) for f in fields(material)]
+    if any(isinstance(p, Material) and not is_grey(p) for p in parts):
+        return False
+    if isinstance(material, Patterned) and not _is_grey_pattern(material.pattern):
+        return False
+    if isinstance(material, BsdfSurface) and any(
+        material.bsdf.in_colour(name) for name in FUNCTIONS if material.bsdf.has(name)
+    ):
+        return False
+    colours = (
+        getattr(material, f.name)
+        for f in fields(material)
+        if f.name not in ("up", "roughness", "transform")
+    )
+    return all(
+        bool(np.ptp(colour) == 0) for colour in colours if np.shape(colour) == (3,)
+    )
+
+
+def _is_grey_pattern(pattern: Pattern) -> bool:
+    match pattern:
+        case FunctionPattern():
+            return len(pattern.expressions) == 1
+        case DataPattern():
+            return len(pattern.functions) == 1
+        case Product():
+            return all(_is_grey_pattern(factor) for factor in pattern.factors)
+        case _:
+            return False

@@ -1,0 +1,1 @@
+"""Readers of OBJ, glTF, MGF, HBJSON and photometric files, as plain scenes."""

@@ -1,0 +1,298 @@
+"""Reader of MGF, the Materials and Geometry Format, in which BSDF files hold geometry.
+
+A text is a list of statements. They set a current vertex, colour and material, open
+and close transforms and objects, and make surfaces. A transform may be an array: its
+statements are then gone through once for every instance.
+
+Surfaces have two sides here; what MGF declares one-sided can be seen from behind.
+Smooth shading and files included by name are left to other programs.
+
+References: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996; the
+materials are those of Radiance's mgf2rad.
+"""
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.files import read_text
+from clerestory.formats.mgf_context import MgfMaterial, MgfVertex
+from clerestory.formats.mgf_definitions import DEFINING, Definitions, numbers
+from clerestory.formats.mgf_material import scene_material
+from clerestory.formats.mgf_shape import Frustum, faces, joined_holes, prism, torus
+from clerestory.formats.mgf_transform import TransformStack
+from clerestory.scene.material import Source
+from clerestory.scene.model import (
+    Cone,
+    Material,
+    Polygon,
+    Ring,
+    Scene,
+    Sphere,
+    Surface,
+    insert_material,
+)
+from clerestory.scene.transform import Transform
+
+# Statements gone through, arrays included.
+_MOST_STATEMENTS = 2_000_000
+
+
+def read_mgf(path: str | Path) -> Scene:
+    """Return the scene of an MGF file; lengths in the file are metres.
+
+    Raises
+    ------
+    InputError : with file and line, where a statement is malformed
+    """
+    return parse_mgf(read_text(path), file=path)
+
+
+def parse_mgf(
+    text: str,
+    *,
+    file: str | Path | None = None,
+    line: int = 1,
+    transform: Transform | None = None,
+) -> Scene:
+    """Return the scene that an MGF text describes.
+
+    Parameters
+    ----------
+    file, line : where the text starts, for messages
+    transform : where everything goes, after the transforms in the text
+
+    Raises
+    ------
+    InputError : with file and line, where a statement is malformed
+
+    Warns
+    -----
+    ClerestoryWarning : statements that are unknown are left out
+
+    Examples
+    --------
+    >>> slat = parse_mgf('''m white =
+    ...     rd 0.7
+    ... v a =
+    ...     p 0 0 0
+    ... v b =
+    ...     p 1 0 0
+    ... v c =
+    ...     p 1 0.1 0
+    ... xf -a 3 -t 0 0.2 0
+    ... f a b c
+    ... xf''')
+    >>> len(slat.surfaces), slat.bounds()[1].round(3).tolist()
+    (3, [1.0, 0.5, 0.0])
+    """
+    reading = _Reading(file, TransformStack(transform or Transform()))
+    statements = list(_statements(text, line))
+    at = count = 0
+    while at < len(statements):
+        number_of_line, words = statements[at]
+        reading.line = number_of_line
+        try:
+            count += 1
+            if count > _MOST_STATEMENTS:
+                raise InputError(
+                    f"more than {_MOST_STATEMENTS} statements, arrays included; fewer"
+                    " expected"
+                )
+            back = reading.follow(words, at)
+        except InputError as error:
+            raise InputError(error.message, file=file, line=number_of_line) from error
+        at = at + 1 if back is None else back
+    return Scene(reading.materials, tuple(reading.surfaces))
+
+
+def _statements(text: str, line: int) -> Iterator[tuple[int, list[str]]]:
+    # Lines with their numbers; a backslash at the end continues a line
+    pending: list[str] = []
+    start = line
+    for number_of_line, row in enumerate([*text.split("\n"), ""], line):
+        if not pending:
+            start = number_of_line
+        continued = row.rstrip("\r").endswith("\\")
+        pending += row.rstrip("\r").removesuffix("\\").split()
+        if not continued:
+            if pending and not pending[0].startswith("#"):
+                yield start, pending
+            pending = []
+
+
+@dataclass
+class _Reading:
+    # What is in force, and what has been made so far
+    file: str | Path | None
+    place: TransformStack
+    line: int = 1
+    defined: Definitions = field(default_factory=Definitions)
+    objects: list[str] = field(default_factory=list)
+    materials: dict[str, Material] = field(default_factory=dict)
+    keys: dict[tuple[str, MgfMaterial], str] = field(default_factory=dict)
+    surfaces: list[Surface] = field(default_factory=list)
+    unknown: set[str] = field(default_factory=set)
+
+    def follow(self, words: list[str], at: int) -> int | None:
+        """Carry out a statement; return the statement to go back to, if any."""
+        keyword, *arguments = words
+        if keyword == "xf":
+            return self.place.follow(arguments, at)
+        if keyword in DEFINING:
+            DEFINING[keyword](self.defined, keyword, arguments)
+        elif keyword in _MAKING:
+            _MAKING[keyword](self, keyword, arguments)
+        elif keyword in ("i", "ies"):
+            raise InputError(f"{keyword} names another file; one text alone expected")
+        elif keyword not in self.unknown:
+            self.unknown.add(keyword)
+            warnings.warn(
+                f"{self.file or 'MGF'}:{self.line}: unknown statement"
+                f" {keyword[:20]!r} is left out",
+                ClerestoryWarning,
+                stacklevel=4,
+            )
+        return None
+
+    def object(self, keyword: str, words: list[str]) -> None:
+        """Open an object with a name, or close the last one."""
+        if len(words) > 1 or not (words or self.objects):
+            raise InputError(
+                f"{len(words)} names after {keyword} with {len(self.objects)} objects"
+                " open; one name, or none to close an object, expected"
+            )
+        if words:
+            self.objects.append(words[0])
+        else:
+            self.objects.pop()
+
+    def face(self, keyword: str, words: list[str]) -> None:
+        """Make a face, or one with holes."""
+        if keyword == "fh":
+            words = joined_holes(words)
+        if len(words) < 3:
+            raise InputError(f"{len(words)} vertices of a face; 3 or more expected")
+        self.add_face([self.defined.vertices[name] for name in words])
+
+    def prism(self, keyword: str, words: list[str]) -> None:
+        """Make the faces of a prism."""
+        if len(words) < 4:
+            raise InputError(f"{len(words)} words after {keyword}; 3 vertices expected")
+        [length] = numbers(keyword, words[-1:], 1)
+        for corner in prism(
+            [self.defined.vertices[name] for name in words[:-1]], length
+        ):
+            self.add_face(corner)
+
+    def cone(self, keyword: str, words: list[str]) -> None:
+        """Make a cylinder or a cone."""
+        expected = 3 if keyword == "cyl" else 4
+        if len(words) != expected:
+            raise InputError(f"{len(words)} words after {keyword}; {expected} expected")
+        radii = numbers(keyword, [words[1], words[-1 if keyword == "cone" else 1]], 2)
+        base, top = (np.array(self.defined.vertices[words[k]].point) for k in (0, 2))
+        self.add_frustum(Frustum(base, radii[0], top, radii[1]))
+
+    def round(self, keyword: str, words: list[str]) -> None:
+        """Make a sphere, a ring or a torus."""
+        radii = numbers(keyword, words[1:], 1 if keyword == "sph" else 2)
+        vertex = self.defined.vertices[words[0]]
+        if keyword == "sph":
+            if radii[0] == 0:
+                raise InputError("a sphere of radius 0; a radius expected")
+            centre = self.place.transform.points(np.array(vertex.point))
+            size, inward = self.place.transform.scale * abs(radii[0]), radii[0] < 0
+            ball = Sphere(
+                centre, size, inward, self.key(), self.name("s"), self.source()
+            )
+            self.surfaces.append(ball)
+        elif keyword == "ring":
+            self.add_ring(vertex, *radii)
+        else:
+            for part in torus(vertex, *radii):
+                self.add_frustum(part)
+
+    def add_face(self, corner: list[MgfVertex]) -> None:
+        """Add polygons in their place."""
+        move = self.place.transform
+        for piece in faces(corner):
+            ordered = piece[::-1] if move.mirrored else piece
+            vertices = move.points(np.array([v.point for v in ordered]))
+            name = self.name("f")
+            self.surfaces.append(Polygon(vertices, self.key(), name, self.source()))
+
+    def add_frustum(self, part: Frustum) -> None:
+        """Add a cone in its place."""
+        radii = part.base_radius, part.top_radius
+        if radii == (0, 0) or min(radii) < 0 < max(radii):
+            raise InputError(
+                f"cone of radii {radii[0]:g} and {radii[1]:g}; one at least other than"
+                " 0, and no change of sign, expected"
+            )
+        move = self.place.transform
+        base, top = move.points(part.base), move.points(part.top)
+        if np.array_equal(base, top):
+            raise InputError("a cone without height; two different points expected")
+        self.surfaces.append(
+            Cone(
+                base,
+                top,
+                move.scale * abs(radii[0]),
+                move.scale * abs(radii[1]),
+                min(radii) < 0,
+                self.key(),
+                self.name("c"),
+                self.source(),
+            )
+        )
+
+    def add_ring(self, vertex: MgfVertex, inner: float, outer: float) -> None:
+        """Add a ring in its place."""
+        if vertex.normal is None or not 0 <= inner < outer:
+            raise InputError(
+                f"ring from {inner:g} to {outer:g}; growing radii and a vertex with a"
+                " normal expected"
+            )
+        move = self.place.transform
+        self.surfaces.append(
+            Ring(
+                move.points(np.array(vertex.point)),
+                move.vectors(np.array(vertex.normal)) / move.scale,
+                move.scale * inner,
+                move.scale * outer,
+                self.key(),
+                self.name("r"),
+                self.source(),
+            )
+        )
+
+    def key(self) -> str:
+        """Return the key of the current material in the scene."""
+        named = self.defined.materials.name or "mat", self.defined.materials.current
+        if named not in self.keys:
+            new = scene_material(named[1], named[0], self.source())
+            self.keys[named] = insert_material(self.materials, new)
+        return self.keys[named]
+
+    def name(self, letter: str) -> str:
+        """Return a name for the next surface: its objects, a letter and a number."""
+        path = [*self.objects, *self.place.instances]
+        return ".".join([*path, f"{letter}{len(self.surfaces) + 1}"])
+
+    def source(self) -> Source | None:
+        """Return where the statement stands; None outside of files."""
+        return None if self.file is None else Source(str(self.file), self.line)
+
+
+_MAKING: dict[str, Callable[[_Reading, str, list[str]], None]] = {
+    **dict.fromkeys(("f", "fh"), _Reading.face),
+    **dict.fromkeys(("cyl", "cone"), _Reading.cone),
+    **dict.fromkeys(("sph", "ring", "torus"), _Reading.round),
+    "o": _Reading.object,
+    "prism": _Reading.prism,
+}

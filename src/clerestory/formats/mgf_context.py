@@ -1,0 +1,115 @@
+"""What is in force at a place of an MGF text: named and unnamed contexts.
+
+The text speaks of a current vertex, a current colour and a current material. Each may
+have a name, by which it is taken up again or serves as template for another.
+
+Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
+"""
+
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from clerestory.errors import InputError
+from clerestory.formats.mgf_colour import GREY, Chromaticity
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class MgfVertex:
+    """A point and, if it has one, the direction that the surface faces there."""
+
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    normal: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class MgfMaterial:
+    """Shares of light and their colours, as MGF has them.
+
+    Attributes
+    ----------
+    one_sided : whether nothing is there as seen from behind
+    index : real part of the index of refraction
+    diffuse_reflectance, diffuse_transmittance : shares, 0…1
+    specular_reflectance, specular_transmittance : shares, 0…1
+    reflected_roughness, transmitted_roughness : rms slopes of the facets
+    emittance : luminous exitance [lm/m²]
+    colour : of each share, by its keyword
+    """
+
+    one_sided: bool = False
+    index: float = 1.0
+    diffuse_reflectance: float = 0.0
+    diffuse_transmittance: float = 0.0
+    specular_reflectance: float = 0.0
+    specular_transmittance: float = 0.0
+    reflected_roughness: float = 0.0
+    transmitted_roughness: float = 0.0
+    emittance: float = 0.0
+    colour: tuple[tuple[str, Chromaticity], ...] = ()
+
+    def chromaticity(self, keyword: str) -> Chromaticity:
+        """Colour of the share that a keyword ("rd", "ts", …) has set; grey if none."""
+        return dict(self.colour).get(keyword, GREY)
+
+
+@dataclass
+class Contexts(Generic[Value]):
+    """The values of one kind: the current one, and all that have names.
+
+    Examples
+    --------
+    >>> vertices = Contexts(MgfVertex())
+    >>> vertices.choose(["corner", "="])
+    >>> vertices.current = MgfVertex((1.0, 2.0, 3.0))
+    >>> vertices.choose([])
+    >>> vertices.current.point, vertices["corner"].point
+    ((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))
+    """
+
+    default: Value
+    name: str | None = None
+    named: dict[str, Value] = field(default_factory=dict)
+    unnamed: Value = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.unnamed = self.default
+
+    @property
+    def current(self) -> Value:
+        """What the following statements change and use."""
+        return self.unnamed if self.name is None else self.named[self.name]
+
+    @current.setter
+    def current(self, value: Value) -> None:
+        if self.name is None:
+            self.unnamed = value
+        else:
+            self.named[self.name] = value
+
+    def __getitem__(self, name: str) -> Value:
+        if name not in self.named:
+            raise InputError(f'undefined name "{name}"; one defined before expected')
+        return self.named[name]
+
+    def choose(self, words: list[str]) -> None:
+        """Follow a statement's words: nothing, `name`, `name =` or `name = template`.
+
+        Raises
+        ------
+        InputError : other words, or a name that is not defined
+        """
+        if len(words) > 3 or (len(words) > 1 and words[1] != "="):
+            raise InputError(
+                f'context "{" ".join(words[:4])}"; a name, = and a template expected'
+            )
+        if not words:
+            self.name, self.unnamed = None, self.default
+            return
+        if len(words) == 1:
+            value = self[words[0]]
+        else:
+            value = self[words[2]] if len(words) == 3 else self.default
+        self.named[words[0]] = value
+        self.name = words[0]

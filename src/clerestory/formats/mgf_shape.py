@@ -1,0 +1,127 @@
+"""Shapes of MGF as polygons and cones, in the coordinates before any transform."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.formats.mgf_context import MgfVertex
+
+# Parts of a quarter circle that a torus is made of, as in Radiance.
+_PARTS_OF_QUARTER = 5
+
+# Cosine between normals from which a face counts as flat.
+_FLAT = 0.999995
+
+
+class Frustum(NamedTuple):
+    """The side of a truncated cone; both radii negative: facing inwards."""
+
+    base: Float[np.ndarray, "3"]
+    base_radius: float
+    top: Float[np.ndarray, "3"]
+    top_radius: float
+
+
+def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
+    """Return what a face stands for: itself, reversed, two triangles, or nothing.
+
+    Normals at all of three or four corners say which side is the front; where they are
+    bent, four corners make two triangles. Smooth shading is not kept: the facets are
+    flat.
+    """
+    normals = [v.normal for v in corner if v.normal is not None]
+    if len(corner) > 4 or len(normals) < len(corner):
+        return [corner]
+    a, b, c = (np.array(v.point) for v in corner[:3])
+    across = np.cross(b - a, c - b)
+    length = math.sqrt(across @ across)
+    if length == 0:
+        return []
+    facing = np.array(normals[:3]) @ across / length
+    bent = np.abs(facing).min() < _FLAT or not (
+        np.all(facing > 0) or np.all(facing < 0)
+    )
+    pieces = [corner]
+    if bent and len(corner) == 4:
+        pieces = [corner[:3], [corner[2], corner[3], corner[0]]]
+    return [p[::-1] for p in pieces] if np.all(facing < 0) else pieces
+
+
+def joined_holes(names: list[str]) -> list[str]:
+    """Corners of one contour for a face with holes, each hole after a hyphen.
+
+    >>> " ".join(joined_holes("a b c - x y z".split()))
+    'a b c z x y z c'
+    """
+    loops: list[list[str]] = [[]]
+    for name in names:
+        if name == "-":
+            loops.append([])
+        else:
+            loops[-1].append(name)
+    if loops[-1] == []:
+        loops.pop()
+    if not loops or any(len(loop) < 3 for loop in loops):
+        raise InputError("a face or a hole of fewer than 3 vertices; 3 expected")
+    outside, *holes = loops
+    if not holes:
+        return outside
+    seams = [name for hole in holes for name in (hole[-1], *hole)]
+    return [*outside, *seams, outside[-1]]
+
+
+def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
+    """Yield the faces of a prism: its sides, its far end and its near end.
+
+    The corners given run counter-clockwise as seen from outside if the length is
+    positive; the other end lies that far behind them.
+
+    Raises
+    ------
+    InputError : the corners span no plane, or there is no length
+    """
+    point = np.array([v.point for v in corner])
+    spoke = point - point[0]
+    across = np.cross(spoke[1:-1], spoke[2:]).sum(axis=0)
+    size = math.sqrt(across @ across)
+    if size == 0 or length == 0:
+        raise InputError("a prism without extent; a flat face and a length expected")
+    moved = point - length * across / size
+    far = [
+        MgfVertex((float(x), float(y), float(z)), v.normal)
+        for v, (x, y, z) in zip(corner, moved, strict=True)
+    ]
+    for k in range(len(corner)):
+        yield [far[k], corner[k], corner[k - 1], far[k - 1]]
+    yield [MgfVertex(v.point) for v in reversed(far)]
+    yield [MgfVertex(v.point) for v in corner]
+
+
+def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
+    """Yield the cones that a torus is made of; negative radii turn it inside out.
+
+    Raises
+    ------
+    InputError : it has no axis, or radii that do not grow
+    """
+    if centre.normal is None:
+        raise InputError("a torus around a vertex without normal; one expected")
+    sign = -1.0 if inner < 0 or (inner == 0 and outer < 0) else 1.0
+    if sign * (outer - inner) <= 0:
+        raise InputError(f"torus from {inner:g} to {outer:g}; growing radii expected")
+    axis, middle = np.array(centre.normal), np.array(centre.point)
+    half, mean = (outer - inner) / 2, (outer + inner) / 2
+    parts = 2 * _PARTS_OF_QUARTER
+    angle = np.pi * np.arange(2 * parts + 1) / parts
+    point = middle + sign * half * np.cos(angle)[:, None] * axis
+    radius = mean + half * np.sin(angle)
+    for k in range(2 * parts):
+        # The half near the axis faces inwards
+        side = 1 if k < parts else -1
+        yield Frustum(
+            point[k], side * float(radius[k]), point[k + 1], side * float(radius[k + 1])
+        )

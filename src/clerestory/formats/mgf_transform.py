@@ -1,0 +1,127 @@
+"""The transforms that are open at a place of an MGF text, arrays among them."""
+
+import math
+from dataclasses import dataclass, field
+
+from clerestory.errors import InputError
+from clerestory.scene.transform import Transform, parse_transform
+
+_DEEPEST = 64
+_MOST_DIMENSIONS = 8
+_MOST_INSTANCES = 1_000_000
+
+
+@dataclass
+class _Level:
+    # One open transform; of an array, the instance at hand and where it begins
+    words: list[str]
+    outer: Transform
+    start: int
+    counters: list[int] = field(default_factory=list)  # places of counts in words
+    counts: list[int] = field(default_factory=list)
+
+    @property
+    def instance(self) -> str | None:
+        if not self.counters:
+            return None
+        return "a" + ".".join(self.words[k] for k in self.counters)
+
+    def transform(self) -> Transform:
+        own, taken = parse_transform(self.words)
+        if taken < len(self.words):
+            raise InputError(
+                f"xf with {self.words[taken][:20]!r}; -t, -rx, -ry, -rz, -s, -mx, -my,"
+                " -mz, -i and -a expected"
+            )
+        return own.then(self.outer)
+
+    def advance(self) -> bool:
+        # Go on to the next instance, the last dimension first; False after the last
+        for at, count in zip(
+            reversed(self.counters), reversed(self.counts), strict=True
+        ):
+            following = int(self.words[at]) + 1
+            if following < count:
+                self.words[at] = str(following)
+                return True
+            self.words[at] = "0"
+        return False
+
+
+@dataclass
+class TransformStack:
+    """Open transforms, the innermost last.
+
+    Attributes
+    ----------
+    transform : where points go now
+
+    Examples
+    --------
+    >>> stack = TransformStack(Transform())
+    >>> stack.follow(["-a", "2", "-t", "3", "0", "0"], 7)
+    >>> stack.follow([], 9), stack.instances  # back to the statement after 7
+    (8, ['a1'])
+    >>> stack.follow([], 9), stack.instances
+    (None, [])
+    """
+
+    transform: Transform
+    levels: list[_Level] = field(default_factory=list)
+
+    @property
+    def instances(self) -> list[str]:
+        """Names of the instances at hand of the arrays that are open."""
+        names = [level.instance for level in self.levels]
+        return [name for name in names if name is not None]
+
+    def follow(self, words: list[str], at: int) -> int | None:
+        """Open a transform, or end one; return the statement to go back to, if any.
+
+        Parameters
+        ----------
+        words : options of xform; none ends the innermost transform
+        at : number of this statement
+
+        Raises
+        ------
+        InputError : options that are unknown, or none is open that could end
+        """
+        if words:
+            if len(self.levels) >= _DEEPEST:
+                raise InputError(f"more than {_DEEPEST} transforms within each other")
+            level = _level(words, self.transform, at + 1)
+            instances = math.prod(n for x in [*self.levels, level] for n in x.counts)
+            if instances > _MOST_INSTANCES:
+                raise InputError(
+                    f"arrays of {instances:.3g} instances within each other;"
+                    f" {_MOST_INSTANCES} at most expected"
+                )
+            self.transform = level.transform()
+            self.levels.append(level)
+            return None
+        if not self.levels:
+            raise InputError("xf without options ends a transform, but none is open")
+        level = self.levels[-1]
+        if level.advance():
+            self.transform = level.transform()
+            return level.start
+        self.transform = self.levels.pop().outer
+        return None
+
+
+def _level(words: list[str], outer: Transform, start: int) -> _Level:
+    # An array is a transform whose repetitions are counted from 0
+    level = _Level(list(words), outer, start)
+    for at, word in enumerate(words):
+        if word != "-a":
+            continue
+        count = words[at + 1] if at + 1 < len(words) else ""
+        if not (count.isascii() and count.isdecimal() and len(count) < 10):
+            raise InputError(f"xf -a {count[:20]!r}; a number of instances expected")
+        level.words[at : at + 2] = ["-i", "0"]
+        level.counters.append(at + 1)
+        level.counts.append(int(count))
+    if len(level.counts) > _MOST_DIMENSIONS:
+        raise InputError(f"an array of more than {_MOST_DIMENSIONS} dimensions")
+    return level

@@ -1,0 +1,143 @@
+"""Scenes from Wavefront OBJ files, with materials of one's own.
+
+Facets are flat: smoothing groups and vertex normals are passed over.
+"""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.files import read_bytes, read_text
+from clerestory.formats.obj_text import ObjPart, ObjText, parse_obj
+from clerestory.scene.material import Plastic, Source
+from clerestory.scene.model import Material, Scene, TriangleMesh, insert_material
+from clerestory.scene.transform import number
+
+# Stands for all materials and groups that are not named
+ANY = "*"
+
+
+def read_obj(
+    path: str | Path,
+    *,
+    materials: Mapping[str, Material],
+    colours: bool = False,
+    scale: float = 1.0,
+) -> Scene:
+    r"""Return the triangles of an OBJ file as a scene.
+
+    Parameters
+    ----------
+    path : the file
+    materials : by name in `usemtl`, or else by name of the group; "*" stands for any
+        other
+    colours : whether materials that are not given are made from the colour Kd in the
+        file's own library (mtllib), as matt plastic
+    scale : metres per unit of the file
+
+    Raises
+    ------
+    InputError : with file and line, where the file is malformed, or has a material
+        that is not given
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> text = "v 0 0 0\nv 1 0 0\nv 1 1 0\ng desk\nusemtl wood\nf 1 2 3\n"
+    >>> wood = Plastic("wood", np.array([0.4, 0.3, 0.2]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "desk.obj")
+    ...     _ = file.write_text(text)
+    ...     scene = read_obj(file, materials={"wood": wood})
+    >>> scene.surfaces[0].name, scene.surfaces[0].material
+    ('desk', 'wood')
+    """
+    text = parse_obj(read_bytes(path), file=str(path))
+    given = dict(materials)
+    if colours:
+        given = _library(text, Path(path)) | given
+    used: dict[str, Material] = {}
+    surfaces = []
+    for mesh, part in zip(obj_meshes(text, file=str(path)), text.parts, strict=True):
+        material = _material(part, given, path)
+        key = insert_material(used, material)
+        surfaces.append(replace(mesh, material=key, vertices=mesh.vertices * scale))
+    return Scene(used, tuple(surfaces))
+
+
+def obj_meshes(text: ObjText, *, file: str) -> tuple[TriangleMesh, ...]:
+    """Return a mesh for each part, made of what `usemtl` says, or of its group.
+
+    Triangles without area are left out, with a warning that counts them.
+    """
+    made, flat = [], 0
+    for part in text.parts:
+        index, place = np.unique(part.faces, return_inverse=True)
+        vertices, faces = text.vertices[index], place.reshape(-1, 3)
+        corner = vertices[faces]
+        doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        good = np.any(doubled != 0, axis=1)
+        flat += int(np.count_nonzero(~good))
+        made.append(
+            TriangleMesh(
+                vertices,
+                faces[good],
+                part.material or part.group,
+                part.group or part.material,
+                Source(file, part.line),
+            )
+        )
+    if flat:
+        warnings.warn(
+            f"{file}: {flat} triangles without area are left out",
+            ClerestoryWarning,
+            stacklevel=3,
+        )
+    return tuple(made)
+
+
+def _material(
+    part: ObjPart, given: Mapping[str, Material], path: str | Path
+) -> Material:
+    for name in (part.material, part.group, ANY):
+        if name and name in given:
+            return given[name]
+    what = f'material "{part.material}"' if part.material else f'group "{part.group}"'
+    known = ", ".join(given) or "none"
+    raise InputError(
+        f"no material for {what}; given: {known} (`*` stands for any)",
+        file=path,
+        line=part.line,
+    )
+
+
+def _library(text: ObjText, path: Path) -> dict[str, Material]:
+    # Diffuse colours of the materials in the files that mtllib names
+    made: dict[str, Material] = {}
+    for name in text.libraries:
+        file = path.parent / name
+        if not file.is_file():
+            raise InputError(f'the library "{name}" is missing', file=path)
+        current = ""
+        for i, line in enumerate(read_text(file).splitlines(), start=1):
+            words = line.split()
+            if words[:1] == ["newmtl"]:
+                current = " ".join(words[1:])
+            elif words[:1] == ["Kd"] and current:
+                colour = [number(word) for word in words[1:4]]
+                values = [c for c in colour if c is not None and 0 <= c <= 1]
+                if len(values) != 3:
+                    raise InputError(
+                        f'colour "{line.strip()}"; three numbers from 0 to 1 expected',
+                        file=file,
+                        line=i,
+                    )
+                reflectance = np.array(values)
+                made[current] = Plastic(
+                    current, reflectance, source=Source(str(file), i)
+                )
+    return made

@@ -1,0 +1,208 @@
+"""Luminaires from EULUMDAT files (.ldt).
+
+Intensities are given per 1000 lumens of lamp flux; here they are made absolute with the
+flux of the first set of lamps. The length of the luminaire lies in the plane C90–C270.
+
+Reference: A. Stockmar, EULUMDAT – ein Leuchtendatenformat für den europäischen
+Beleuchtungsplaner, Licht '90, 1990.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.formats.photometry.ies import POINT
+from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
+from clerestory.formats.photometry.unfold import unfold_type_c
+from clerestory.scene.transform import number
+
+_MOST_ANGLES = 10_000
+_MOST_LAMPS = 1000
+_DIRECT_RATIOS = 10
+_MILLIMETRE = 0.001
+
+
+def read_eulumdat(path: str | Path) -> Luminaire:
+    """Return the luminaire in a EULUMDAT file.
+
+    Raises
+    ------
+    InputError : with file and line, where it is missing or no such file
+    """
+    lines = _Lines(read_text(path).splitlines(), path)
+    head = _head(lines)
+    shape = _shape(lines)
+    lines.skip(1)
+    output = lines.real("the light output ratio")
+    factor = lines.real("the conversion factor")
+    lines.skip(1)
+    lamps = _lamps(lines)
+    lines.skip(_DIRECT_RATIOS)
+    angle = lines.several(head.planes, "an angle of a C plane")
+    vertical = lines.several(head.angles, "an angle of an intensity")
+    chosen = _planes(head.symmetry, head.planes)
+    table = lines.several(len(chosen) * head.angles, "an intensity")
+    keywords = {"MANUFAC": head.maker, "LUMCAT": head.model, "LAMP": lamps.kind}
+    try:
+        horizontal, intensity = _unfolded(
+            head.symmetry, angle, chosen, table.reshape(-1, head.angles)
+        )
+        return Luminaire(
+            head.name or head.model or Path(path).name,
+            "C",
+            horizontal,
+            vertical,
+            intensity * factor * lamps.lumens / 1000,
+            shape,
+            lamp_lumens=lamps.lumens,
+            watts=lamps.watts,
+            keywords=keywords | {"LORL": f"{output:g}"},
+        )
+    except InputError as error:
+        raise InputError(error.message, file=path) from error
+
+
+@dataclass(frozen=True)
+class _Head:
+    # The first twelve lines, as far as they matter
+    maker: str
+    symmetry: int
+    planes: int
+    angles: int
+    name: str
+    model: str
+
+
+def _head(lines: "_Lines") -> _Head:
+    maker = lines.text()
+    lines.skip(1)
+    symmetry = lines.whole("the symmetry", 0, 4)
+    planes = lines.whole("the number of C planes", 1, _MOST_ANGLES)
+    lines.skip(1)
+    angles = lines.whole("the number of intensities in a plane", 2, _MOST_ANGLES)
+    lines.skip(2)
+    name, model = lines.text(), lines.text()
+    lines.skip(2)
+    return _Head(maker, symmetry, planes, angles, name, model)
+
+
+@dataclass
+class _Lines:
+    # The lines of a file, each with one value
+    lines: list[str]
+    path: str | Path
+    at: int = 0
+
+    def text(self) -> str:
+        if self.at >= len(self.lines):
+            raise InputError(
+                "the file ends early; a EULUMDAT file expected",
+                file=self.path,
+                line=len(self.lines),
+            )
+        self.at += 1
+        return self.lines[self.at - 1].strip()
+
+    def skip(self, count: int) -> None:
+        for _ in range(count):
+            self.text()
+
+    def real(self, what: str) -> float:
+        word = self.text()
+        value = number(word.replace(",", ".") or "0")
+        if value is None:
+            raise InputError(
+                f'"{word}" stands where {what} is expected',
+                file=self.path,
+                line=self.at,
+            )
+        return value
+
+    def whole(self, what: str, least: int, most: int) -> int:
+        value = self.real(what)
+        if not (least <= value <= most and value == int(value)):
+            raise InputError(
+                f"{what} is {value:g}; a whole number from {least} to {most} expected",
+                file=self.path,
+                line=self.at,
+            )
+        return int(value)
+
+    def several(self, count: int, what: str) -> Float[np.ndarray, " count"]:
+        return np.array([self.real(what) for _ in range(count)])
+
+
+@dataclass(frozen=True)
+class _Lamps:
+    kind: str
+    lumens: float
+    watts: float
+
+
+def _lamps(lines: _Lines) -> _Lamps:
+    # The first set; others are alternatives to it
+    sets = lines.whole("the number of sets of lamps", 1, _MOST_LAMPS)
+    found = []
+    for _ in range(sets):
+        lines.skip(1)
+        kind, lumens = lines.text(), lines.real("the flux of the lamps")
+        lines.skip(2)
+        found.append(_Lamps(kind, lumens, lines.real("the power of the lamps")))
+    if found[0].lumens <= 0:
+        raise InputError(
+            f"the flux of the lamps is {found[0].lumens:g} lm; more than 0 expected",
+            file=lines.path,
+            line=lines.at,
+        )
+    return found[0]
+
+
+def _shape(lines: _Lines) -> LuminousShape:
+    # Body, then luminous area with its heights towards C0, C90, C180 and C270 [mm]
+    body = lines.several(3, "a size of the luminaire") * _MILLIMETRE
+    area = lines.several(2, "a size of the luminous area") * _MILLIMETRE
+    heights = lines.several(4, "a height of the luminous area") * _MILLIMETRE
+    length, width = np.abs(area if area[0] > 0 else body[:2])
+    height = float(np.abs(heights).max())
+    height = height if height > POINT / 2 else 0.0
+    if length <= 0:
+        return LuminousShape("sphere", POINT, POINT, POINT)
+    if width <= 0:
+        return LuminousShape("cylinder", float(length), float(length), height)
+    return LuminousShape("box", max(float(width), POINT), float(length), height)
+
+
+def _planes(symmetry: int, planes: int) -> range:
+    # Numbers of the C planes whose intensities are given
+    match symmetry:
+        case 0:
+            return range(planes)
+        case 1:
+            return range(1)
+        case 2:
+            return range(planes // 2 + 1)
+        case 3:
+            start = 3 * planes // 4
+            return range(start, start + planes // 2 + 1)
+        case _:
+            return range(planes // 4 + 1)
+
+
+def _unfolded(
+    symmetry: int,
+    angle: Float[np.ndarray, " planes"],
+    chosen: range,
+    table: Float[np.ndarray, "given vertical"],
+) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
+    if symmetry == 1 or len(chosen) == 1:
+        return np.zeros(1), table[:1]
+    turn = np.array([angle[i % len(angle)] + 360 * (i // len(angle)) for i in chosen])
+    if np.any(np.diff(turn) <= 0):
+        raise InputError("angles of the C planes do not grow")
+    if symmetry == 3:
+        turn = turn - 360
+    return unfold_type_c(turn, table)

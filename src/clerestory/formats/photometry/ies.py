@@ -1,0 +1,234 @@
+"""Luminaires from IES files (LM-63 of 1986, 1991, 1995, 2002 and 2019).
+
+The multiplier and the ballast factor are applied, in files before 1995 the ballast-lamp
+factor too. Shapes that the standard knows and we do not are replaced by the nearest of
+ours, as Radiance does: horizontal cylinders by boxes, ellipses by circles or boxes.
+
+Reference: IES LM-63-86, -91, -95, -02, -19; the meaning of the dimensions' signs in
+each version after R. Fritz's comments in Radiance's ies2rad.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.formats.photometry.luminaire import (
+    Luminaire,
+    LuminousShape,
+    PhotometricType,
+    TiltTable,
+)
+from clerestory.formats.photometry.unfold import unfold_sides, unfold_type_c
+from clerestory.scene.transform import number
+
+# Feet to metres
+_FOOT = 0.3048
+
+# Diameter of a luminaire without extent [m]
+POINT = 0.001
+
+_MOST_ANGLES = 10_000
+_YEARS = {"IESNA91": 1991, "LM-63-1995": 1995, "LM-63-2002": 2002, "LM-63-2019": 2019}
+_WORD = re.compile(r"[^\s,]+")
+_KEYWORD = re.compile(r"\s*\[([^\]]+)\]\s*(.*)")
+
+
+def read_ies(path: str | Path) -> Luminaire:
+    """Return the luminaire in an IES file.
+
+    Raises
+    ------
+    InputError : with file and line, where it is missing or no photometric file
+    """
+    text = read_text(path)
+    head, mark, rest = text.partition("TILT=")
+    if not mark:
+        raise InputError("no line TILT=; an IES file (LM-63) expected", file=path)
+    how, _, body = rest.partition("\n")
+    year = _year(head)
+    numbers = _Numbers(body, path, 2 + head.count("\n"))
+    tilt = _tilt(how.strip(), numbers, Path(path))
+    try:
+        return _luminaire(numbers, year, _keywords(head, Path(path)), tilt)
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise InputError(error.message, file=path) from error
+
+
+class _Numbers:
+    # The numbers of a text, one after the other
+
+    def __init__(self, text: str, path: str | Path, line: int) -> None:
+        self.text, self.path, self.first_line = text, path, line
+        self.at = 0
+
+    def real(self, what: str) -> float:
+        match = _WORD.search(self.text, self.at)
+        line = self.first_line + self.text.count("\n", 0, self.at)
+        if match is None:
+            raise InputError(
+                f"the file ends where {what} is expected", file=self.path, line=line
+            )
+        value = number(match.group())
+        if value is None:
+            line = self.first_line + self.text.count("\n", 0, match.start())
+            raise InputError(
+                f'"{match.group()}" stands where {what} is expected',
+                file=self.path,
+                line=line,
+            )
+        self.at = match.end()
+        return value
+
+    def whole(self, what: str, least: int, most: int) -> int:
+        value = self.real(what)
+        if not (least <= value <= most and value == int(value)):
+            line = self.first_line + self.text.count("\n", 0, self.at)
+            raise InputError(
+                f"{what} is {value:g}; a whole number from {least} to {most} expected",
+                file=self.path,
+                line=line,
+            )
+        return int(value)
+
+    def several(self, count: int, what: str) -> Float[np.ndarray, " count"]:
+        return np.array([self.real(what) for _ in range(count)])
+
+
+@dataclass(frozen=True)
+class _Dimensions:
+    width: float
+    length: float
+    height: float
+
+
+def _year(head: str) -> int:
+    first = head.lstrip("\ufeff").splitlines()[0].strip() if head.strip() else ""
+    return next((year for tag, year in _YEARS.items() if tag in first), 1986)
+
+
+def _keywords(head: str, path: Path) -> dict[str, str]:
+    found: dict[str, str] = {"file": path.name}
+    last = ""
+    for line in head.splitlines():
+        match = _KEYWORD.match(line)
+        if match is None:
+            continue
+        key, value = match[1].strip().upper(), match[2].strip()
+        if key == "MORE" and last:
+            found[last] = f"{found[last]} {value}"
+        else:
+            last = key
+            found[key] = f"{found[key]} {value}" if key in found else value
+    return found
+
+
+def _tilt(how: str, numbers: _Numbers, path: Path) -> TiltTable | None:
+    if how.upper() == "NONE":
+        return None
+    if how.upper() == "INCLUDE":
+        return _tilt_table(numbers)
+    other = path.parent / how
+    if not how or not other.is_file():
+        raise InputError(
+            f"TILT={how}: NONE, INCLUDE or the name of a file beside it expected",
+            file=path,
+            line=numbers.first_line - 1,
+        )
+    return _tilt_table(_Numbers(read_text(other), other, 1))
+
+
+def _tilt_table(numbers: _Numbers) -> TiltTable:
+    geometry = numbers.whole("the lamp-to-luminaire geometry", 1, 3)
+    count = numbers.whole("the number of tilt angles", 1, _MOST_ANGLES)
+    angle = numbers.several(count, "a tilt angle")
+    factor = numbers.several(count, "a tilt multiplier")
+    if np.any(np.diff(angle) <= 0) or factor.min() < 0:
+        raise InputError(
+            "tilt angles do not grow, or a multiplier is negative", file=numbers.path
+        )
+    return TiltTable(geometry, tuple(angle.tolist()), tuple(factor.tolist()))
+
+
+def _luminaire(
+    numbers: _Numbers, year: int, keywords: dict[str, str], tilt: TiltTable | None
+) -> Luminaire:
+    lamps = numbers.real("the number of lamps")
+    lumens = numbers.real("the lumens of a lamp")
+    multiplier = numbers.real("the candela multiplier")
+    counts = [
+        numbers.whole(f"the number of {what} angles", least, _MOST_ANGLES)
+        for what, least in (("vertical", 2), ("horizontal", 1))
+    ]
+    types: dict[int, PhotometricType] = {1: "C", 2: "B", 3: "A"}
+    photometry = types[numbers.whole("the photometric type", 1, 3)]
+    feet = numbers.whole("the type of units", 1, 2) == 1
+    sizes = numbers.several(3, "a dimension") * (_FOOT if feet else 1.0)
+    ballast = numbers.real("the ballast factor")
+    future = numbers.real("the ballast-lamp photometric factor")
+    watts = numbers.real("the input power")
+    vertical = numbers.several(counts[0], "a vertical angle")
+    horizontal = numbers.several(counts[1], "a horizontal angle")
+    table = numbers.several(counts[0] * counts[1], "an intensity")
+    scale = multiplier * ballast * (future if year < 1995 else 1.0)
+    intensity = scale * table.reshape(counts[1], counts[0])
+    if np.any(np.diff(horizontal) <= 0):
+        raise InputError("horizontal angles do not grow")
+    unfold = unfold_type_c if photometry == "C" else unfold_sides
+    horizontal, intensity = unfold(horizontal, intensity)
+    if photometry != "C":
+        vertical, turned = unfold_sides(vertical, intensity.T)
+        intensity = turned.T
+    return Luminaire(
+        keywords.get("LUMCAT") or keywords.get("LUMINAIRE") or keywords["file"],
+        photometry,
+        horizontal,
+        vertical,
+        intensity,
+        _shape(_Dimensions(*sizes.tolist()), year),
+        lamp_lumens=None if lumens < 0 else lamps * lumens,
+        watts=watts,
+        keywords=keywords,
+        tilt=tilt,
+    )
+
+
+def _shape(given: _Dimensions, year: int) -> LuminousShape:
+    # Negative numbers mean round; which of the three, the version says
+    width, length, height = abs(given.width), abs(given.length), abs(given.height)
+    round_width = given.width < 0
+    round_length = given.length < 0
+    if width == length == height == 0:
+        return LuminousShape("sphere", POINT, POINT, POINT)
+    flat_z = height if height > POINT / 2 else 0.0
+    if round_width and round_length and given.height < 0:
+        if max(width, length, height) < 1.5 * min(width, length, height):
+            mean = (width + length + height) / 3
+            return LuminousShape("sphere", mean, mean, mean)
+        return _box(length, width, flat_z)
+    if year == 1995 and round_width and given.height < 0 and length == 0:
+        return LuminousShape("sphere", width, width, width)
+    if round_width and (round_length or length == 0):
+        return _cylinder(width, length or width, flat_z)
+    if (round_width or round_length) and given.height >= 0 and year < 2002:
+        # An ellipse, or an elliptical cylinder
+        return _cylinder(width, length or width, flat_z)
+    return _box(length, width, flat_z)
+
+
+def _cylinder(width: float, length: float, height: float) -> LuminousShape:
+    if max(width, length) >= 1.5 * min(width, length):
+        return _box(length, width, height)
+    mean = float(np.sqrt(width * length))
+    return LuminousShape("cylinder", mean, mean, height)
+
+
+def _box(length: float, width: float, height: float) -> LuminousShape:
+    # The length lies along the photometric 0°
+    return LuminousShape("box", max(length, POINT), max(width, POINT), height)

@@ -1,0 +1,153 @@
+"""Luminaires and light panels as scenes: surfaces that shine, placed in the room."""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bands import RGB
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.errors import InputError
+from clerestory.formats.photometry.luminaire import Luminaire
+from clerestory.formats.photometry.shining import (
+    LuminairePattern,
+    Shining,
+    faces,
+    shining_surfaces,
+)
+from clerestory.scene.emitter import Light
+from clerestory.scene.model import Cone, Polygon, Ring, Scene, Sphere
+from clerestory.scene.surface import area_vectors
+from clerestory.scene.transform import Transform
+
+WHITE = (1.0, 1.0, 1.0)
+
+
+def luminaire_scene(
+    luminaire: Luminaire,
+    *,
+    position: Float[np.ndarray, "3"] | tuple[float, float, float] = (0.0, 0.0, 0.0),
+    turn_deg: float = 0.0,
+    tilt_deg: float = 0.0,
+    dimming: float = 1.0,
+    colour: tuple[float, float, float] = WHITE,
+    name: str = "luminaire",
+) -> Scene:
+    """Return a luminaire's shining surfaces as a scene, to be added to a room.
+
+    Parameters
+    ----------
+    luminaire : its intensity and shape
+    position : of its centre [m]
+    turn_deg : counter-clockwise about the vertical, seen from above
+    tilt_deg : of the level luminaire, about its x axis before it is turned
+    dimming : share of the light that it sends
+    colour : of its light; only ratios matter, the luminance stays
+    name : of its material, and before the names of its surfaces
+
+    Raises
+    ------
+    InputError : a dimming or colour below 0, or a tilt whose effect on lying lamps
+        is not known
+
+    Examples
+    --------
+    >>> from clerestory.formats.photometry.luminaire import LuminousShape
+    >>> panel = LuminousShape("box", 0.6, 0.6, 0.0)
+    >>> angles, table = np.array([0.0, 90.0]), np.array([[1000.0, 0.0]])
+    >>> lamp = Luminaire("panel", "C", np.zeros(1), angles, table, panel)
+    >>> room = luminaire_scene(lamp, position=(2.0, 3.0, 2.8))
+    >>> [surface.name for surface in room.surfaces]
+    ['luminaire.d']
+    """
+    scaled = luminaire.scaled(dimming * _tilt_factor(luminaire, tilt_deg))
+    place = _place(np.asarray(position, dtype=float), turn_deg, tilt_deg)
+    pattern = LuminairePattern(scaled, faces(scaled), place)
+    light = Light(name, _balanced(colour), pattern=pattern)
+    parts = shining_surfaces(scaled, material=name, name=name)
+    return Scene({name: light}, tuple(_placed(part, place) for part in parts))
+
+
+def panel_scene(
+    vertices: Float[np.ndarray, "vertices 3"],
+    *,
+    lumens: float,
+    colour: tuple[float, float, float] = WHITE,
+    name: str = "panel",
+) -> Scene:
+    """Return an evenly shining panel as a scene: one luminance all over and around.
+
+    Parameters
+    ----------
+    vertices : its outline [m]; the front, where they run counter-clockwise, shines
+    lumens : luminous flux that leaves it [lm]
+    colour : of its light; only ratios matter, the luminance stays
+    name : of its material and its surface
+
+    Raises
+    ------
+    InputError : an outline without area, or a negative flux or colour
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0, 3], [0, 1, 3], [1, 1, 3], [1, 0, 3]])
+    >>> ceiling = panel_scene(corners, lumens=np.pi * 179)
+    >>> ceiling.materials["panel"].radiance.round(9).tolist()
+    [1.0, 1.0, 1.0]
+    """
+    ends = np.array([0, len(vertices)])
+    area = float(np.linalg.norm(area_vectors(vertices, ends)[0]))
+    if not area > 0:
+        raise InputError(f'the panel "{name}" has no area')
+    if not (np.isfinite(lumens) and lumens >= 0):
+        raise InputError(f'the panel "{name}" sends {lumens} lm; 0 or more expected')
+    radiance = lumens / LUMINOUS_EFFICACY / (np.pi * area)
+    light = Light(name, radiance * _balanced(colour))
+    return Scene({name: light}, (Polygon(vertices, name, name),))
+
+
+def _placed(surface: Shining, place: Transform) -> Shining:
+    match surface:
+        case Polygon():
+            return replace(surface, vertices=place.points(surface.vertices))
+        case Sphere():
+            return replace(surface, centre=place.points(surface.centre))
+        case Ring():
+            centre, normal = place.points(surface.centre), place.vectors(surface.normal)
+            return replace(surface, centre=centre, normal=normal)
+        case Cone():
+            base, top = place.points(surface.base), place.points(surface.top)
+            return replace(surface, base=base, top=top)
+
+
+def _balanced(colour: tuple[float, float, float]) -> Float[np.ndarray, "3"]:
+    # A colour of luminance 1
+    given = np.asarray(colour, dtype=float)
+    level = float(given @ RGB.shares)
+    if given.min() < 0 or not (np.isfinite(level) and level > 0):
+        raise InputError(f"colour {colour}; numbers from 0, not all zero, expected")
+    balanced: np.ndarray = given / level
+    return balanced
+
+
+def _tilt_factor(luminaire: Luminaire, tilt_deg: float) -> float:
+    if luminaire.tilt is None:
+        return 1.0
+    if luminaire.tilt.geometry != 1 and tilt_deg != 0:
+        raise InputError(
+            f'luminaire "{luminaire.name}" has lying lamps whose output depends on'
+            " how it is tilted; a tilt of 0 expected"
+        )
+    return luminaire.tilt.at(tilt_deg)
+
+
+def _place(
+    position: Float[np.ndarray, "3"], turn_deg: float, tilt_deg: float
+) -> Transform:
+    turn, tilt = np.radians(turn_deg), np.radians(tilt_deg)
+    lean, spin = np.eye(4), np.eye(4)
+    lean[1:3, 1:3] = [[np.cos(tilt), np.sin(tilt)], [-np.sin(tilt), np.cos(tilt)]]
+    spin[:2, :2] = [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
+    shift = np.eye(4)
+    shift[3, :3] = position
+    return Transform(lean @ spin @ shift)

@@ -1,0 +1,165 @@
+"""Which surfaces of a luminaire shine, and how bright they look from a direction.
+
+A radiance times the projected area of the shining body is an intensity, so the
+intensity over the projected area is the radiance that all of its surfaces show. A
+body that sends light down only, or up only, shines from that one face.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.formats.photometry.luminaire import Luminaire
+from clerestory.scene.model import Cone, Polygon, Ring, Sphere
+from clerestory.scene.transform import Transform
+
+# What luminaires are made of
+Shining = Polygon | Sphere | Cone | Ring
+
+# Distance between the two faces of a flat luminaire that shines up and down [m]
+_THICKNESS = 0.0005
+
+# Less height than this has no sides [m]
+_LEAST_SIDE = 0.001
+
+
+@dataclass(frozen=True)
+class Faces:
+    """Which faces of a box or cylinder shine: its lower, its upper, its sides."""
+
+    lower: bool
+    upper: bool
+    sides: bool
+
+
+def faces(luminaire: Luminaire) -> Faces:
+    """Return which faces shine.
+
+    The lower and the upper one do where light goes down and up; the sides do where the
+    shape has a height and the table reaches above and below the horizon.
+    """
+    if luminaire.photometry != "C":
+        return Faces(lower=True, upper=False, sides=False)
+    angle, lit = luminaire.vertical_deg, luminaire.intensity.max(axis=0) > 0
+    low, high = angle < 90, angle > 90
+    sides = bool(low.any() and high.any()) and luminaire.shape.z > _LEAST_SIDE
+    return Faces(bool((lit & low).any()), bool((lit & high).any()), sides)
+
+
+@dataclass(frozen=True, eq=False)
+class LuminairePattern:
+    """Radiance [W/(m²·sr)] of a luminaire's shining surfaces, by direction.
+
+    Attributes
+    ----------
+    luminaire : its intensity
+    shining : which of its faces shine
+    transform : from the luminaire's frame to the scene's
+
+    Examples
+    --------
+    >>> from clerestory.formats.photometry.luminaire import LuminousShape
+    >>> disc = LuminousShape("cylinder", 1.0, 1.0, 0.0)
+    >>> angles, table = np.array([0.0, 90.0]), np.array([[179.0, 179.0]])
+    >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, table, disc)
+    >>> look = LuminairePattern(lamp, faces(lamp))
+    >>> look.value(np.array([[0.0, 0.0, -1.0]]))[0].round(6).tolist()  # 1 / (π/4)
+    [1.27324, 1.27324, 1.27324]
+    """
+
+    luminaire: Luminaire
+    shining: Faces
+    transform: Transform = field(default_factory=Transform)
+    needs_normal = False
+    needs_point = False
+
+    def value(
+        self,
+        direction: Float[np.ndarray, "rays 3"],
+        normal: Float[np.ndarray, "rays 3"] | None = None,
+        point: Float[np.ndarray, "rays 3"] | None = None,
+    ) -> Float[np.ndarray, "rays 3"]:
+        """Radiance that the surfaces show; see `Pattern.value`."""
+        back = np.linalg.inv(self.transform.matrix[:3, :3]) * self.transform.scale
+        local = direction @ back
+        area = self._projected_area(local) * self.transform.scale**2
+        shown = self.luminaire.candela(local) / LUMINOUS_EFFICACY
+        radiance = np.divide(shown, area, out=np.zeros_like(shown), where=area > 1e-12)
+        return np.repeat(radiance[:, None], 3, axis=1)
+
+    def _projected_area(
+        self, local: Float[np.ndarray, "rays 3"]
+    ) -> Float[np.ndarray, " rays"]:
+        # Of the faces that shine [m²]
+        shape = self.luminaire.shape
+        x, y, z = np.abs(local).T
+        area: np.ndarray
+        match shape.kind:
+            case "sphere":
+                area = np.full(len(local), np.pi / 4 * shape.x**2)
+            case "cylinder":
+                area = np.pi / 4 * shape.x**2 * z
+                if self.shining.sides:
+                    area = area + shape.x * shape.z * np.sqrt(np.maximum(1 - z**2, 0))
+            case _:
+                area = shape.x * shape.y * z
+                if self.shining.sides:
+                    area = area + shape.z * (x * shape.y + y * shape.x)
+        return area
+
+
+def shining_surfaces(
+    luminaire: Luminaire, *, material: str, name: str
+) -> tuple[Shining, ...]:
+    """Return the surfaces that shine, in the luminaire's frame, fronts outwards.
+
+    Parameters
+    ----------
+    material : what they are made of
+    name : stands before the name of each
+    """
+    shape, shining = luminaire.shape, faces(luminaire)
+    if shape.kind == "sphere":
+        ball = Sphere(np.zeros(3), shape.x / 2, False, material, f"{name}.s")
+        return (ball,)
+    both = shining.lower and shining.upper
+    height = max(shape.z, _THICKNESS) if both else shape.z
+    made: list[Shining] = []
+    for shines, side, suffix in ((shining.lower, -1.0, "d"), (shining.upper, 1.0, "u")):
+        if shines:
+            made.append(_face(luminaire, side, height, material, f"{name}.{suffix}"))
+    if shining.sides:
+        made += _sides(luminaire, material, name)
+    return tuple(made)
+
+
+def _face(
+    luminaire: Luminaire, side: float, height: float, material: str, name: str
+) -> Shining:
+    # The lower (-1) or upper (+1) face
+    shape = luminaire.shape
+    centre = np.array([0.0, 0.0, side * height / 2])
+    if shape.kind == "cylinder":
+        normal = np.array([0.0, 0.0, side])
+        return Ring(centre, normal, 0.0, shape.x / 2, material, name)
+    x, y = shape.x / 2, shape.y / 2
+    corners = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]]) + centre
+    return Polygon(corners if side > 0 else corners[::-1], material, name)
+
+
+def _sides(luminaire: Luminaire, material: str, name: str) -> list[Shining]:
+    shape = luminaire.shape
+    top = np.array([0.0, 0.0, shape.z / 2])
+    if shape.kind == "cylinder":
+        radius = shape.x / 2
+        return [Cone(-top, top, radius, radius, False, material, f"{name}.c")]
+    x, y = shape.x / 2, shape.y / 2
+    around = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
+    made: list[Shining] = []
+    for i in range(4):
+        one, other = around[i], around[(i + 1) % 4]
+        corners = np.stack([one - top, other - top, other + top, one + top])
+        made.append(Polygon(corners, material, f"{name}.{i + 1}"))
+    return made

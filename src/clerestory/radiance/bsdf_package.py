@@ -1,0 +1,119 @@
+"""BSDFs as things to put into a scene, as Radiance's pkgBSDF makes them.
+
+A layer stands upright in the plane z = 0 around the origin: x to its right, y up, its
+room side facing +z. Without geometry it is one rectangle. With geometry, rectangles on
+both sides enclose it: they scatter light by the BSDF, and what is seen, and casts sharp
+shadows, is the geometry between them.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.errors import InputError
+from clerestory.formats.mgf import parse_mgf
+from clerestory.hemisphere.klems import klems
+from clerestory.scene.model import BsdfSurface, Polygon, Scene
+from clerestory.scene.transform import Transform
+
+# Rectangles keep off the geometry by this share of its thickness, as in pkgBSDF.
+_CLEARANCE = 2e-5
+
+# Layers that reflect less than this to the sky side need no rectangle there.
+_NO_REFLECTION = 1e-3
+
+
+def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
+    """Return the geometry that a BSDF file holds; an empty scene if it has none.
+
+    Parameters
+    ----------
+    transform : where it goes from the frame of the BSDF; None: it stays
+
+    Raises
+    ------
+    InputError : the file's MGF is malformed; with its line
+    """
+    geometry = bsdf.product.geometry
+    if geometry is None:
+        return Scene()
+    metre = Transform(np.diag([geometry.metres] * 3 + [1.0]), geometry.metres)
+    return parse_mgf(
+        geometry.text,
+        file=bsdf.source,
+        line=geometry.line,
+        transform=metre.then(transform or Transform()),
+    )
+
+
+def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Scene:
+    """Return a layer as surfaces that scatter by its BSDF, around its geometry if any.
+
+    Parameters
+    ----------
+    name : stands in the names of surfaces and materials
+    transform : where the layer goes from the origin; None: it stays
+
+    Raises
+    ------
+    InputError : the file gives no width and height, or malformed geometry
+
+    Examples
+    --------
+    >>> from clerestory.bsdf.analytic import lambertian
+    >>> from clerestory.bsdf.product import Product
+    >>> from dataclasses import replace
+    >>> cloth = replace(lambertian(0.4, klems()), product=Product(width=2, height=1))
+    >>> package(cloth, "cloth").bounds().tolist()
+    [[-1.0, -0.5, 0.0], [1.0, 0.5, 0.0]]
+    """
+    product, place = bsdf.product, transform or Transform()
+    if not (product.width and product.height):
+        raise InputError(
+            "the BSDF file gives no width and height of the layer; both expected",
+            file=bsdf.source,
+        )
+    half = np.array([product.width, product.height]) / 2
+    if product.geometry is None:
+        return _face(bsdf, name, half, 0.0, 0.0, place)
+    depth = product.thickness or 0.0
+    if depth == 0:
+        face = _face(bsdf, name, half, 0.0, 0.0, place)
+        return face + layer_geometry(bsdf, transform=place)
+    thickness = depth * (1 + 2 * _CLEARANCE)
+    scene = _face(bsdf, f"{name}_f", half, thickness, depth * _CLEARANCE, place)
+    if _reflects_to_sky(bsdf):
+        behind = -depth * (1 + _CLEARANCE)
+        scene = scene + _face(bsdf, f"{name}_b", half, -thickness, behind, place)
+    return scene + layer_geometry(bsdf, transform=place)
+
+
+def _face(
+    bsdf: Bsdf,
+    name: str,
+    half: Float[np.ndarray, "2"],
+    thickness: float,
+    height: float,
+    place: Transform,
+) -> Scene:
+    # A rectangle at a height above the origin, facing up
+    material = BsdfSurface(
+        f"m_{name}",
+        bsdf,
+        thickness * place.scale,
+        np.array([0.0, 1.0, 0.0]),
+        place.matrix[:3, :3] / place.scale,
+    )
+    corner = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]) * half
+    vertices = np.column_stack([corner, np.full(4, height)])
+    ordered = vertices[::-1] if place.mirrored else vertices
+    polygon = Polygon(place.points(ordered), material.name, name)
+    return Scene({material.name: material}, (polygon,))
+
+
+def _reflects_to_sky(bsdf: Bsdf) -> bool:
+    part = bsdf.functions.get(("visible", "reflection_front"))
+    incident = klems("full").centres() * [-1, -1, 1]
+    return part is not None and bool(
+        part.hemispherical(incident).max() > _NO_REFLECTION
+    )

@@ -1,0 +1,47 @@
+"""Function files of Radiance's library that stand for functions of our own.
+
+Those of skies and luminaires are written in Python. Those by which `gensurf`, `genrev`
+and `obj2rad` smooth normals are written in the language itself, and work on surfaces.
+"""
+
+from collections.abc import Mapping
+
+from clerestory.radiance.cal.library import Native
+from clerestory.radiance.cal.luminaires import SOURCE
+from clerestory.radiance.cal.skies import PEREZLUM, SKYBRIGHT
+from clerestory.radiance.cal.syntax import Definition, parse_definitions
+
+NATIVE_FILES: Mapping[str, Mapping[str, Native]] = {
+    "skybright.cal": SKYBRIGHT,
+    "perezlum.cal": PEREZLUM,
+    "source.cal": SOURCE,
+}
+
+# A patch seen along its dominant axis A1: the perturbation is bilinear in the other two
+_SURF = """
+u = select(A1 + 1, Py, Pz, Px); v = select(A1 + 1, Pz, Px, Py);
+bent(i) = u*v*arg(i) + u*arg(i + 3) + v*arg(i + 6) + arg(i + 9);
+surf_dx = bent(2); surf_dy = bent(3); surf_dz = bent(4);
+"""
+
+# About the z axis: outwards A3 r + A4, and along the axis A1 z + A2
+_REV = """
+r = sqrt(Px*Px + Py*Py); outwards = A3*r + A4;
+rev_dx = outwards*Px/r; rev_dy = outwards*Py/r; rev_dz = A1*Pz + A2;
+"""
+
+# Three linear functions in the plane of a triangle: the normal that they interpolate
+_TMESH = """
+p = select(A1 + 1, Py, Pz, Px); q = select(A1 + 1, Pz, Px, Py);
+along(i) = p*arg(i) + q*arg(i + 1) + arg(i + 2);
+v1 = along(2); v2 = along(5); v3 = along(8);
+size = sqrt(v1*v1 + v2*v2 + v3*v3);
+dx = v1/size - Nx; dy = v2/size - Ny; dz = v3/size - Nz;
+u = frac(v1); v = frac(v2);
+"""
+
+TEXT_FILES: Mapping[str, Mapping[str, Definition]] = {
+    "surf.cal": parse_definitions(_SURF),
+    "rev.cal": parse_definitions(_REV),
+    "tmesh.cal": parse_definitions(_TMESH),
+}

@@ -1,0 +1,139 @@
+"""A function file as a program: definitions over what every function file may use."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.radiance.cal.files import NATIVE_FILES
+from clerestory.radiance.cal.library import LIBRARY, PRELUDE, Native
+from clerestory.radiance.cal.run import SPECIAL, Run
+from clerestory.radiance.cal.syntax import (
+    Call,
+    Chain,
+    Definition,
+    Name,
+    Negative,
+    Node,
+    Number,
+    Power,
+    parse_definitions,
+)
+
+_PRELUDE = parse_definitions(PRELUDE)
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """Definitions of a function file, over what every function file may use.
+
+    Attributes
+    ----------
+    definitions : of the file itself
+    native_file : a file of Radiance whose functions are written in Python, or none
+
+    Examples
+    --------
+    >>> program = Program(parse_definitions("fall(n) = if(n-.5, n*fall(n-1), 1);"))
+    >>> [four] = parse_definitions("x = fall(4);").values()
+    >>> program.values((four.body,), {"S": np.ones(1)}).value.tolist()
+    [[24.0]]
+    """
+
+    definitions: Mapping[str, Definition] = field(default_factory=dict)
+    native_file: str = ""
+
+    def definition(self, name: str) -> Definition | Native | None:
+        """Return what a name stands for in this program, None if nothing."""
+        natives = NATIVE_FILES.get(self.native_file, {})
+        for names in (self.definitions, natives, _PRELUDE, LIBRARY):
+            if name in names:
+                return names[name]
+        return None
+
+    def arity(self, name: str) -> int:
+        """Return how many arguments a function needs; 0 for other names."""
+        found = self.definition(name)
+        if isinstance(found, Definition):
+            return len(found.parameters or ())
+        return 0 if found is None else found.arity or 0
+
+    def is_value(self, node: Node) -> bool:
+        """Whether an expression has a value by itself: it is no function's name."""
+        return not (isinstance(node, Name) and self.arity(node.name) > 0)
+
+    def uses(self, *nodes: Node) -> frozenset[str]:
+        """Return the names that expressions lead to and that are not defined here."""
+        open_names, seen = set().union(*(_names(node) for node in nodes)), set()
+        missing = set()
+        while open_names:
+            name = open_names.pop()
+            seen.add(name)
+            found = self.definition(name)
+            if isinstance(found, Definition):
+                inner = _names(found.body) - set(found.parameters or ())
+            elif isinstance(found, Native):
+                inner = set(found.uses)
+            else:
+                inner = set()
+                missing |= set() if name in SPECIAL else {name}
+            open_names |= inner - seen
+        return frozenset(missing)
+
+    def values(
+        self,
+        nodes: tuple[Node, ...],
+        inputs: Mapping[str, Float[np.ndarray, " rays"]],
+        arguments: tuple[float, ...] = (),
+    ) -> "Computed":
+        """Return the values of expressions for rays.
+
+        Parameters
+        ----------
+        nodes : expressions
+        inputs : variables given, at least the scale S
+        arguments : real arguments of the primitive
+
+        Raises
+        ------
+        InputError : a name without meaning, too few arguments, or a run out of bounds
+        """
+        faulty = np.zeros(len(inputs["S"]), dtype=bool)
+        run = Run(self.definition, inputs, arguments, faulty)
+        return Computed(run.columns(nodes), ~faulty)
+
+
+@dataclass(frozen=True, eq=False)
+class Computed:
+    """Values of expressions for rays.
+
+    Attributes
+    ----------
+    value : one column an expression
+    valid : where no fault occurred on the way
+    """
+
+    value: Float[np.ndarray, "rays expressions"]
+    valid: Bool[np.ndarray, " rays"]
+
+
+def _names(node: Node) -> set[str]:
+    # Names that occur in a tree
+    found, left = set(), [node]
+    while left:
+        match left.pop():
+            case Name(name):
+                found.add(name)
+            case Call(name, arguments):
+                found.add(name)
+                left += arguments
+            case Negative(value):
+                left.append(value)
+            case Chain(first, rest):
+                left += [first, *(operand for _, operand in rest)]
+            case Power(base, exponent):
+                left += [base, exponent]
+            case Number():
+                pass
+    return found

@@ -1,0 +1,226 @@
+"""Function files at work: expressions evaluated for many rays at once.
+
+A condition splits the rays: each branch is evaluated for its own rays only, so that
+recursion ends where the file says. Arguments and variables are evaluated when they
+are asked for, once for a set of rays. Depth and work are bounded.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.errors import InputError
+from clerestory.radiance.cal.library import Native, Values, divide, power
+from clerestory.radiance.cal.rows import Frame, Rows
+from clerestory.radiance.cal.syntax import (
+    Call,
+    Chain,
+    Definition,
+    Name,
+    Negative,
+    Node,
+    Number,
+    Power,
+)
+
+# Expressions within expressions and calls within calls, together
+_DEEPEST = 100
+
+# Nodes evaluated in one run, whatever the number of rays
+MOST_STEPS = 50_000
+
+# Functions that evaluate only the arguments they need
+SPECIAL = ("if", "select")
+
+
+@dataclass(eq=False)
+class _Env:
+    # What natives see
+    run: "Run"
+    rows: Rows
+
+    @property
+    def arguments(self) -> tuple[float, ...]:
+        return self.run.arguments
+
+    def value(self, name: str) -> Values:
+        return self.run.node(Name(name), self.rows, None)
+
+    def fault(self, where: Bool[np.ndarray, " rays"]) -> None:
+        self.run.faulty[self.rows.index[where]] = True
+
+
+@dataclass(eq=False)
+class Run:
+    """One evaluation.
+
+    Attributes
+    ----------
+    definition : what a name stands for in the program
+    inputs : variables given, at least the scale S
+    arguments : real arguments of the primitive
+    faulty : set where a fault occurs
+    depth, steps : how deep the evaluation is, and how much has been done
+    """
+
+    definition: Callable[[str], Definition | Native | None]
+    inputs: Mapping[str, Float[np.ndarray, " rays"]]
+    arguments: tuple[float, ...]
+    faulty: Bool[np.ndarray, " rays"]
+    depth: int = 0
+    steps: int = 0
+
+    def columns(self, nodes: tuple[Node, ...]) -> Float[np.ndarray, "rays expressions"]:
+        """Evaluate expressions for all rays."""
+        rows = Rows(np.arange(len(self.faulty)))
+        try:
+            with np.errstate(all="ignore"):
+                return np.stack([self.node(n, rows, None) for n in nodes], axis=1)
+        except RecursionError:
+            raise _too_deep() from None
+
+    def node(self, node: Node, rows: Rows, frame: Frame | None) -> Values:
+        """Evaluate an expression for some rays, within a call or outside of all."""
+        self.depth, self.steps = self.depth + 1, self.steps + 1
+        if self.depth > _DEEPEST:
+            raise _too_deep()
+        if self.steps > MOST_STEPS:
+            raise InputError(
+                f"the function takes more than {MOST_STEPS} steps; does it end?"
+            )
+        value = self._value(node, rows, frame)
+        self.depth -= 1
+        return value
+
+    def _value(self, node: Node, rows: Rows, frame: Frame | None) -> Values:
+        match node:
+            case Number(value):
+                return np.full(len(rows.index), value)
+            case Name(name):
+                return self._variable(name, rows, frame)
+            case Negative(value):
+                return -self.node(value, rows, frame)
+            case Power(base, exponent):
+                return power(
+                    _Env(self, rows),
+                    self.node(base, rows, frame),
+                    self.node(exponent, rows, frame),
+                )
+            case Chain(first, rest):
+                total = self.node(first, rows, frame)
+                for sign, operand in rest:
+                    total = self._combined(
+                        total, sign, self.node(operand, rows, frame), rows
+                    )
+                return total
+            case Call():
+                return self._call(node, rows, frame)
+
+    def _combined(self, one: Values, sign: str, other: Values, rows: Rows) -> Values:
+        match sign:
+            case "+":
+                value: Values = one + other
+            case "-":
+                value = one - other
+            case "*":
+                value = one * other
+            case _:
+                value = divide(_Env(self, rows), one, other)
+        return value
+
+    def _variable(self, name: str, rows: Rows, frame: Frame | None) -> Values:
+        if frame is not None and name in frame.parameters:
+            place = frame.parameters.index(name)
+            argument = frame.arguments[place]
+            return rows.once(
+                (frame, place), lambda: self.node(argument, rows, frame.outer)
+            )
+        found = self.definition(name)
+        if isinstance(found, Definition) and found.parameters is None:
+            return rows.once(name, lambda: self.node(found.body, rows, None))
+        if isinstance(found, Native) and found.arity is None:
+            return rows.once(name, lambda: found.compute(_Env(self, rows)))
+        if name in self.inputs:
+            return np.asarray(self.inputs[name][rows.index])
+        if found is not None:
+            raise InputError(f'the function "{name}" stands without arguments')
+        raise InputError(f'"{name}" is not defined')
+
+    def _call(self, call: Call, rows: Rows, frame: Frame | None) -> Values:
+        name = self._function_name(call.name, frame)
+        found = self.definition(name)
+        given = call.arguments
+        if isinstance(found, Definition):
+            if found.parameters is None or len(given) < len(found.parameters):
+                raise _too_few(name, len(given), len(found.parameters or ()))
+            return self.node(found.body, rows, Frame(found.parameters, given, frame))
+        if isinstance(found, Native):
+            if found.arity is None or len(given) < found.arity:
+                raise _too_few(name, len(given), found.arity or 0)
+            values = [self.node(argument, rows, frame) for argument in given]
+            result: Values = found.compute(_Env(self, rows), *values)
+            return result
+        if name == "if" and len(given) >= 3:
+            return self._choice(
+                self.node(given[0], rows, frame) > 0, given[1:3], rows, frame
+            )
+        if name == "select" and len(given) >= 2:
+            return self._selection(given, rows, frame)
+        if name in SPECIAL:
+            raise _too_few(name, len(given), 3 if name == "if" else 2)
+        raise InputError(f'the function "{name}" is not defined')
+
+    def _function_name(self, name: str, frame: Frame | None) -> str:
+        # The function that a parameter stands for
+        while frame is not None and name in frame.parameters:
+            handed = frame.arguments[frame.parameters.index(name)]
+            if not isinstance(handed, Name):
+                raise InputError(f'"{name}" is called, but no function was handed on')
+            name, frame = handed.name, frame.outer
+        return name
+
+    def _choice(
+        self,
+        yes: Bool[np.ndarray, " rays"],
+        branches: tuple[Node, ...],
+        rows: Rows,
+        frame: Frame | None,
+    ) -> Values:
+        if yes.all():
+            return self.node(branches[0], rows, frame)
+        if not yes.any():
+            return self.node(branches[1], rows, frame)
+        value = np.empty(len(yes))
+        for place, branch in ((yes, branches[0]), (~yes, branches[1])):
+            value[place] = self.node(branch, rows.part(place), frame)
+        return value
+
+    def _selection(
+        self, given: tuple[Node, ...], rows: Rows, frame: Frame | None
+    ) -> Values:
+        # select(0, …) counts its choices
+        which = self.node(given[0], rows, frame)
+        number = np.trunc(np.where(which < -0.5, -1.0, which + 0.5))
+        value = np.where(number == 0, float(len(given) - 1), 0.0)
+        _Env(self, rows).fault((number < 0) | (number >= len(given)))
+        for i, choice in enumerate(given[1:], start=1):
+            place = number == i
+            if place.all():
+                return self.node(choice, rows, frame)
+            if place.any():
+                value[place] = self.node(choice, rows.part(place), frame)
+        return value
+
+
+def _too_deep() -> InputError:
+    return InputError(
+        f"the function calls itself or nests more than {_DEEPEST} deep; does it end?"
+    )
+
+
+def _too_few(name: str, given: int, expected: int) -> InputError:
+    return InputError(
+        f'{given} argument(s) of the function "{name}"; {expected} expected'
+    )

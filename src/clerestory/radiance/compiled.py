@@ -1,0 +1,181 @@
+"""Radiance's compiled files: frozen octrees (oconv -f) and triangle meshes (obj2mesh).
+
+Both begin with a text header, hold an octree that we pass over, and list primitives in
+a portable binary form. Numbers are big-endian; a real number is a mantissa of four
+bytes and an exponent of one.
+
+Reference: Radiance, src/common: portio.c, octree.h, sceneio.c, readoct.c, readmesh.c.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from clerestory.errors import InputError
+from clerestory.files import read_bytes
+from clerestory.radiance.statements import (
+    MODIFIER_KINDS,
+    SURFACE_KINDS,
+    Alias,
+    Primitive,
+)
+
+_OCTREE = (b"Radiance_octree", 4 * 8 + 251)
+_MESH = (b"Radiance_tmesh", 1 * 8 + 311)
+_LARGEST_INTEGER = 8
+
+_EMPTY, _FULL, _TREE = range(3)
+
+
+@dataclass(frozen=True)
+class Octree:
+    """What an octree file holds.
+
+    Attributes
+    ----------
+    files : scene files that it was made from, none if it is frozen
+    items : primitives of a frozen octree
+    """
+
+    files: tuple[str, ...]
+    items: tuple[Primitive | Alias, ...]
+
+
+def read_octree(path: str | Path) -> Octree:
+    """Return the files or primitives that an octree stands for.
+
+    Raises
+    ------
+    InputError : the file is missing, damaged or no octree
+    """
+    reader = Reader(path)
+    size = reader.header(*_OCTREE)
+    for _ in range(4):
+        reader.text()
+    files = []
+    while name := reader.text():
+        files.append(name)
+    reader.whole(size)
+    if files:
+        return Octree(tuple(files), ())
+    reader.skip_tree(size)
+    return Octree((), reader.primitives(size))
+
+
+class Reader:
+    """A compiled file read from front to back.
+
+    Raises
+    ------
+    InputError : the file is missing
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.data, self.path, self.at = read_bytes(path), path, 0
+
+    def mesh_header(self) -> int:
+        """Pass the header of a mesh; return the size of an object's number."""
+        return self.header(*_MESH)
+
+    def header(self, form: bytes, magic: int) -> int:
+        """Pass the header; return the size of an object's number."""
+        end = self.data.find(b"\n\n")
+        if end < 0 or b"FORMAT=" + form not in self.data[:end].replace(b" ", b""):
+            raise self.error(f"no FORMAT={form.decode()} in its header")
+        self.at = end + 2
+        size = self.whole(2) - magic
+        if not 0 < size <= _LARGEST_INTEGER:
+            raise self.error("another version of the format")
+        return size
+
+    def error(self, message: str) -> InputError:
+        """Return the error that tells what is wrong with the file."""
+        return InputError(
+            f"{message}; a file compiled by Radiance expected", file=self.path
+        )
+
+    def take(self, count: int) -> bytes:
+        """Take some bytes."""
+        part = self.data[self.at : self.at + count]
+        if len(part) < count:
+            raise self.error("the file ends early")
+        self.at += count
+        return part
+
+    def whole(self, size: int) -> int:
+        """Take a signed whole number of `size` bytes."""
+        return int.from_bytes(self.take(size), "big", signed=True)
+
+    def text(self) -> str:
+        """Take a text that ends with a zero byte."""
+        end = self.data.find(b"\0", self.at)
+        if end < 0:
+            raise self.error("the file ends early")
+        text = self.data[self.at : end].decode("utf-8", errors="replace")
+        self.at = end + 1
+        return text
+
+    def reals(self, count: int) -> tuple[float, ...]:
+        """Take real numbers."""
+        raw = np.frombuffer(self.take(5 * count), dtype=np.uint8).reshape(count, 5)
+        mantissa = np.ascontiguousarray(raw[:, :4]).view(">i4")[:, 0].astype(float)
+        exponent = raw[:, 4].view(np.int8).astype(int)
+        # As written: the mantissa is a fraction of 2³¹-1, and rounded towards 0
+        fraction = (mantissa + np.sign(mantissa) * 0.5) / 0x7FFFFFFF
+        return tuple(np.ldexp(fraction, exponent).tolist())
+
+    def skip_tree(self, size: int) -> None:
+        """Pass an octree, in which object numbers take `size` bytes."""
+        data, at, left = self.data, self.at, 1
+        try:
+            while left:
+                kind, at, left = data[at], at + 1, left - 1
+                if kind == _TREE:
+                    left += 8
+                elif kind == _FULL:
+                    count = int.from_bytes(data[at : at + size], "big", signed=True)
+                    if count < 0:
+                        raise self.error("damaged octree")
+                    at += size * (count + 1)
+                elif kind != _EMPTY:
+                    raise self.error("damaged octree")
+        except IndexError:
+            raise self.error("the file ends early") from None
+        self.at = at
+
+    def primitives(self, size: int) -> tuple[Primitive | Alias, ...]:
+        """Take a list of primitives, up to its end."""
+        kinds = []
+        while kind := self.text():
+            kinds.append(kind)
+        items: list[Primitive | Alias] = []
+        while (number := self.whole(1)) != -1:
+            if not 0 <= number < len(kinds):
+                raise self.error(f"a primitive of unknown type {number}")
+            items.append(self._primitive(kinds[number], items, size))
+        return tuple(items)
+
+    def _primitive(
+        self, kind: str, before: list[Primitive | Alias], size: int
+    ) -> Primitive | Alias:
+        modifier = self.whole(size)
+        if modifier >= len(before):
+            raise self.error(f"a {kind} is modified by what comes after it")
+        by = "void" if modifier < 0 else before[modifier].name
+        name = self.text()
+        strings = tuple(self.text() for _ in range(self._count(2)))
+        reals = self.reals(self._count(2))
+        line = 0
+        if kind == "alias":
+            target = strings[0] if strings else by
+            return Alias(by if strings else "inherit", name, target, line)
+        if kind not in SURFACE_KINDS and kind not in MODIFIER_KINDS:
+            raise self.error(f'a primitive of unknown type "{kind}"')
+        return Primitive(by, kind, name, strings, reals, line)
+
+    def _count(self, size: int) -> int:
+        count = self.whole(size)
+        if count < 0:
+            raise self.error("a negative count")
+        return count

@@ -1,0 +1,241 @@
+"""Patterns from functions and tables: brightfunc, colorfunc, brightdata, colordata.
+
+Functions see a ray as Radiance shows it to them: D points from the viewer to the
+emitter, so against the light that leaves a surface, and along the direction given for
+a source at infinity. They see it in the coordinates of the function, whose transform
+stands behind the file's name.
+"""
+
+import warnings
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import ClerestoryWarning
+from clerestory.radiance.cal.program import Computed, Program
+from clerestory.radiance.cal.syntax import Call, Name, Node
+from clerestory.radiance.data_array import DataArray
+from clerestory.scene.material import Source
+from clerestory.scene.pattern import Pattern, Product
+from clerestory.scene.transform import Transform
+
+_DIRECTION = {f"D{a}" for a in "xyz"}
+_NORMAL = {f"N{a}" for a in "xyz"} | {f"N{a}P" for a in "xyz"} | {"Rdot", "RdotP"}
+_POINT = {f"P{a}" for a in "xyz"}
+_FRAME = {"S"} | {f"{k}{a}" for k in "TIJK" for a in "xyz"}
+
+# Names that a pattern of an emitter can give a value; $1… are Radiance's numbers
+_CHANNELS = (
+    *("Dx", "Dy", "Dz", "Nx", "Ny", "Nz", "Px", "Py", "Pz", "T", "Rdot", "S"),
+    *("Tx", "Ty", "Tz", "Ix", "Iy", "Iz", "Jx", "Jy", "Jz", "Kx", "Ky", "Kz"),
+)
+NUMBERED = {f"${i}": name for i, name in enumerate(_CHANNELS, start=1) if name != "T"}
+KNOWN = frozenset(_DIRECTION | _NORMAL | _POINT | _FRAME | set(NUMBERED))
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionPattern:
+    """A brightfunc or colorfunc: the value of one or three expressions.
+
+    Attributes
+    ----------
+    program : definitions that the expressions use
+    expressions : one for all channels, or one each
+    arguments : real arguments
+    transform : from the function's coordinates to the scene's
+    source : where it stands
+
+    Examples
+    --------
+    >>> from clerestory.radiance.cal.syntax import parse_expression
+    >>> upwards = FunctionPattern(Program(), (parse_expression("noneg(Dz)"),))
+    >>> upwards.value(np.array([[0.0, 0.6, 0.8]]))[0, 0]
+    np.float64(0.8)
+    """
+
+    program: Program
+    expressions: tuple[Node, ...]
+    arguments: tuple[float, ...] = ()
+    transform: Transform = field(default_factory=Transform)
+    source: Source | None = None
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """What the functions ask of a ray."""
+        return _aliases(self.program.uses(*self.expressions))
+
+    @property
+    def needs_normal(self) -> bool:
+        """Whether a function asks for the normal."""
+        return bool(self.names & _NORMAL)
+
+    @property
+    def needs_point(self) -> bool:
+        """Whether a function asks for the point."""
+        return bool(self.names & _POINT)
+
+    def value(
+        self,
+        direction: Float[np.ndarray, "rays 3"],
+        normal: Float[np.ndarray, "rays 3"] | None = None,
+        point: Float[np.ndarray, "rays 3"] | None = None,
+    ) -> Float[np.ndarray, "rays 3"]:
+        """Multiplier of radiance; see `Pattern.value`. 1 where there is no value."""
+        inputs = _inputs(self.transform, direction, normal, point)
+        computed = self.program.values(self.expressions, inputs, self.arguments)
+        return _multipliers(computed, self.source)
+
+
+@dataclass(frozen=True, eq=False)
+class DataPattern:
+    """A brightdata or colordata: tables looked up, then passed through functions.
+
+    Attributes
+    ----------
+    program : definitions that functions and coordinates use
+    functions : names, one for all channels, or one each
+    tables : one for each function
+    coordinates : expressions for the place in the tables
+    arguments : real arguments
+    transform : from the function's coordinates to the scene's
+    source : where it stands
+    """
+
+    program: Program
+    functions: tuple[str, ...]
+    tables: tuple[DataArray, ...]
+    coordinates: tuple[Node, ...]
+    arguments: tuple[float, ...] = ()
+    transform: Transform = field(default_factory=Transform)
+    source: Source | None = None
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """What the functions ask of a ray."""
+        names = tuple(Name(name) for name in self.functions)
+        return _aliases(self.program.uses(*self.coordinates, *names))
+
+    @property
+    def needs_normal(self) -> bool:
+        """Whether a function asks for the normal."""
+        return bool(self.names & _NORMAL)
+
+    @property
+    def needs_point(self) -> bool:
+        """Whether a function asks for the point."""
+        return bool(self.names & _POINT)
+
+    def value(
+        self,
+        direction: Float[np.ndarray, "rays 3"],
+        normal: Float[np.ndarray, "rays 3"] | None = None,
+        point: Float[np.ndarray, "rays 3"] | None = None,
+    ) -> Float[np.ndarray, "rays 3"]:
+        """Multiplier of radiance; see `Pattern.value`. 1 where there is no value."""
+        inputs = _inputs(self.transform, direction, normal, point)
+        place = self.program.values(self.coordinates, inputs, self.arguments)
+        read = {
+            f"${101 + i}": table.value(place.value)
+            for i, table in enumerate(self.tables)
+        }
+        calls = tuple(self._call(i) for i in range(len(self.functions)))
+        shaded = self.program.values(calls, inputs | read, self.arguments)
+        valid = place.valid & shaded.valid
+        return _multipliers(Computed(shaded.value, valid), self.source)
+
+    def _call(self, channel: int) -> Call:
+        # A function of three arguments gets all channels, another its own
+        name = self.functions[channel]
+        readings = [Name(f"${101 + i}") for i in range(len(self.tables))]
+        wants_all = self.program.arity(name) >= 3
+        return Call(name, tuple(readings) if wants_all else (readings[channel],))
+
+
+def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
+    """Return the value of a pattern that is the same everywhere, None for others."""
+    match pattern:
+        case FunctionPattern() | DataPattern():
+            if pattern.names - _FRAME:
+                return None
+            along = np.array([[0.0, 0.0, 1.0]])
+            value: np.ndarray = pattern.value(along, along, np.zeros((1, 3)))[0]
+            return value
+        case Product(factors):
+            values = [constant_value(factor) for factor in factors]
+            known = [value for value in values if value is not None]
+            return np.prod(known, axis=0) if len(known) == len(values) else None
+        case _:
+            return None
+
+
+def constant_vector(pattern: FunctionPattern) -> Float[np.ndarray, "3"] | None:
+    """Return three expressions that are the same everywhere, as a vector of the scene.
+
+    None where they vary or have no value.
+    """
+    if pattern.names - _FRAME:
+        return None
+    along = np.array([[0.0, 0.0, 1.0]])
+    inputs = _inputs(pattern.transform, along, along, np.zeros((1, 3)))
+    made = pattern.program.values(pattern.expressions, inputs, pattern.arguments)
+    if not made.valid[0]:
+        return None
+    vector: np.ndarray = pattern.transform.vectors(made.value[0])
+    return vector / pattern.transform.scale
+
+
+def _aliases(names: frozenset[str]) -> frozenset[str]:
+    return frozenset(NUMBERED.get(name, name) for name in names)
+
+
+def _inputs(
+    transform: Transform,
+    direction: Float[np.ndarray, "rays 3"],
+    normal: Float[np.ndarray, "rays 3"] | None,
+    point: Float[np.ndarray, "rays 3"] | None,
+) -> dict[str, np.ndarray]:
+    # Radiance's ray variables in the function's coordinates
+    count = len(direction)
+    back = np.linalg.inv(transform.matrix)
+    scale = 1 / transform.scale
+    sight = direction if point is None else -direction
+    facing = -sight if normal is None else normal
+    vectors = {
+        "D": sight @ back[:3, :3] / scale,
+        "N": facing @ back[:3, :3] / scale,
+        "P": np.zeros((count, 3))
+        if point is None
+        else point @ back[:3, :3] + back[3, :3],
+        "T": np.broadcast_to(back[3, :3], (count, 3)),
+        **{
+            k: np.broadcast_to(back[i, :3] / scale, (count, 3))
+            for i, k in enumerate("IJK")
+        },
+    }
+    given = {k + a: v[:, i] for k, v in vectors.items() for i, a in enumerate("xyz")}
+    given |= {f"N{a}P": given[f"N{a}"] for a in "xyz"}
+    rdot = np.clip(-np.einsum("rx,rx->r", sight, facing), -1, 1)
+    given |= {"Rdot": rdot, "RdotP": rdot, "S": np.full(count, scale)}
+    return given | {number: given[name] for number, name in NUMBERED.items()}
+
+
+def _multipliers(
+    computed: Computed, source: Source | None
+) -> Float[np.ndarray, "rays 3"]:
+    # Where nothing can be computed Radiance leaves the pattern out, and says so
+    bad = int(np.count_nonzero(~computed.valid))
+    if bad:
+        place = "" if source is None else f"{source.file}:{source.line}: "
+        warnings.warn(
+            f"{place}a pattern has no value for {bad} of {len(computed.valid)}"
+            " directions (division by zero or the like); it is left out there, as in"
+            " Radiance",
+            ClerestoryWarning,
+            stacklevel=3,
+        )
+    value = np.where(computed.valid[:, None], computed.value, 1.0)
+    colour = np.broadcast_to(value, (len(value), 3)) if value.shape[1] == 1 else value
+    positive: np.ndarray = np.maximum(colour, 0.0)
+    return positive

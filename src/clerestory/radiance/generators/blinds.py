@@ -1,0 +1,84 @@
+"""The venetian blind of Radiance's genblinds: flat or curved slats, one above another.
+
+Slats run along y from 0 to the width and are hinged at x = 0; their depth goes to +x.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.radiance.generators.scene_text import polygon
+
+# A curved slat is cut into strips that turn by at most this much [deg]
+_STRIP_DEG = 3.0
+
+_MOST_SLATS = 100_000
+
+
+def blinds(words: Words) -> list[str]:
+    """Return the primitives of a blind.
+
+    `genblinds material name depth width height slats angle [-r|+r radius]`, the angle
+    in degrees, a slat's front up; -r curves slats downwards, +r upwards.
+
+    Raises
+    ------
+    InputError : sizes that make no slats
+    """
+    material, name = words.name("a material"), words.name("a name")
+    depth = words.positive("depth of the slats")
+    width = words.positive("width of the slats")
+    height = words.positive("height of the blind")
+    count = words.whole("number of slats", 1, _MOST_SLATS)
+    angle = np.radians(words.real("angle of the slats"))
+    radius = 0.0
+    if words.left:
+        option = words.option()
+        if option not in ("-r", "+r"):
+            raise words.unknown(option)
+        radius = words.positive("radius of curvature")
+        radius = radius if option == "-r" else -radius
+    if radius and depth > 2 * abs(radius):
+        raise words.error(
+            f"slats of depth {depth:g} on a radius of {abs(radius):g};"
+            " a depth of at most twice the radius expected"
+        )
+    if words.left:
+        raise words.error(f'"{words.name("")}" follows a complete command')
+
+    profile = _profile(depth, angle, radius)
+    return [
+        polygon(material, f"{name}.{slat}.{strip}", _strip(ends, width, lift))
+        for slat in range(1, count + 1)
+        for lift in (height * (slat - 0.5) / count,)
+        for strip, ends in enumerate(pairwise(profile))
+    ]
+
+
+def _profile(
+    depth: float, angle: float, radius: float
+) -> Float[np.ndarray, "points 2"]:
+    # The slat from the side: points (x, z) from the hinge to the far edge
+    chord = np.array([np.cos(angle), np.sin(angle)])
+    if radius == 0:
+        return np.stack([np.zeros(2), depth * chord])
+    # Its arc stands over the chord; measure angles from the middle of the arc
+    half = np.arcsin(depth / (2 * abs(radius)))
+    strips = int(2 * np.degrees(half) / _STRIP_DEG + 0.99999)
+    turn = np.linspace(-half, half, strips + 1)
+    along = abs(radius) * (np.sin(turn) + np.sin(half))
+    sag = -np.sign(radius) * abs(radius) * (np.cos(turn) - np.cos(half))
+    across = np.array([-chord[1], chord[0]])
+    points: np.ndarray = np.outer(along, chord) + np.outer(sag, across)
+    return points
+
+
+def _strip(
+    ends: tuple[np.ndarray, np.ndarray], width: float, lift: float
+) -> Float[np.ndarray, "4 3"]:
+    (x0, z0), (x1, z1) = ends
+    corners = [(x0, 0, z0), (x0, width, z0), (x1, width, z1), (x1, 0, z1)]
+    lifted: np.ndarray = np.array(corners) + np.array([0, 0, lift])
+    return lifted

@@ -1,0 +1,53 @@
+"""Which generators are run natively, and what becomes of the others."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from clerestory.errors import InputError
+from clerestory.radiance.generators.blinds import blinds
+from clerestory.radiance.generators.box import box
+from clerestory.radiance.generators.cie_sky import gensky
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.radiance.generators.formula import revolution, surface, worm
+from clerestory.radiance.generators.luminaire import ies2rad
+from clerestory.radiance.generators.perez_sky import gendaylit
+from clerestory.radiance.generators.prism import prism
+
+Find = Callable[[str], Path]
+
+
+GENERATORS: Mapping[str, Callable[[Words, Find], list[str]]] = {
+    "genbox": lambda words, _: box(words),
+    "genprism": prism,
+    "gensurf": surface,
+    "genrev": revolution,
+    "genworm": worm,
+    "genblinds": lambda words, _: blinds(words),
+    "gensky": lambda words, _: gensky(words),
+    "gendaylit": lambda words, _: gendaylit(words),
+    "ies2rad": ies2rad,
+}
+
+
+def generate(program: str, words: list[str], find: Find) -> str:
+    """Return the scene text that a generator makes, on a single line.
+
+    Parameters
+    ----------
+    program : name of the generator
+    words : what stands behind it
+    find : path of a file that the command names
+
+    Raises
+    ------
+    InputError : words that the generator does not take
+
+    Examples
+    --------
+    >>> text = generate("genbox", ["wood", "desk", "1", "2", "3"], Path)
+    >>> text.count("wood polygon desk.")
+    6
+    """
+    if program not in GENERATORS:
+        raise InputError(f'the generator "{program}" is not known')
+    return " ".join(GENERATORS[program](Words(program, words), find))

@@ -1,0 +1,186 @@
+"""The skies of Radiance's gensky: the sun as a light, the sky as a brightfunc.
+
+References: Radiance, gensky (levels, efficacies, normalisation); R. Dogniaux (zenith of
+clear skies); R. G. Hopkinson (overcast). Numbers keep their digits, where gensky
+prints three.
+"""
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+
+from clerestory.errors import ClerestoryWarning
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.radiance.generators.scene_text import primitive
+from clerestory.radiance.generators.sun_place import Moment, direction, read_moment
+
+# Luminous efficacy of sky and sun [lm/W]
+_SKY_EFFICACY = 203.0
+_SUN_EFFICACY = 208.0
+
+# Solid angle of gensky's sun, half a degree wide [sr]
+_SUN_SOLID_ANGLE = 6e-5
+_SUN_ANGLE_DEG = 0.5
+
+_HIGHEST_SUN = np.radians(87.0)
+
+# Kinds of sky by the numbers of skybright.cal
+CLEAR, OVERCAST, UNIFORM, INTERMEDIATE = 1, 2, 3, 4
+
+# Horizontal irradiance over zenith radiance as a polynomial of the sun's altitude
+_NORMAL = {
+    CLEAR: (2.766521, 0.547665, -0.369832, 0.009237, 0.059229),
+    INTERMEDIATE: (3.5556, -2.7152, -1.3081, 1.0660, 0.60227),
+}
+
+
+@dataclass
+class _Request:
+    # What the options ask for
+    kind: int = CLEAR
+    sun: bool = True
+    zenith: float | None = None
+    horizontal: float | None = None
+    sun_radiance: float | None = None
+    sun_horizontal: float | None = None
+    turbidity: float = 2.45
+    ground: float = 0.2
+
+
+def gensky(words: Words) -> list[str]:
+    """Return the primitives of `gensky month day hour` or `gensky -ang alt azi`.
+
+    Takes -s +s -c -u -i +i, -g -t, -b -B, -r -R, -a -o -m -y.
+
+    Raises
+    ------
+    InputError : a date, an hour or an option that cannot be read
+    """
+    moment = read_moment(words)
+    request = _Request()
+    while words.left:
+        option = words.option()
+        if not (moment.take(option, words) or _take(request, option, words)):
+            raise words.unknown(option)
+    return _sky(request, moment, words)
+
+
+def _take(request: _Request, option: str, words: Words) -> bool:
+    kinds = {"s": CLEAR, "c": OVERCAST, "u": UNIFORM, "i": INTERMEDIATE}
+    letter = option[1:]
+    if letter in kinds:
+        request.kind = kinds[letter]
+        request.sun = option[0] == "+" if letter in "si" else request.sun
+        return True
+    match option:
+        case "-t":
+            request.turbidity = words.real("the turbidity")
+        case "-g":
+            request.ground = words.real("the ground's reflectance")
+        case "-b":
+            request.zenith, request.horizontal = words.real("a radiance"), None
+        case "-B":
+            request.horizontal, request.zenith = words.real("an irradiance"), None
+        case "-r":
+            request.sun_radiance = words.real("a radiance")
+            request.sun_horizontal = None
+        case "-R":
+            request.sun_horizontal = words.real("an irradiance")
+            request.sun_radiance = None
+        case _:
+            return False
+    return True
+
+
+def _sky(request: _Request, moment: Moment, words: Words) -> list[str]:
+    altitude, azimuth = moment.sun()
+    kind = request.kind
+    overcast = kind in (OVERCAST, UNIFORM)
+    if not overcast and altitude > _HIGHEST_SUN:
+        warnings.warn(
+            f"{words.program}: the sun stands {np.degrees(altitude):.1f}° high; its"
+            " clear sky takes 87°",
+            ClerestoryWarning,
+            stacklevel=2,
+        )
+        altitude = _HIGHEST_SUN
+    sun = direction(altitude, azimuth)
+
+    # Radiance of the zenith, and what the sky alone makes of a white level plane
+    near_sun, share = levels(kind, altitude, float(sun[2]))
+    zenith = request.zenith
+    if request.horizontal is not None:
+        zenith = request.horizontal / (share * np.pi)
+    elif zenith is None:
+        zenith = _default_zenith(kind, altitude, request.turbidity)
+    ambient = zenith * share
+
+    # Radiance of the sun; the ground is lit by it whether it is shown or not
+    radiance = None if overcast else _sun_radiance(request, float(sun[2]))
+    made = []
+    if radiance is not None:
+        ambient += _SUN_SOLID_ANGLE / np.pi * radiance * float(sun[2])
+        if request.sun:
+            made = [
+                primitive("void", "light", "solar", reals=(radiance,) * 3),
+                primitive("solar", "source", "sun", reals=(*sun, _SUN_ANGLE_DEG)),
+            ]
+    reals = [kind, zenith, ambient * request.ground]
+    reals += [] if overcast else [near_sun, *sun]
+    sky = ("skybr", "skybright.cal")
+    return [*made, primitive("void", "brightfunc", "skyfunc", strings=sky, reals=reals)]
+
+
+def levels(kind: int, altitude: float, height: float) -> tuple[float, float]:
+    """Return a sky's distribution at the zenith, and what it makes of the ground.
+
+    The second is the radiance of a white level plane over that of the zenith.
+
+    Parameters
+    ----------
+    kind : CLEAR, OVERCAST, UNIFORM or INTERMEDIATE
+    altitude, height : of the sun [rad], and its sine
+
+    Examples
+    --------
+    >>> levels(OVERCAST, 0.5, 0.48)
+    (1.0, 0.7777777777777778)
+    """
+    if kind == UNIFORM:
+        return 1.0, 1.0
+    if kind == OVERCAST:
+        return 1.0, 7 / 9
+    zenith_angle = np.pi / 2 - altitude
+    if kind == CLEAR:
+        shine = 0.91 + 10 * np.exp(-3 * zenith_angle) + 0.45 * height**2
+        near_sun = 0.274 * shine
+    else:
+        near_sun = (2.739 + 0.9891 * np.sin(0.3119 + 2.6 * altitude)) * np.exp(
+            -zenith_angle * (0.4441 + 1.48 * altitude)
+        )
+    x = (altitude - np.pi / 4) / (np.pi / 4)
+    polynomial = np.polynomial.polynomial.polyval(x, _NORMAL[kind])
+    return float(near_sun), float(polynomial / near_sun / np.pi)
+
+
+def _default_zenith(kind: int, altitude: float, turbidity: float) -> float:
+    # kcd/m² to W/(m²·sr)
+    cloudy = 8.6 * np.sin(altitude) + 0.123
+    clear = (1.376 * turbidity - 1.81) * np.tan(altitude) + 0.38
+    level = {CLEAR: clear, INTERMEDIATE: (clear + cloudy) / 2}.get(kind, cloudy)
+    return max(float(level), 0.0) * 1000 / _SKY_EFFICACY
+
+
+def _sun_radiance(request: _Request, height: float) -> float | None:
+    # None: no sun in the sky
+    if height <= 0:
+        return None
+    if request.sun_radiance is not None:
+        given = request.sun_radiance
+        return given if given > 0 else None
+    if request.sun_horizontal is not None:
+        given = request.sun_horizontal / (_SUN_SOLID_ANGLE * height)
+        return given if given > 0 else None
+    radiance = 1.5e9 / _SUN_EFFICACY * (1.147 - 0.147 / max(height, 0.16))
+    return radiance * (0.15 if request.kind == INTERMEDIATE else 1.0)

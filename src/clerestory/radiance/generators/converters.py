@@ -1,0 +1,72 @@
+"""Commands that stand for a scene of values: Radiance's mgf2rad and pkgBSDF."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from clerestory.bsdf.xml import read_bsdf
+from clerestory.files import read_text
+from clerestory.formats.mgf import parse_mgf
+from clerestory.radiance.bsdf_package import package
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.scene.model import Scene
+from clerestory.scene.transform import Transform
+
+# A scene at the place where a transform puts it
+Build = Callable[[Transform], Scene]
+Find = Callable[[str], Path]
+
+
+def mgf2rad(words: Words, find: Find) -> Build:
+    """Return the scene of `mgf2rad file.mgf …`.
+
+    Raises
+    ------
+    InputError : an option, or no file
+    """
+    paths = _paths(words, find, idle=())
+    texts = [(read_text(path), path) for path in paths]
+
+    def build(place: Transform) -> Scene:
+        scene = Scene()
+        for text, path in texts:
+            scene = scene + parse_mgf(text, file=path, transform=place)
+        return scene
+
+    return build
+
+
+def pkg_bsdf(words: Words, find: Find) -> Build:
+    """Return the scene of `pkgBSDF [-s] [-i] file.xml …`; both options change nothing.
+
+    Raises
+    ------
+    InputError : another option, or no file
+    """
+    paths = _paths(words, find, idle=("-s", "-i"))
+    layers = [(read_bsdf(path), path.stem) for path in paths]
+
+    def build(place: Transform) -> Scene:
+        scene = Scene()
+        for bsdf, name in layers:
+            scene = scene + package(bsdf, name, transform=place)
+        return scene
+
+    return build
+
+
+BUILDERS: Mapping[str, Callable[[Words, Find], Build]] = {
+    "mgf2rad": mgf2rad,
+    "pkgBSDF": pkg_bsdf,
+}
+
+
+def _paths(words: Words, find: Find, *, idle: tuple[str, ...]) -> list[Path]:
+    names = []
+    while words.left:
+        word = words.name("a file")
+        if word.startswith("-") and word not in idle:
+            raise words.unknown(word)
+        names += [] if word.startswith("-") else [word]
+    if not names:
+        raise words.error("the command names no file")
+    return [find(name) for name in names]

@@ -1,0 +1,232 @@
+"""Surfaces from formulas: Radiance's gensurf, genrev and genworm.
+
+Formulas and the definitions behind -e and -f are in Radiance's function language.
+Facets are flat and cones have the normals of cones: the smoothing of -s is left out,
+with a warning.
+"""
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.errors import ClerestoryWarning
+from clerestory.files import read_text
+from clerestory.radiance.cal.program import Program
+from clerestory.radiance.cal.syntax import (
+    Definition,
+    Node,
+    parse_definitions,
+    parse_expression,
+)
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.radiance.generators.scene_text import polygon, primitive
+
+Find = Callable[[str], Path]
+
+# Differences below this are none, as in the generators
+_TINY = 1e-7
+
+# Two triangles are a flat quadrilateral if their normals agree to this
+_FLAT = 1e-12
+
+_MOST_STEPS = 100_000
+
+
+@dataclass(frozen=True, eq=False)
+class _Formulas:
+    material: str
+    name: str
+    program: Program
+    nodes: tuple[Node, ...]
+
+    def at(self, **places: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n values"]:
+        """Values of the formulas; NaN where there are none."""
+        count = len(next(iter(places.values())))
+        computed = self.program.values(self.nodes, {"S": np.ones(count), **places})
+        return np.where(computed.valid[:, None], computed.value, np.nan)
+
+
+def revolution(words: Words, find: Find) -> list[str]:
+    """Return the primitives of `genrev material name z(t) r(t) segments`.
+
+    Takes -e, -f and -s.
+
+    Raises
+    ------
+    InputError : a formula that cannot be read, or has no value where it is needed
+    """
+    formulas, [count] = _read(words, find, 2, ("number of segments",))
+    value = _finite(formulas.at(t=np.linspace(0, 1, count + 1)), words)
+    made = []
+    for i, ((z0, r0), (z1, r1)) in enumerate(pairwise(value), 1):
+        level, straight = abs(z1 - z0) <= _TINY, abs(r1 - r0) <= _TINY
+        axis = (0.0, 0.0, z0, 0.0, 0.0, z1)
+        reals: tuple[float, ...]
+        if level and straight:
+            continue
+        if straight:
+            kind, reals = "tube" if z1 < z0 else "cylinder", (*axis, r1)
+        elif level:
+            facing = 1.0 if r1 < r0 else -1.0
+            kind, reals = "ring", (0.0, 0.0, z1, 0.0, 0.0, facing, r0, r1)
+        else:
+            kind, reals = "cup" if z1 < z0 else "cone", (*axis, r0, r1)
+        label = f"{formulas.name}.{i}"
+        made.append(primitive(formulas.material, kind, label, reals=reals))
+    return made
+
+
+def worm(words: Words, find: Find) -> list[str]:
+    """Return the primitives of `genworm material name x(t) y(t) z(t) r(t) segments`.
+
+    Takes -e and -f.
+
+    Raises
+    ------
+    InputError : a formula that cannot be read, or has no value where it is needed
+    """
+    formulas, [count] = _read(words, find, 4, ("number of segments",))
+    value = _finite(formulas.at(t=np.linspace(0, 1, count + 1)), words)
+    if value[:, 3].min() <= 0:
+        raise words.error(f"the radius is {value[:, 3].min():g}; above 0 expected")
+    material, name = formulas.material, formulas.name
+    made = [primitive(material, "sphere", f"{name}.s0", reals=value[0])]
+    for i, (last, this) in enumerate(pairwise(value), 1):
+        made += _link(material, name, i, last, this)
+        made.append(primitive(material, "sphere", f"{name}.s{i}", reals=this))
+    return made
+
+
+def _link(
+    material: str, name: str, i: int, last: np.ndarray, this: np.ndarray
+) -> list[str]:
+    # The cone that touches two spheres, where neither holds the other
+    step = this[:3] - last[:3]
+    length = float(np.linalg.norm(step))
+    fall = float(last[3] - this[3])
+    if length <= abs(fall):
+        return []
+    if abs(fall) <= _TINY:
+        reals = [*last[:3], *this[:3], this[3]]
+        return [primitive(material, "cylinder", f"{name}.c{i}", reals=reals)]
+    sine = fall / length
+    cosine = np.sqrt(1 - sine**2)
+    along = step / length
+    ends = [end[:3] + end[3] * sine * along for end in (last, this)]
+    reals = [*ends[0], *ends[1], last[3] * cosine, this[3] * cosine]
+    return [primitive(material, "cone", f"{name}.c{i}", reals=reals)]
+
+
+def surface(words: Words, find: Find) -> list[str]:
+    """Return the polygons of `gensurf material name x(s,t) y(s,t) z(s,t) m n`.
+
+    Takes -e, -f and -s; where `valid(s,t)` is defined, points at which it is not
+    positive are left out.
+
+    Raises
+    ------
+    InputError : a formula that cannot be read, or has no value where it is needed
+    """
+    formulas, [m, n] = _read(words, find, 3, ("rows", "columns"))
+    s, t = (
+        grid.ravel()
+        for grid in np.meshgrid(
+            np.arange(m + 1) / m, np.arange(n + 1) / n, indexing="ij"
+        )
+    )
+    valid = np.ones(len(s), dtype=bool)
+    if formulas.program.arity("valid") == 2:
+        check = parse_expression("valid(s,t)")
+        computed = formulas.program.values((check,), {"S": s * 0 + 1, "s": s, "t": t})
+        valid = computed.value[:, 0] > 0
+    points = np.zeros((len(s), 3))
+    if valid.any():
+        points[valid] = _finite(formulas.at(s=s[valid], t=t[valid]), words)
+    grid = points.reshape(m + 1, n + 1, 3)
+    shapes = _facets(grid, valid.reshape(m + 1, n + 1))
+    return [
+        polygon(formulas.material, f"{formulas.name}.{i}", corners)
+        for i, corners in enumerate(shapes, 1)
+    ]
+
+
+def _facets(
+    grid: Float[np.ndarray, "rows columns 3"], valid: Bool[np.ndarray, "rows columns"]
+) -> Iterator[Float[np.ndarray, "corners 3"]]:
+    # One flat quadrilateral a cell, or two triangles; diagonals take turns
+    for i in range(len(grid) - 1):
+        for j in range(grid.shape[1] - 1):
+            turned = bool(j & 1)
+            if not (valid[i, j] and valid[i + 1, j + 1]):
+                turned = True
+            elif not (valid[i + 1, j] and valid[i, j + 1]):
+                turned = False
+            square = ((0, 0), (1, 0), (0, 1), (1, 1))
+            square = square if turned else ((1, 0), (1, 1), (0, 0), (0, 1))
+            cell = [(i + a, j + b) for a, b in square]
+            corner = np.array([grid[place] for place in cell])
+            yield from _square(corner, [bool(valid[place]) for place in cell])
+
+
+def _square(
+    p: Float[np.ndarray, "4 3"], known: list[bool]
+) -> Iterator[Float[np.ndarray, "corners 3"]]:
+    first = _normal(p[[0, 1, 2]]) if all(known[:3]) else None
+    second = _normal(p[[2, 1, 3]]) if all(known[1:]) else None
+    if first is not None and second is not None and first @ second >= 1 - _FLAT:
+        yield p[[0, 1, 3, 2]]
+        return
+    if first is not None:
+        yield p[[0, 1, 2]]
+    if second is not None:
+        yield p[[2, 1, 3]]
+
+
+def _normal(corner: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"] | None:
+    normal = np.cross(corner[1] - corner[0], corner[2] - corner[0])
+    length = np.linalg.norm(normal)
+    return normal / length if length > 0 else None
+
+
+def _read(
+    words: Words, find: Find, formulas: int, counts: tuple[str, ...]
+) -> tuple[_Formulas, list[int]]:
+    # material, name, formulas, counts, options
+    material, name = words.name("a material"), words.name("a name")
+    nodes = tuple(
+        parse_expression(words.name(f"formula {i + 1} of {formulas}"))
+        for i in range(formulas)
+    )
+    steps = [words.whole(f"the {what}", 1, _MOST_STEPS) for what in counts]
+    definitions: dict[str, Definition] = {}
+    while words.left:
+        match words.option():
+            case "-e":
+                definitions |= parse_definitions(words.name("a definition"))
+            case "-f":
+                path = find(words.name("a file"))
+                definitions |= parse_definitions(read_text(path), file=str(path))
+            case "-s":
+                warnings.warn(
+                    f'{words.program}: "{name}" stays faceted; -s is left out',
+                    ClerestoryWarning,
+                    stacklevel=3,
+                )
+            case option:
+                raise words.unknown(option)
+    if np.prod(steps) > _MOST_STEPS:
+        raise words.error(f"more than {_MOST_STEPS} cells")
+    return _Formulas(material, name, Program(definitions), nodes), steps
+
+
+def _finite(
+    value: Float[np.ndarray, "n values"], words: Words
+) -> Float[np.ndarray, "n values"]:
+    if not np.all(np.isfinite(value)):
+        raise words.error("a formula has no value somewhere between 0 and 1")
+    return value

@@ -1,0 +1,119 @@
+"""Radiance's ies2rad: the luminaire of an IES or EULUMDAT file as scene text.
+
+The text names the photometric file itself where ies2rad would name a table of its own;
+`brightdata` reads it. Lamps are white unless -c says otherwise.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from clerestory.formats.photometry.luminaire import Luminaire
+from clerestory.formats.photometry.read import read_luminaire
+from clerestory.formats.photometry.shining import Shining, faces, shining_surfaces
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.radiance.generators.scene_text import polygon, primitive
+from clerestory.radiance.intensity_table import table_coordinates
+from clerestory.scene.model import Cone, Polygon, Ring, Sphere
+
+# Metres to the units of -d
+_UNITS = {"m": 1.0, "c": 100.0, "f": 1 / 0.3048, "i": 12 / 0.3048}
+_DIMENSION = re.compile(r"-d([mcfi])(?:/(\d+\.?\d*))?")
+
+# Options about files that are not read or written here, with a name behind
+_NAMED = ("-p", "-l", "-f", "-u")
+
+
+@dataclass
+class _Request:
+    # What the options ask for
+    file: str = ""
+    name: str = ""
+    scale: float = 1.0
+    factor: float = 1.0
+    colour: tuple[float, ...] = (1.0, 1.0, 1.0)
+
+
+def ies2rad(words: Words, find: Callable[[str], Path]) -> list[str]:
+    """Return the primitives of `ies2rad [-dU] [-m factor] [-c r g b] [-o name] file`.
+
+    -s, -p, -l, -f, -u and `-t default` change nothing here: no file is written.
+
+    Raises
+    ------
+    InputError : an option that is not known, or a file that is no luminaire
+    """
+    request = _Request()
+    while words.left:
+        _take(request, words.name("a file"), words)
+    if not request.file:
+        raise words.error("the command names no file")
+    path = find(request.file)
+    lamp = read_luminaire(path)
+    name = request.name or path.stem
+    made = [
+        _distribution(lamp, path, request.factor, name),
+        primitive(f"{name}_dist", "light", f"{name}_light", reals=request.colour),
+    ]
+    parts = shining_surfaces(lamp, material=f"{name}_light", name=name)
+    return made + [_text(part, request.scale) for part in parts]
+
+
+def _take(request: _Request, word: str, words: Words) -> None:
+    unit = _DIMENSION.fullmatch(word)
+    if unit is not None:
+        request.scale = _UNITS[unit[1]] * float(unit[2] or 1)
+    elif word == "-m":
+        request.factor = words.positive("the multiplier")
+    elif word == "-c":
+        request.colour = tuple(words.real("a colour") for _ in range(3))
+    elif word == "-o":
+        request.name = words.name("a name")
+    elif word == "-t":
+        if words.name("a type of lamp") != "default":
+            raise words.error("types of lamps are not known here; -c r g b expected")
+    elif word in _NAMED:
+        words.name("a name")
+    elif word.startswith("-") and word != "-s":
+        raise words.unknown(word)
+    elif word != "-s":
+        request.file = word
+
+
+def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> str:
+    # The correction that turns intensity into radiance, and what it takes
+    shape = lamp.shape
+    reals: tuple[float, ...]
+    if shape.kind == "sphere":
+        correction, reals = "corr", (factor / (np.pi / 4 * shape.x**2),)
+    elif faces(lamp).sides and shape.kind == "cylinder":
+        correction, reals = "cylcorr", (factor, shape.x, shape.z)
+    elif faces(lamp).sides:
+        correction, reals = "boxcorr", (factor, shape.x, shape.y, shape.z)
+    else:
+        share = np.pi / 4 if shape.kind == "cylinder" else 1.0
+        correction, reals = "flatcorr", (factor / (share * shape.x * shape.y),)
+    place = str(path.resolve())
+    strings = (correction, place, "source.cal", *table_coordinates(lamp))
+    return primitive("void", "brightdata", f"{name}_dist", strings=strings, reals=reals)
+
+
+def _text(surface: Shining, scale: float) -> str:
+    material, name = surface.material, surface.name
+    match surface:
+        case Polygon():
+            return polygon(material, name, surface.vertices * scale)
+        case Sphere():
+            reals = [*surface.centre * scale, surface.radius * scale]
+            return primitive(material, "sphere", name, reals=reals)
+        case Cone():
+            ends = [*surface.base * scale, *surface.top * scale]
+            reals = [*ends, surface.base_radius * scale]
+            return primitive(material, "cylinder", name, reals=reals)
+        case Ring():
+            radii = [surface.inner_radius * scale, surface.outer_radius * scale]
+            reals = [*surface.centre * scale, *surface.normal, *radii]
+            return primitive(material, "ring", name, reals=reals)

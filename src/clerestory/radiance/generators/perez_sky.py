@@ -1,0 +1,164 @@
+"""The sky of Radiance's gendaylit: Perez's all-weather model for one moment.
+
+Sky and sun are scaled as gendaylit scales them: the diffuse level over the 145 patches
+of Tregenza, the ground by the clear or intermediate sky of gensky. Numbers keep their
+digits, where gendaylit prints four.
+
+References: R. Perez et al., Solar Energy 44 (5), 1990 and 50 (3), 1993; D. G. Erbs,
+S. A. Klein, J. A. Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (limits).
+"""
+
+import warnings
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.constants import SUN_DIAMETER
+from clerestory.errors import ClerestoryWarning
+from clerestory.radiance.generators import cie_sky
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.radiance.generators.perez_light import DEW_POINT_C, Air, Light, Request
+from clerestory.radiance.generators.scene_text import primitive
+from clerestory.radiance.generators.sun_place import Moment, direction, read_moment
+from clerestory.sky.perez import perez_sky
+
+_HIGHEST_SUN = np.radians(87.0)
+
+_DEW_POINTS = (-40.0, 40.0)
+
+# Solid angle by which the sun lights the ground [sr]
+_SUN_ON_GROUND = 6.8e-5
+
+# Tregenza's rings: zenith angle [deg] and patches
+_RINGS = ((84, 30), (72, 30), (60, 24), (48, 24), (36, 18), (24, 12), (12, 6), (0, 1))
+
+
+def gendaylit(words: Words) -> list[str]:
+    """Return the primitives of `gendaylit month day hour` or `gendaylit -ang alt azi`.
+
+    Takes -P -W -L -G -E, -O, -s +s -c, -g, -d, -w, -a -o -m -y. At night the sky is
+    black, with a warning.
+
+    Raises
+    ------
+    InputError : a date, an hour or an option that cannot be read, or more light than
+        the sun sends
+    """
+    moment = read_moment(words)
+    request, quiet = Request(), False
+    while words.left:
+        option = words.option()
+        if option == "-w":
+            quiet = True
+        elif not (moment.take(option, words) or _take(request, option, words)):
+            raise words.unknown(option)
+    return _sky(request, moment, words, quiet=quiet)
+
+
+def _take(request: Request, option: str, words: Words) -> bool:
+    match option:
+        case "-P" | "-W" | "-L" | "-G":
+            request.by = option
+            request.given = (words.real("a number"), words.real("a number"))
+        case "-E":
+            request.by, request.given = option, (words.real("an irradiance"),)
+        case "-O":
+            request.output = words.whole("the kind of output", 0, 2)
+        case "-s" | "+s" | "-c":
+            request.sun = option == "+s"
+        case "-g":
+            request.ground = words.real("the ground's reflectance")
+        case "-d":
+            dew = words.real("a dew point")
+            known = _DEW_POINTS[0] <= dew <= _DEW_POINTS[1]
+            request.dew_point_c = dew if known else DEW_POINT_C
+        case _:
+            return False
+    return True
+
+
+def _sky(request: Request, moment: Moment, words: Words, *, quiet: bool) -> list[str]:
+    altitude, azimuth = moment.sun()
+    sun = direction(min(altitude, _HIGHEST_SUN), azimuth)
+    air = Air(min(altitude, _HIGHEST_SUN), moment.day_of_year, request.dew_point_c)
+    light = None if altitude <= 0 else air.light(request, words)
+    if light is None:
+        if not quiet:
+            warnings.warn(
+                f"{words.program}: no light, the sun stands {np.degrees(altitude):.1f}°"
+                " high; the sky is black",
+                ClerestoryWarning,
+                stacklevel=2,
+            )
+        return [_skyfunc([0.0] * 7, sun)]
+    return _lit_sky(request, air, light, sun, words)
+
+
+def _lit_sky(
+    request: Request,
+    air: Air,
+    light: Light,
+    sun: Float[np.ndarray, "3"],
+    words: Words,
+) -> list[str]:
+    state = air.state(light, request)
+    perez = perez_sky(state, azimuth=np.zeros(1))
+    shape = [float(p[0]) for p in (perez.a, perez.b, perez.c, perez.d, perez.e)]
+    if shape[1] > 0:
+        raise words.error(
+            f"Perez's parameter b is {shape[1]:.3g}, which has no sky; other values"
+            " expected"
+        )
+    seen = air.output(light, state, request, words)
+    scale = seen.diffuse / _tregenza_integral(shape, air.zenith)
+    radiance = seen.direct / (2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2)))
+
+    # Light the ground as the sky of gensky nearest in clearness would
+    clearness = float(state.clearness[0])
+    kind = cie_sky.OVERCAST if clearness <= 1 else cie_sky.INTERMEDIATE
+    kind = cie_sky.CLEAR if clearness >= 6 else kind
+    share = cie_sky.levels(kind, air.altitude, float(sun[2]))[1]
+    zenith = scale * float(_relative(shape, np.ones(1), np.cos([air.zenith]))[0])
+    ground = zenith * share
+    shown = request.sun and clearness > 1
+    ground += _SUN_ON_GROUND / np.pi * radiance * float(sun[2]) if shown else 0.0
+    made = [_skyfunc([scale, ground * request.ground, *shape], sun)]
+    if shown and radiance > 0:
+        angle = np.degrees(SUN_DIAMETER)
+        made = [
+            primitive("void", "light", "solar", reals=(radiance,) * 3),
+            primitive("solar", "source", "sun", reals=(*sun, angle)),
+            *made,
+        ]
+    return made
+
+
+def _skyfunc(reals: list[float], sun: Float[np.ndarray, "3"]) -> str:
+    strings = ("skybright", "perezlum.cal")
+    return primitive(
+        "void", "brightfunc", "skyfunc", strings=strings, reals=[*reals, *sun]
+    )
+
+
+def _relative(
+    shape: list[float],
+    cos_zeta: Float[np.ndarray, " n"],
+    cos_gamma: Float[np.ndarray, " n"],
+) -> Float[np.ndarray, " n"]:
+    # Perez et al. 1993, eq. 1
+    a, b, c, d, e = shape
+    gamma = np.arccos(np.clip(cos_gamma, -1, 1))
+    gradation = 1 + a * np.exp(b / cos_zeta)
+    value: np.ndarray = gradation * (1 + c * np.exp(d * gamma) + e * cos_gamma**2)
+    return value
+
+
+def _tregenza_integral(shape: list[float], zenith: float) -> float:
+    # Level plane under the sky, by the centres of 145 patches of equal weight
+    theta = np.radians(np.repeat([t for t, _ in _RINGS], [n for _, n in _RINGS]))
+    phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])
+    cos_gamma = np.cos(zenith) * np.cos(theta) + np.sin(zenith) * np.sin(
+        theta
+    ) * np.cos(phi)
+    value = _relative(shape, np.cos(theta), cos_gamma)
+    return float((value * np.cos(theta)).sum() * 2 * np.pi / len(theta))

@@ -1,0 +1,191 @@
+"""The prism of Radiance's genprism: a polygon in the plane z = 0, drawn along a vector.
+
+Corners may be rounded. With t the tangent of half the angle by which the outline turns
+at a corner, a circle of radius r around the point t·r before the corner and r inside
+touches both sides; t is negative where the outline turns the other way, and nothing
+needs to be filled there.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.files import read_text
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.radiance.generators.scene_text import polygon, primitive
+from clerestory.scene.transform import number
+
+_TINY = 1e-6
+_MOST_CORNERS = 100_000
+
+
+@dataclass(frozen=True, eq=False)
+class _Prism:
+    material: str
+    name: str
+    outline: Float[np.ndarray, "corners 2"]
+    along: Float[np.ndarray, "3"]
+    radius: float
+    ends: bool
+    open_side: bool
+
+    @property
+    def upwards(self) -> float:
+        return 1.0 if self.along[2] > 0 else -1.0
+
+    def base(self, points: Float[np.ndarray, "points 2"]) -> np.ndarray:
+        return np.column_stack([points, np.zeros(len(points))])
+
+
+def prism(words: Words, find: Callable[[str], Path]) -> list[str]:
+    """Return the primitives of a prism.
+
+    `genprism material name {file | N x1 y1 … xN yN} [-l x y z][-r radius][-c][-e]`:
+    -l draws it along a vector (0 0 1), -r rounds corners, -c leaves out the side from
+    the last corner to the first, -e leaves out both ends.
+
+    Raises
+    ------
+    InputError : an outline without area, or a vector in its plane
+    """
+    material, name = words.name("a material"), words.name("a name")
+    outline = _outline(words, find)
+    along, radius, ends, open_side = np.array([0.0, 0.0, 1.0]), 0.0, True, False
+    while words.left:
+        match words.option():
+            case "-l":
+                along = np.array([words.real("the vector") for _ in range(3)])
+            case "-r":
+                radius = words.real("the radius")
+            case "-e":
+                ends = not ends
+            case "-c":
+                open_side = not open_side
+            case option:
+                raise words.unknown(option)
+    if abs(along[2]) <= _TINY:
+        raise words.error("the vector of -l lies in the plane of the outline")
+    made = _Prism(material, name, outline, along, radius, ends, open_side)
+    if radius <= _TINY:
+        return _sharp(made)
+    if radius > abs(along[2]):
+        raise words.error(f"rounding by {radius:g} needs more height than it has")
+    return _round(made, words)
+
+
+def _outline(
+    words: Words, find: Callable[[str], Path]
+) -> Float[np.ndarray, "corners 2"]:
+    first = words.name("a file of corners, or their number")
+    if first == "-":
+        raise words.error("corners from standard input are not read here")
+    if first[0].isdigit():
+        words.at -= 1
+        count = words.whole("number of corners", 3, _MOST_CORNERS)
+        flat = [words.real(f"coordinate {i + 1}") for i in range(2 * count)]
+    else:
+        read = [number(word) for word in read_text(find(first)).split()]
+        flat = [value for value in read if value is not None]
+        if len(flat) < max(len(read), 6) or len(flat) % 2:
+            raise words.error(
+                f'the file "{first}" holds {len(read)} words; two numbers for each of'
+                " at least 3 corners expected"
+            )
+    return np.array(flat).reshape(-1, 2)
+
+
+def _sides(made: _Prism) -> range:
+    return range(len(made.outline) - made.open_side)
+
+
+def _sharp(made: _Prism) -> list[str]:
+    low = made.base(made.outline)
+    top = low + made.along
+    parts = []
+    if made.ends:
+        parts.append(polygon(made.material, f"{made.name}.b", low))
+        parts.append(polygon(made.material, f"{made.name}.t", top[::-1]))
+    for i in _sides(made):
+        j = (i + 1) % len(low)
+        corners = np.stack([low[i], top[i], top[j], low[j]])
+        parts.append(polygon(made.material, f"{made.name}.{i + 1}", corners))
+    return parts
+
+
+def _round(made: _Prism, words: Words) -> list[str]:
+    # u: unit vector of the side that ends at a corner, pointing back along it
+    corner, r = made.outline, made.radius * made.upwards
+    back = np.roll(corner, 1, axis=0) - corner
+    length = np.linalg.norm(back, axis=1, keepdims=True)
+    if length.min() <= _TINY:
+        raise words.error("two corners coincide")
+    u = back / length
+    ahead = np.roll(u, -1, axis=0)
+    cosine = np.einsum("cx,cx->c", u, ahead)
+    if (1 + cosine).min() <= _TINY:
+        raise words.error("two sides lie on each other")
+    turn = np.sign(ahead[:, 0] * u[:, 1] - ahead[:, 1] * u[:, 0])
+    t = turn * np.sqrt(np.maximum(1 - cosine, 0) / (1 + cosine))
+    inside = np.stack([-u[:, 1], u[:, 0]], axis=1)
+    centre = corner + r * (t[:, None] * u + inside)
+
+    parts = _round_ends(made, centre, t, r) if made.ends else []
+    for i in _sides(made):
+        parts += _round_side(made, i, u, t, centre)
+    return parts
+
+
+def _round_side(
+    made: _Prism,
+    i: int,
+    u: Float[np.ndarray, "corners 2"],
+    t: Float[np.ndarray, " corners"],
+    centre: Float[np.ndarray, "corners 2"],
+) -> list[str]:
+    j, r = (i + 1) % len(t), made.radius * made.upwards
+    # A slanting side touches its edges at a tilt
+    tilt = made.along[1] * u[j, 0] - made.along[0] * u[j, 1]
+    sine = made.upwards * tilt / np.linalg.norm(made.along)
+    sine = sine if abs(sine) > _TINY else 0.0
+    level = 1 - np.sqrt(1 - sine**2)
+    shift = r * np.array([-level * u[j, 1], level * u[j, 0], sine])
+    rise = np.array([0, 0, r])
+    start = np.append(made.outline[i] - r * t[i] * u[j], 0) + shift
+    end = np.append(made.outline[j] + r * t[j] * u[j], 0) + shift
+    lid = made.along - rise
+    corners = np.stack([start + rise, start + lid, end + lid, end + rise])
+    parts = [polygon(made.material, f"{made.name}.{i + 1}", corners)]
+    if made.upwards * t[j] >= 0:
+        low = np.append(centre[j], r)
+        high = np.append(centre[j], 0) + made.along - rise
+        reals = [*low, *high, made.radius]
+        label = f"{made.name}.e{i + 1}"
+        parts.append(primitive(made.material, "cylinder", label, reals=reals))
+    return parts
+
+
+def _round_ends(
+    made: _Prism,
+    centre: Float[np.ndarray, "corners 2"],
+    t: Float[np.ndarray, " corners"],
+    r: float,
+) -> list[str]:
+    flat = made.base(centre)
+    parts = [
+        polygon(made.material, f"{made.name}.b", flat),
+        polygon(made.material, f"{made.name}.t", flat[::-1] + made.along),
+    ]
+    lifts = {"b": np.array([0, 0, r]), "t": made.along - np.array([0, 0, r])}
+    for end, lift in lifts.items():
+        points = flat + lift
+        for i, point in enumerate(points):
+            if made.upwards * t[i] > 0:
+                label, reals = f"{made.name}.{end}c{i + 1}", [*point, made.radius]
+                parts.append(primitive(made.material, "sphere", label, reals=reals))
+            reals = [*points[i - 1], *point, made.radius]
+            label = f"{made.name}.{end}e{i + 1}"
+            parts.append(primitive(made.material, "cylinder", label, reals=reals))
+    return parts

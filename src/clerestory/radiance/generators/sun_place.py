@@ -1,0 +1,184 @@
+"""Where the sun stands for gensky and gendaylit: date, time, site, or its angles.
+
+Longitudes and meridians count westwards here, in degrees, as in those commands. Without
+a year the position is that of Radiance's own formulas, with a year that of the
+Astronomical Almanac.
+
+References: Radiance, sun.c (time zones, defaults, solar time); J. J. Michalsky, The
+Astronomical Almanac's algorithm for approximate solar position (1950-2050), Solar
+Energy 40 (3), 1988.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.radiance.generators.command_arguments import Words
+from clerestory.sky.sun import sun_position
+
+# Standard meridian of time zones [deg west]; the first of a name counts
+_ZONES = {
+    **{"YST": 135, "YDT": 120, "PST": 120, "PDT": 105, "MST": 105, "MDT": 90},
+    **{"CST": 90, "CDT": 75, "EST": 75, "EDT": 60, "AST": 60, "ADT": 45},
+    **{"NST": 52.5, "NDT": 37.5, "GMT": 0, "BST": -15, "CET": -15, "CEST": -30},
+    **{"EET": -30, "EEST": -45, "GST": -60, "GDT": -75, "IST": -82.5},
+    **{"IDT": -97.5, "JST": -135, "NZST": -180, "NZDT": -195},
+}
+_DAYS_BEFORE = (0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334)
+_HOUR = re.compile(r"(\+?)(\d{1,2})(?::(\d{1,2})|(\.\d*))?([A-Za-z]*)", re.ASCII)
+
+
+@dataclass
+class Moment:
+    """Date, time and site; or, without a month, the angles of the sun.
+
+    Attributes
+    ----------
+    altitude, azimuth : of the sun, azimuth clockwise from south [rad], if given
+    month, day, year : the date; 0 for none
+    hour : standard time, or solar time
+    solar : whether it is solar time
+    latitude_deg, longitude_deg, meridian_deg : the site, counted westwards
+    zoned : whether the hour named a time zone, which outweighs -m
+    """
+
+    altitude: float = 0.0
+    azimuth: float = 0.0
+    month: int = 0
+    day: int = 0
+    year: int = 0
+    hour: float = 0.0
+    solar: bool = False
+    latitude_deg: float = float(np.degrees(0.66))
+    longitude_deg: float = float(np.degrees(2.13))
+    meridian_deg: float = 120.0
+    zoned: bool = False
+
+    def take(self, option: str, words: Words) -> bool:
+        """Take the values of an option about date or site; False for another."""
+        match option:
+            case "-a":
+                self.latitude_deg = words.real("a latitude")
+            case "-o":
+                self.longitude_deg = words.real("a longitude")
+            case "-m":
+                meridian = words.real("a meridian")
+                self.meridian_deg = self.meridian_deg if self.zoned else meridian
+            case "-y":
+                self.year = words.whole("the year", 1950, 2050)
+            case _:
+                return False
+        return True
+
+    @property
+    def day_of_year(self) -> int:
+        """Day of the year, 1 for 1 January; 0 without a date."""
+        return _DAYS_BEFORE[self.month - 1] + self.day if self.month else 0
+
+    def sun(self) -> tuple[float, float]:
+        """Altitude and azimuth of the sun, azimuth clockwise from south [rad]."""
+        if not self.month:
+            return self.altitude, self.azimuth
+        if self.year:
+            declination, solar_hour = self._almanac()
+            hour = self.hour if self.solar else solar_hour
+            return _horizontal(np.radians(self.latitude_deg), declination, hour)
+        # Solar time is what a site without equation of time would have
+        days = np.timedelta64(self.day_of_year - 1, "D")
+        seconds = np.timedelta64(round(self.hour * 3600), "s")
+        times = np.array([np.datetime64("2001-01-01", "s") + days + seconds])
+        if self.solar:
+            declination = 0.4093 * np.sin(2 * np.pi / 365 * (self.day_of_year - 81))
+            latitude = np.radians(self.latitude_deg)
+            return _horizontal(latitude, declination, self.hour)
+        place = sun_position(
+            times,
+            latitude_deg=self.latitude_deg,
+            longitude_deg=-self.longitude_deg,
+            utc_offset_hours=-self.meridian_deg / 15,
+            formula="radiance",
+        )
+        return float(place.altitude[0]), float(place.azimuth[0] - np.pi)
+
+    def _almanac(self) -> tuple[float, float]:
+        # Declination [rad] and solar time [h]; days count from noon of 1 January 2000
+        date = np.datetime64(f"{self.year:04d}-{self.month:02d}-01") + self.day - 1
+        days = (date - np.datetime64("2000-01-01")) / np.timedelta64(1, "D")
+        utc = self.hour + self.meridian_deg / 15
+        n = float(days) - 0.5 + utc / 24
+        mean_longitude = np.radians(280.460 + 0.9856474 * n)
+        anomaly = np.radians(357.528 + 0.9856003 * n)
+        longitude = mean_longitude + np.radians(
+            1.915 * np.sin(anomaly) + 0.020 * np.sin(2 * anomaly)
+        )
+        obliquity = np.radians(23.439 - 4e-7 * n)
+        ascension = np.arctan2(np.sin(longitude) * np.cos(obliquity), np.cos(longitude))
+        sidereal = 6.697375 + 0.0657098242 * n + (n - np.floor(n)) * 24 + 12
+        local = sidereal - self.longitude_deg / 15
+        solar = np.mod(local - np.degrees(ascension) / 15 + 12, 24)
+        sine = np.sin(obliquity) * np.sin(longitude)
+        return float(np.arcsin(sine)), float(solar)
+
+
+def read_moment(words: Words) -> Moment:
+    """Take `month day hour` or `-ang altitude azimuth` from a command.
+
+    Raises
+    ------
+    InputError : no such date, or an hour that cannot be read
+
+    Examples
+    --------
+    >>> moment = read_moment(Words("gensky", ["9", "21", "12:30CET"]))
+    >>> moment.day_of_year, moment.hour, moment.meridian_deg
+    (264, 12.5, -15)
+    """
+    first = words.name("a month or -ang")
+    if first == "-ang":
+        altitude = np.radians(words.real("the sun's altitude"))
+        azimuth = np.radians(words.real("the sun's azimuth"))
+        return Moment(altitude=float(altitude), azimuth=float(azimuth))
+    words.at -= 1
+    month = words.whole("the month", 1, 12)
+    moment = Moment(month=month, day=words.whole("the day", 1, 31))
+    text = words.name("the hour")
+    match = _HOUR.fullmatch(text)
+    if match is None:
+        raise words.error(f'"{text}" stands where an hour such as 14:30 is expected')
+    plus, hour, minute, fraction, zone = match.groups()
+    moment.solar = bool(plus)
+    moment.hour = float(hour + (fraction or "")) + float(minute or 0) / 60
+    if moment.hour > 24:
+        raise words.error(f"the hour is {text}; 0 to 24 expected")
+    if zone:
+        if moment.solar or zone.upper() not in _ZONES:
+            known = ", ".join(_ZONES)
+            raise words.error(f'unknown time zone "{zone}"; {known} expected')
+        moment.meridian_deg, moment.zoned = _ZONES[zone.upper()], True
+    return moment
+
+
+def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
+    """Unit vector to the sun; azimuth clockwise from south [rad].
+
+    >>> direction(0.0, 0.0).round(6).tolist()
+    [0.0, -1.0, 0.0]
+    """
+    flat = np.cos(altitude)
+    towards = [-flat * np.sin(azimuth), -flat * np.cos(azimuth), np.sin(altitude)]
+    return np.array(towards) + 0.0
+
+
+def _horizontal(
+    latitude: float, declination: float, hour: float
+) -> tuple[float, float]:
+    # Altitude, and azimuth clockwise from south, from solar time
+    turn = hour * np.pi / 12
+    sine = np.sin(latitude) * np.sin(declination)
+    sine -= np.cos(latitude) * np.cos(declination) * np.cos(turn)
+    south = -np.cos(latitude) * np.sin(declination)
+    south -= np.sin(latitude) * np.cos(declination) * np.cos(turn)
+    azimuth = -np.arctan2(np.cos(declination) * np.sin(turn), south)
+    return float(np.arcsin(np.clip(sine, -1, 1))), float(azimuth)

@@ -1,0 +1,179 @@
+"""Windows as lamps: tables of the radiance that they send, and their files.
+
+What mkillum is for: the light of a window, once known in all directions, lights a scene
+like a lamp, while the eye sees the window itself. A table holds radiance over the angle
+from the normal and the angle around it, and is interpolated between.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.files import replace_file
+from clerestory.radiance.cal.program import Program
+from clerestory.radiance.cal.syntax import parse_expression
+from clerestory.radiance.data_array import DataArray
+from clerestory.radiance.function_pattern import DataPattern
+from clerestory.scene.model import Illum, Polygon, Scene
+
+# Angles of the light that leaves, from the normal A1–A3 and from A4–A6 towards A7–A9;
+# D points against that light
+_FROM_NORMAL = "Acos(-(Dx*A1+Dy*A2+Dz*A3))/DEGREE"
+_AROUND = "Atan2(-(Dx*A7+Dy*A8+Dz*A9),-(Dx*A4+Dy*A5+Dz*A6))/DEGREE"
+_COLOUR, _GREY = ("red", "green", "blue"), ("noop",)
+
+# Places for the check of a table's flux
+_FINE = 20
+
+
+@dataclass(frozen=True, eq=False)
+class LeavingLight:
+    """Radiance that a flat patch sends, by direction.
+
+    Attributes
+    ----------
+    frame : rows: two axes in the patch and its normal
+    radiance : by ring from the normal, sector around it, channel [W/(m²·sr)]
+    """
+
+    frame: Float[np.ndarray, "3 3"]
+    radiance: Float[np.ndarray, "ring sector 3"]
+
+    def exitance(self) -> Float[np.ndarray, "3"]:
+        """Radiant exitance of the patch [W/m²]."""
+        weight = _ring_weights(self.radiance.shape[0]) / self.radiance.shape[1]
+        sent: np.ndarray = np.einsum("rsc,r->c", self.radiance, weight)
+        return sent
+
+
+def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
+    # Projected solid angle of each ring [sr]
+    edge = np.sin(np.linspace(0, np.pi / 2, rings + 1)) ** 2
+    weights: np.ndarray = np.pi * np.diff(edge)
+    return weights
+
+
+def light_pattern(light: LeavingLight) -> DataPattern:
+    """Return the radiance of a patch as a pattern of an emitter of radiance 1.
+
+    The table's values stand in the middle of rings and sectors; all are scaled so that
+    what is interpolated between them sends as much as was found.
+
+    Examples
+    --------
+    >>> even = LeavingLight(np.eye(3), np.full((9, 18, 3), 2.0))
+    >>> pattern = light_pattern(even)
+    >>> pattern.value(np.eye(3), np.eye(3), np.eye(3))[2].round(3).tolist()
+    [2.0, 2.0, 2.0]
+    """
+    grey = bool(np.ptp(light.radiance, axis=2).max() == 0)
+    tables = [_table(light.radiance[..., c]) for c in range(1 if grey else 3)]
+    flat = light.frame[[2, 0, 1]].ravel()
+    return DataPattern(
+        Program(),
+        _GREY if grey else _COLOUR,
+        tuple(tables),
+        (parse_expression(_FROM_NORMAL), parse_expression(_AROUND)),
+        tuple(float(x) for x in flat),
+    )
+
+
+def _table(radiance: Float[np.ndarray, "ring sector"]) -> DataArray:
+    # Close the table at the normal, at the horizon and around
+    rings, sectors = radiance.shape
+    ring, sector = 90 / rings, 360 / sectors
+    first = np.full((1, sectors), radiance[0].mean())
+    closed = np.concatenate([first, radiance, radiance[-1:]])
+    closed = np.concatenate([closed[:, -1:], closed, closed[:, :1]], axis=1)
+    middles = (np.arange(rings) + 0.5) * ring
+    theta = np.concatenate([[0.0], middles, [90.0]])
+    phi = -180 + sector * (np.arange(sectors + 2) - 0.5)
+    table = DataArray((theta, phi), closed)
+    weight = _ring_weights(rings)
+    sent = float(radiance.mean(axis=1) @ weight)
+    read = _exitance_of(table)
+    return DataArray(table.axes, closed * (sent / read)) if read > 0 else table
+
+
+def _exitance_of(table: DataArray) -> float:
+    # By the midpoint rule, finely; 2π ∫ L sin θ cos θ dθ
+    count = _FINE * len(table.axes[0])
+    theta = (np.arange(count) + 0.5) * 90 / count
+    phi = np.linspace(-180, 180, 4 * len(table.axes[1]), endpoint=False)
+    at = np.stack(np.meshgrid(theta, phi, indexing="ij"), axis=-1).reshape(-1, 2)
+    mean = table.value(at).reshape(count, -1).mean(axis=1)
+    weight = np.pi * np.sin(2 * np.radians(theta)) * np.radians(90 / count)
+    return float(mean @ weight)
+
+
+def write_illums(scene: Scene, path: str | Path) -> list[Path]:
+    """Write windows that were made lamps as a scene file with tables beside it.
+
+    Radiance reads them too. What the eye sees in their place is named, not defined: the
+    file stands after the one that defines the windows' materials.
+
+    Parameters
+    ----------
+    scene : what `precompute_illums` returns
+    path : .rad file to write; tables get its name and a number
+
+    Returns
+    -------
+    files : all that were written
+
+    Raises
+    ------
+    InputError : a surface that is no polygon, or a material that is no such lamp
+    """
+    path = Path(path)
+    lines, files = ["# Windows as lamps, by Clerestory"], []
+    for number, surface in enumerate(scene.surfaces):
+        lamp = scene.materials[surface.material]
+        if (
+            not isinstance(surface, Polygon)
+            or not isinstance(lamp, Illum)
+            or not isinstance(lamp.pattern, DataPattern)
+        ):
+            raise InputError(f'surface "{surface.name}" is no window made a lamp')
+        names = []
+        for table, channel in zip(lamp.pattern.tables, "rgb", strict=False):
+            names.append(f"{path.stem}_{number}{channel}.dat")
+            files.append(path.with_name(names[-1]))
+            with replace_file(files[-1]) as stream:
+                stream.write(_data_text(table).encode())
+        lines += _lamp_lines(surface, lamp, lamp.pattern, names)
+    with replace_file(path) as stream:
+        stream.write("\n".join([*lines, ""]).encode())
+    return [path, *files]
+
+
+def _lamp_lines(
+    surface: Polygon, lamp: Illum, pattern: DataPattern, names: list[str]
+) -> list[str]:
+    kind = "colordata" if len(names) == 3 else "brightdata"
+    words = [*pattern.functions, *names, ".", _FROM_NORMAL, _AROUND]
+    axes = " ".join(f"{x:.9g}" for x in pattern.arguments)
+    seen = lamp.alternate.name
+    radiance = " ".join(f"{c:.9g}" for c in lamp.radiance)
+    corners = " ".join(f"{x:.9g}" for x in surface.vertices.ravel())
+    name = f"{lamp.name}_light"
+    return [
+        f"\nvoid {kind} {name}",
+        f"{len(words)} {' '.join(words)}\n0\n{len(pattern.arguments)} {axes}",
+        f"{name} illum {lamp.name}\n1 {seen}\n0\n3 {radiance}",
+        f"{lamp.name} polygon {surface.name or lamp.name}",
+        f"0\n0\n{surface.vertices.size} {corners}",
+    ]
+
+
+def _data_text(table: DataArray) -> str:
+    # Axis by axis, the positions that are uneven one by one
+    theta, phi = table.axes
+    uneven = " ".join(f"{x:.9g}" for x in theta)
+    rows = "\n".join(" ".join(f"{x:.7g}" for x in row) for row in table.values)
+    return (
+        f"2\n0 0 {len(theta)} {uneven}\n{phi[0]:.9g} {phi[-1]:.9g} {len(phi)}\n{rows}\n"
+    )

@@ -1,0 +1,145 @@
+"""Instances and meshes: what stands in another file, put in place by a primitive.
+
+`instance` names an octree. Of a frozen one the primitives are taken as they are; for
+another, the scene files it was made from are read, if they are still there. `mesh`
+names a compiled mesh or the OBJ file that one would be made from; names of materials
+in an OBJ file stand for modifiers of the scene.
+
+References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2.1.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from clerestory.errors import InputError
+from clerestory.files import read_bytes
+from clerestory.formats.obj import obj_meshes
+from clerestory.formats.obj_text import ObjText, parse_obj
+from clerestory.radiance.arguments import Arguments
+from clerestory.radiance.compiled import Octree, read_octree
+from clerestory.radiance.compiled_mesh import CompiledMesh, read_compiled_mesh
+from clerestory.radiance.placement import Placement
+from clerestory.radiance.statements import Alias, Primitive
+from clerestory.scene.model import Source, TriangleMesh
+
+INSTANCE_KINDS = frozenset({"instance", "mesh"})
+
+_OBJ = ".obj"
+
+
+@dataclass(frozen=True, eq=False)
+class Instance:
+    """What an instance or mesh stands for.
+
+    Attributes
+    ----------
+    files : scene files to be read
+    items : primitives and meshes, already read
+    placement : where they go; the modifier outweighs theirs, unless it is void
+    """
+
+    files: tuple[Path, ...]
+    items: tuple[Primitive | Alias | TriangleMesh, ...]
+    placement: Placement
+
+
+# What has been read from files, which may be placed many times
+Loaded = dict[Path, Octree | ObjText | CompiledMesh]
+
+
+def read_instance(
+    item: Primitive, *, file: str, find: Callable[[str], Path], loaded: Loaded
+) -> Instance:
+    """Return what a primitive of type instance or mesh stands for.
+
+    Parameters
+    ----------
+    item : the primitive
+    file : where it stands
+    find : path of a file that it names
+    loaded : what has been read before; what is read now is added
+
+    Raises
+    ------
+    InputError : with file and line, where its file is missing or damaged, or its
+        arguments do not fit
+    """
+    given = Arguments(item, file)
+    given.reals(0)
+    if not item.strings:
+        raise given.error("no file; the name of one expected")
+    modifier = None if item.modifier == "void" else item.modifier
+    placement = Placement(given.transform(1), modifier, item.name)
+    try:
+        path = find(item.strings[0])
+        if path not in loaded:
+            loaded[path] = _load(path, item.kind)
+        match loaded[path]:
+            case Octree() as octree:
+                return _octree(octree, path, placement, find)
+            case ObjText() as text:
+                return Instance((), _obj(text, path, item, file), placement)
+            case CompiledMesh() as mesh:
+                return Instance((), _compiled(mesh, path, item, file), placement)
+    except InputError as error:
+        if error.file is not None and str(error.file) != str(item.strings[0]):
+            raise
+        raise given.error(error.message) from error
+
+
+def _load(path: Path, kind: str) -> Octree | ObjText | CompiledMesh:
+    if kind == "instance":
+        return read_octree(path)
+    if path.suffix.lower() == _OBJ:
+        return parse_obj(read_bytes(path), file=str(path))
+    return read_compiled_mesh(path)
+
+
+def _octree(
+    octree: Octree, path: Path, placement: Placement, find: Callable[[str], Path]
+) -> Instance:
+    files = []
+    for name in octree.files:
+        if name.startswith("!"):
+            raise InputError(
+                f'the octree {path} was made from the command "{name}"; a frozen one'
+                " (oconv -f) expected"
+            )
+        beside = path.parent / name
+        files.append(beside if beside.is_file() else find(name))
+    return Instance(tuple(files), octree.items, placement)
+
+
+def _obj(
+    text: ObjText, path: Path, item: Primitive, file: str
+) -> tuple[TriangleMesh, ...]:
+    meshes = obj_meshes(text, file=str(path))
+    unnamed = [mesh for mesh in meshes if not mesh.material]
+    if unnamed and item.modifier == "void":
+        raise Arguments(item, file).error(
+            f"{path} has faces without usemtl; a modifier other than void expected"
+        )
+    return meshes
+
+
+def _compiled(
+    mesh: CompiledMesh, path: Path, item: Primitive, file: str
+) -> tuple[Primitive | Alias | TriangleMesh, ...]:
+    names = np.array(mesh.material)
+    parts: list[Primitive | Alias | TriangleMesh] = list(mesh.items)
+    for name in np.unique(names).tolist():
+        if not name and item.modifier == "void":
+            raise Arguments(item, file).error(
+                f"{path} has faces without material; a modifier other than void"
+                " expected"
+            )
+        faces = mesh.faces[names == name]
+        index, place = np.unique(faces, return_inverse=True)
+        source = Source(file, item.line)
+        vertices = mesh.vertices[index]
+        corners = place.reshape(-1, 3)
+        parts.append(TriangleMesh(vertices, corners, name, name, source))
+    return tuple(parts)

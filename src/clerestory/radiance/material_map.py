@@ -1,0 +1,112 @@
+"""Material maps (.toml): what the names in a mesh file are made of.
+
+file = "materials.rad"          # optional: materials to name below
+scale = 0.001                   # metres per unit of the mesh file
+up = "y"                        # which axis of the mesh file points up
+
+[materials]
+Oak = { reflectance = [0.5, 0.38, 0.26], specularity = 0.01, roughness = 0.1 }
+Pane = { transmissivity = 0.87 }
+Wall = "painted_wall"           # a material of the file above
+"*" = { reflectance = 0.5 }     # all others
+"""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal, final
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.scene.model import Glass, Material, Plastic
+
+_Share = Annotated[float, Field(ge=0, le=1)]
+_Colour = _Share | Annotated[list[_Share], Field(min_length=3, max_length=3)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
+    )
+
+
+class _PlasticTable(_Table):
+    reflectance: _Colour
+    specularity: _Share = 0.0
+    roughness: _Share = 0.0
+
+
+class _GlassTable(_Table):
+    transmissivity: _Colour
+    index: float = Field(1.52, ge=1, le=4)
+
+
+class _MapFile(_Table):
+    file: str = ""
+    scale: float = Field(1.0, gt=0)
+    up: Literal["y", "z"] | None = None
+    materials: dict[str, str | _PlasticTable | _GlassTable]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class MaterialMap:
+    """What the names in a mesh file are made of.
+
+    Attributes
+    ----------
+    materials : by name; "*" stands for any other
+    scale : metres per unit of the mesh file
+    up : axis that points up; None for what is usual in the format
+    """
+
+    materials: Mapping[str, Material]
+    scale: float = 1.0
+    up: Literal["y", "z"] | None = None
+
+
+def read_material_map(path: str | Path) -> MaterialMap:
+    """Return the material map in a TOML file; `file` is relative to it.
+
+    Raises
+    ------
+    InputError : it is not TOML, a key is wrong, or a material is not in the file
+    """
+    path = Path(path)
+    try:
+        told = _MapFile.model_validate(tomllib.loads(read_text(path)))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"not TOML: {error}", file=path) from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        raise InputError(f'key "{key}": {first["msg"]}', file=path) from error
+    known = read_rad(path.parent / told.file).materials if told.file else {}
+    found: dict[str, Material] = {}
+    for name, value in told.materials.items():
+        if isinstance(value, str):
+            if value not in known:
+                raise InputError(
+                    f'no material "{value}" in {told.file or "a file"}', file=path
+                )
+            found[name] = known[value]
+        else:
+            found[name] = _material(name, value)
+    return MaterialMap(found, told.scale, told.up)
+
+
+def _material(name: str, table: _PlasticTable | _GlassTable) -> Material:
+    plain = "_".join(name.split()) if name != "*" else "other"
+    if isinstance(table, _GlassTable):
+        return Glass(plain, _colour(table.transmissivity), table.index)
+    gloss = table.specularity, table.roughness
+    return Plastic(plain, _colour(table.reflectance), *gloss)
+
+
+def _colour(value: float | list[float]) -> np.ndarray:
+    return np.broadcast_to(np.array(value, dtype=float), 3).copy()

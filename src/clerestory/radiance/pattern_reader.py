@@ -1,0 +1,217 @@
+"""Patterns, textures and shares of mixtures as scene files write them.
+
+A function file of Radiance's library that its generators name (`cal.files`) stands for
+functions of our own, unless a file of that name lies beside the scene or in the current
+directory. Other files are looked for like every file that a scene names.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.formats.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
+from clerestory.radiance.arguments import Arguments
+from clerestory.radiance.cal.files import NATIVE_FILES, TEXT_FILES
+from clerestory.radiance.cal.program import Program
+from clerestory.radiance.cal.syntax import (
+    Definition,
+    Name,
+    Node,
+    parse_definitions,
+    parse_expression,
+)
+from clerestory.radiance.data_array import DataArray, read_data_array
+from clerestory.radiance.function_pattern import KNOWN, DataPattern, FunctionPattern
+from clerestory.radiance.intensity_table import intensity_table
+from clerestory.radiance.modifiers import Finish
+from clerestory.radiance.search_path import library_file
+from clerestory.radiance.statements import Primitive
+from clerestory.scene.transform import Transform
+
+
+def read_finish(item: Primitive, *, file: str, placed: Transform) -> Finish:
+    """Return the pattern or texture that a primitive describes.
+
+    Parameters
+    ----------
+    item : one of `FINISHES`
+    file : where it stands
+    placed : transform of the file that holds it
+
+    Raises
+    ------
+    InputError : with file and line, where a function or table is missing, malformed,
+        or asks for what a pattern cannot know
+    """
+    made = _read(Arguments(item, file), placed)
+    return Finish((), (made,)) if item.kind in _TEXTURES else Finish((made,))
+
+
+def read_share(given: Arguments, placed: Transform) -> FunctionPattern | DataPattern:
+    """Return how the foreground of a mixture varies, as the first channel.
+
+    Its function is the third string argument, after the two materials.
+    """
+    return _read(given, placed)
+
+
+def read_vector(given: Arguments, placed: Transform, first: int) -> FunctionPattern:
+    """Return three expressions from a string argument on, then file and transform.
+
+    The values are components of a vector in the coordinates of the function.
+    """
+    try:
+        return _function(given, placed, 3, first)
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise given.error(error.message) from error
+
+
+def _read(given: Arguments, placed: Transform) -> FunctionPattern | DataPattern:
+    try:
+        count, first, tables = _FORMS[given.item.kind]
+        if tables is None:
+            return _function(given, placed, count, first)
+        return _data(given, placed, count, first, tables)
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise given.error(error.message) from error
+
+
+def _function(
+    given: Arguments, placed: Transform, count: int, first: int
+) -> FunctionPattern:
+    # Expressions from the string `first` on, then file and transform
+    at = first + count
+    _strings(given, at + 1)
+    program = _program(given, at)
+    expressions = tuple(_expression(given, t) for t in given.item.strings[first:at])
+    pattern = FunctionPattern(
+        program,
+        expressions,
+        given.item.reals,
+        _transform(given, at + 1, placed),
+        given.source,
+    )
+    _check(given, program, expressions)
+    return pattern
+
+
+def _data(
+    given: Arguments, placed: Transform, count: int, first: int, files: int
+) -> DataPattern:
+    # Functions, data files, function file, coordinates, transform
+    middle = first + count
+    at = middle + files + 1
+    _strings(given, at)
+    strings = given.item.strings
+    tables = tuple(_table(given, name) for name in strings[middle : at - 1])
+    axes = len(tables[0].axes)
+    if any(len(table.axes) != axes for table in tables):
+        raise given.error("its tables have different numbers of axes; one expected")
+    if len(strings) < at + axes:
+        raise given.error(f"{len(strings) - at} coordinates for a table of {axes} axes")
+    program = _program(given, at - 1)
+    places = tuple(_expression(given, text) for text in strings[at : at + axes])
+    functions = strings[first:middle]
+    pattern = DataPattern(
+        program,
+        functions,
+        tables,
+        places,
+        given.item.reals,
+        _transform(given, at + axes, placed),
+        given.source,
+    )
+    _check(given, program, (*places, *(Name(name) for name in functions)))
+    return pattern
+
+
+# Number of functions, the string the first of them is, and how many data files follow
+_FORMS: Mapping[str, tuple[int, int, int | None]] = {
+    "brightfunc": (1, 0, None),
+    "colorfunc": (3, 0, None),
+    "brightdata": (1, 0, 1),
+    "colordata": (3, 0, 3),
+    "texfunc": (3, 0, None),
+    "texdata": (3, 0, 3),
+    "mixfunc": (1, 2, None),
+    "mixdata": (1, 2, 1),
+}
+_TEXTURES = ("texfunc", "texdata")
+FINISHES = frozenset(_FORMS) - {"mixfunc", "mixdata"}
+
+
+def _table(given: Arguments, name: str) -> DataArray:
+    # A luminaire's file stands for its intensities, too
+    path = library_file(name, beside=given.file, line=given.item.line)
+    if path.suffix.lower() in LUMINAIRE_SUFFIXES:
+        return intensity_table(read_luminaire(path))
+    return read_data_array(path)
+
+
+def _strings(given: Arguments, least: int) -> None:
+    if len(given.item.strings) < least:
+        raise given.error(
+            f"{len(given.item.strings)} string arguments; {least} or more expected"
+        )
+
+
+def _transform(given: Arguments, at: int, placed: Transform) -> Transform:
+    # Radiance looks for the transform from the first word with a dash on
+    strings = given.item.strings
+    while at < len(strings) and not strings[at].startswith("-"):
+        at += 1
+    return given.transform(at).then(placed)
+
+
+def _expression(given: Arguments, text: str) -> Node:
+    try:
+        return parse_expression(text)
+    except InputError as error:
+        raise given.error(f'in "{text}": {error.message}') from error
+
+
+def _program(given: Arguments, at: int) -> Program:
+    # The functions of the file named by string `at`; a dot names none
+    name = given.item.strings[at]
+    if name == ".":
+        return Program()
+    native = Path(name).name
+    beside = (Path(given.file).parent / name, Path(name))
+    if not any(path.is_file() for path in beside):
+        if native in NATIVE_FILES:
+            return Program(native_file=native)
+        if native in TEXT_FILES:
+            return Program(TEXT_FILES[native])
+    path = library_file(name, beside=given.file, line=given.item.line)
+    definitions: dict[str, Definition] = parse_definitions(
+        read_text(path), file=str(path)
+    )
+    return Program(definitions)
+
+
+def _check(given: Arguments, program: Program, nodes: tuple[Node, ...]) -> None:
+    # Every name must mean something before a ray is traced
+    unknown = sorted(program.uses(*nodes) - KNOWN)
+    if unknown:
+        raise given.error(
+            f'"{unknown[0]}" is not defined, or not known where light leaves a source;'
+            " a name of its function file, an argument or D, N, P expected"
+        )
+    # Try one ray of each kind, so that too few arguments are found here
+    shape = (1, 3)
+    up = np.broadcast_to(np.array([0.0, 0.6, 0.8]), shape)
+    computed = {
+        "S": np.ones(1),
+        **{name: np.full(1, 0.5) for name in KNOWN},
+        **{f"D{a}": up[:, i] for i, a in enumerate("xyz")},
+    }
+    values = tuple(node for node in nodes if program.is_value(node))
+    if values:
+        program.values(values, computed, given.item.reals)

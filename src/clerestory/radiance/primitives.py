@@ -1,0 +1,112 @@
+"""Surfaces of the scene language as values: one function for each type.
+
+To read one more surface, write its function and add it to `SURFACES`.
+"""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from clerestory.radiance.arguments import Arguments
+from clerestory.radiance.statements import Primitive
+from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
+
+# Radiance's FTINY: what is shorter has no length
+_TINY = 1e-6
+
+
+def surface(item: Primitive, *, file: str) -> Simple | None:
+    """Return the surface that a primitive other than a polygon describes.
+
+    Returns None, with a warning, where it has no extent.
+
+    Raises
+    ------
+    InputError : a type that is not read, or arguments that do not fit it
+    """
+    given = Arguments(item, file)
+    if item.kind not in SURFACES:
+        known = ", ".join(["polygon", *SURFACES])
+        raise given.error(f"this type is not supported; {known} are")
+    given.no_strings()
+    return SURFACES[item.kind](given)
+
+
+def _sphere(given: Arguments) -> Simple | None:
+    value = given.reals(4)
+    radius, inward = float(value[3]), given.item.kind == "bubble"
+    if abs(radius) <= _TINY:
+        given.doubt("its radius is zero; it is left out")
+        return None
+    if radius < 0:
+        given.doubt(f"radius is {radius:g}; its front is turned, as in Radiance")
+        radius, inward = -radius, not inward
+    source = given.source
+    return Sphere(
+        value[:3], radius, inward, given.item.modifier, given.item.name, source
+    )
+
+
+def _cone(given: Arguments) -> Simple | None:
+    straight = given.item.kind in ("cylinder", "tube")
+    value = given.reals(7 if straight else 8)
+    radii, inward = value[6:], given.item.kind in ("cup", "tube")
+    if np.abs(radii).max() <= _TINY or radii.min() < -_TINY < _TINY < radii.max():
+        listed = ", ".join(f"{r:g}" for r in radii)
+        raise given.error(f"radius is {listed}; a positive number expected")
+    if radii.min() < -_TINY:
+        given.doubt(
+            f"radius is {radii.min():g}; its front is turned, as in Radiance",
+        )
+        radii, inward = -radii, not inward
+    if np.linalg.norm(value[3:6] - value[:3]) <= _TINY:
+        given.doubt("its two ends coincide; it is left out")
+        return None
+    first, last = float(abs(radii[0])), float(abs(radii[-1]))
+    source = given.source
+    return Cone(
+        value[:3],
+        value[3:6],
+        first,
+        last,
+        inward,
+        given.item.modifier,
+        given.item.name,
+        source,
+    )
+
+
+def _ring(given: Arguments) -> Simple | None:
+    value = given.reals(8)
+    inner, outer = sorted(map(float, value[6:]))
+    if inner < 0 or outer - inner <= _TINY:
+        raise given.error(
+            f"radii are {inner:g} and {outer:g}; 0 ≤ inner < outer expected"
+        )
+    normal = given.direction(value[3:6])
+    source = given.source
+    return Ring(
+        value[:3], normal, inner, outer, given.item.modifier, given.item.name, source
+    )
+
+
+def _source(given: Arguments) -> Simple | None:
+    value = given.reals(4)
+    if not 0 < value[3] <= 360:
+        raise given.error(f"angle is {value[3]:g}°; more than 0 and up to 360 expected")
+    direction, angle = given.direction(value[:3]), float(value[3])
+    return DistantSource(
+        direction, angle, given.item.modifier, given.item.name, given.source
+    )
+
+
+SURFACES: Mapping[str, Callable[[Arguments], Simple | None]] = {
+    "sphere": _sphere,
+    "bubble": _sphere,
+    "cone": _cone,
+    "cup": _cone,
+    "cylinder": _cone,
+    "tube": _cone,
+    "ring": _ring,
+    "source": _source,
+}

@@ -1,0 +1,263 @@
+"""Scenes from Radiance's scene files (.rad), read natively: no shell, no octree.
+
+Commands (`!xform …`, `!cat …`) are followed here. A relative path in a command is
+looked for in the folder of the file given to `read_rad`, then in the folder of the
+file that holds the command, then in the current directory. A BSDF file is looked for
+beside the file that names it, in the current directory and in the folders of RAYPATH.
+
+References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2 (ray.html).
+"""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.errors import InputError
+from clerestory.gonio.layer import read_layer
+from clerestory.radiance.arguments import Arguments, Definition
+from clerestory.radiance.definition import material
+from clerestory.radiance.expansion import Placed, Scope, placed_items
+from clerestory.radiance.modifiers import Finish, finished
+from clerestory.radiance.pattern_reader import FINISHES, read_finish
+from clerestory.radiance.placement import Placement
+from clerestory.radiance.search_path import library_file
+from clerestory.radiance.statements import Alias, Directive, PolygonRun, Primitive
+from clerestory.scene.model import (
+    DistantSource,
+    Glow,
+    Light,
+    Material,
+    Polygon,
+    Scene,
+    Source,
+    Surface,
+    Void,
+    insert_material,
+)
+
+# What "void" stands for among modifiers: no material at all
+_VOID = ""
+
+
+def read_rad(*paths: str | Path) -> Scene:
+    """Return the scene in Radiance files, read one after the other.
+
+    A later definition of a material holds for the surfaces after it. Surfaces made
+    of void are left out. Polygons without area are left out and bent ones kept, each
+    with a warning that names them.
+
+    Parameters
+    ----------
+    paths : .rad files; materials stand before the surfaces made of them
+
+    Raises
+    ------
+    InputError : with file and line, where a file is missing, malformed, includes
+        itself, uses a name before it is defined, or holds a material, a surface or
+        a command that is not supported
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> text = "void light lamp 0 0 3 1 1 1  lamp sphere bulb 0 0 4 0 0 2 0.1"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "lamp.rad")
+    ...     _ = file.write_text(text)
+    ...     scene = read_rad(file)
+    >>> scene.surfaces[0].radius, scene.surfaces[0].material
+    (0.1, 'lamp')
+    """
+    reading = _Reading()
+    for path in paths:
+        for item in placed_items(path):
+            reading.add(item)
+    return Scene(reading.materials, tuple(reading.surfaces), tuple(reading.distant))
+
+
+@dataclass
+class _Reading:
+    # What has been read so far, and what each name means at this point
+    materials: dict[str, Material] = field(default_factory=dict)
+    in_force: dict[str, str] = field(default_factory=lambda: {"void": _VOID})
+    surfaces: list[Surface] = field(default_factory=list)
+    distant: list[DistantSource] = field(default_factory=list)
+    bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
+    # Patterns and textures with all that modifies them, and alone
+    finishes: dict[str, Finish] = field(default_factory=dict)
+    outside: list[tuple[dict[str, str], dict[str, Finish]]] = field(
+        default_factory=list
+    )
+    bare: dict[str, Finish] = field(default_factory=dict)
+    # Materials without what modifies them, by key
+    unfinished: dict[str, Material] = field(default_factory=dict)
+
+    def add(self, placed: Placed) -> None:
+        match placed.item:
+            case PolygonRun():
+                self._add_polygons(placed.item, placed.file)
+            case Primitive():
+                self._define(placed.item, placed.file, placed.placement)
+            case Alias():
+                self._alias(placed.item, placed.file)
+            case DistantSource():
+                self._add_distant(placed.item)
+            case Scope(opens=True):
+                self.outside.append((dict(self.in_force), dict(self.finishes)))
+            case Scope():
+                self.in_force, self.finishes = self.outside.pop()
+            case Scene():
+                self._add_scene(placed.item, placed.file, placed.placement)
+            case Directive():
+                pass  # speaks to window readers
+            case surface:
+                source = surface.source or Source(placed.file, 0)
+                key = self._key(surface.material, source.file, source.line)
+                if key != _VOID:
+                    self.surfaces.append(replace(surface, material=key))
+
+    def _key(self, modifier: str, file: str, line: int) -> str:
+        if modifier in self.finishes:
+            raise InputError(
+                f'the modifier "{modifier}" is a pattern; a material expected',
+                file=file,
+                line=line,
+            )
+        if modifier not in self.in_force:
+            raise InputError(
+                f'undefined modifier "{modifier}"; a material defined before this line,'
+                " or in a file given before this one, expected",
+                file=file,
+                line=line,
+            )
+        return self.in_force[modifier]
+
+    def _add_polygons(self, run: PolygonRun, file: str) -> None:
+        ends = run.first.tolist()
+        for i, (modifier, name, line) in enumerate(
+            zip(run.modifier, run.name, run.line, strict=True)
+        ):
+            key = self._key(modifier, file, line)
+            if key != _VOID:
+                vertices = run.vertices[ends[i] : ends[i + 1]]
+                self.surfaces.append(Polygon(vertices, key, name, Source(file, line)))
+
+    def _add_scene(self, scene: Scene, file: str, placement: Placement) -> None:
+        # Surfaces that are in place; a modifier of xform outweighs their materials
+        keys = {
+            name: insert_material(self.materials, material)
+            for name, material in scene.materials.items()
+        }
+        for surface in scene.surfaces:
+            key = keys[surface.material]
+            if placement.modifier is not None:
+                key = self._key(placement.modifier, file, 0)
+            if key != _VOID:
+                turned = placement.turned(surface)
+                name = placement.name(surface.name)
+                self.surfaces.append(replace(turned, material=key, name=name))
+        if placement.modifier is None:
+            self.in_force |= keys
+
+    def _add_distant(self, item: DistantSource) -> None:
+        source = item.source or Source("", 0)
+        key = self._key(item.material, source.file, source.line)
+        if key == _VOID:
+            return
+        if not isinstance(self.materials[key], Glow | Light):
+            raise InputError(
+                f'source "{item.name}" is made of "{key}"; a glow or a light expected',
+                file=source.file,
+                line=source.line,
+            )
+        self.distant.append(replace(item, material=key))
+
+    def _define(self, item: Primitive, file: str, placement: Placement) -> None:
+        if item.kind in FINISHES:
+            self._define_finish(item, file, placement)
+            return
+        value = material(
+            Definition(
+                item,
+                file,
+                placed=placement.transform,
+                named=lambda name: self._named(name, file, item.line),
+                bsdf=lambda name: self._bsdf(name, file, item.line),
+            )
+        )
+        self._name_material(
+            item.name, value, self._modifying(item, file), Arguments(item, file)
+        )
+
+    def _name_material(
+        self, name: str, value: Material, finish: Finish | None, given: Arguments
+    ) -> None:
+        made = value if finish is None else finished(value, finish, given)
+        self.finishes.pop(name, None)
+        key = insert_material(self.materials, made)
+        self.in_force[name] = key
+        if finish is not None:
+            self.unfinished[key] = value
+
+    def _define_finish(self, item: Primitive, file: str, placement: Placement) -> None:
+        finish = read_finish(item, file=file, placed=placement.transform)
+        if item.modifier not in self.finishes and item.modifier != "void":
+            # Between a material and what it covers: a material of its own
+            value = replace(self._named(item.modifier, file, item.line), name=item.name)
+            self._name_material(item.name, value, finish, Arguments(item, file))
+            return
+        self._name_finish(item.name, finish, self._modifying(item, file))
+
+    def _name_finish(self, name: str, finish: Finish, outer: Finish | None) -> None:
+        self.bare[name] = finish
+        self.finishes[name] = finish.within(outer)
+        self.in_force.pop(name, None)
+
+    def _modifying(self, item: Primitive | Alias, file: str) -> Finish | None:
+        # The finish that modifies an item, None for void
+        if item.modifier in self.finishes:
+            return self.finishes[item.modifier]
+        if self._key(item.modifier, file, item.line) != _VOID:
+            kind = item.kind if isinstance(item, Primitive) else "alias"
+            raise InputError(
+                f'{kind} "{item.name}" is modified by the material'
+                f' "{item.modifier}"; void or a pattern expected',
+                file=file,
+                line=item.line,
+            )
+        return None
+
+    def _named(self, name: str, file: str, line: int) -> Material:
+        key = self._key(name, file, line)
+        return Void() if key == _VOID else self.materials[key]
+
+    def _bsdf(self, name: str, file: str, line: int) -> Bsdf:
+        # One value for each file, so that equal materials are known as such
+        path = library_file(name, beside=file, line=line).resolve()
+        if path not in self.bsdfs:
+            self.bsdfs[path] = read_layer(path)
+        return self.bsdfs[path]
+
+    def _alias(self, item: Alias, file: str) -> None:
+        # "inherit" keeps what modifies the original; any other modifier replaces it
+        if item.target == "void":
+            raise InputError(
+                f'alias "{item.name}" stands for void; a material expected',
+                file=file,
+                line=item.line,
+            )
+        inherits = item.modifier == "inherit"
+        outer = None if inherits else self._modifying(item, file)
+        if item.target in self.finishes:
+            whole, bare = self.finishes[item.target], self.bare[item.target]
+            self._name_finish(item.name, whole if inherits else bare, outer)
+            return
+        key = self._key(item.target, file, item.line)
+        if not inherits and (outer or key in self.unfinished):
+            value = replace(
+                self.unfinished.get(key, self.materials[key]), name=item.name
+            )
+            given = Primitive(item.modifier, "alias", item.name, (), (), item.line)
+            self._name_material(item.name, value, outer, Arguments(given, file))
+            return
+        self.finishes.pop(item.name, None)
+        self.in_force[item.name] = key

@@ -1,0 +1,255 @@
+"""What the text of a .rad file says, statement by statement.
+
+Long files are mostly polygons in plain numbers. Those are cut out by one regular
+expression and converted together; everything else is read word by word.
+"""
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.scene.transform import number
+
+
+@dataclass(frozen=True, eq=False)
+class Primitive:
+    """`modifier kind name`, with its strings and real numbers."""
+
+    modifier: str
+    kind: str
+    name: str
+    strings: tuple[str, ...]
+    reals: tuple[float, ...]
+    line: int
+
+
+@dataclass(frozen=True, eq=False)
+class PolygonRun:
+    """Polygons that follow each other; polygon i has vertices first[i]:first[i+1]."""
+
+    modifier: list[str]
+    name: list[str]
+    line: list[int]
+    first: Int[np.ndarray, " polygons_and_end"]
+    vertices: Float[np.ndarray, "vertices 3"]
+
+
+@dataclass(frozen=True)
+class Alias:
+    """`modifier alias name target`."""
+
+    modifier: str
+    name: str
+    target: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Command:
+    """A line that begins with an exclamation mark, without it."""
+
+    text: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Directive:
+    """The variables of a `#@rfluxmtx` comment."""
+
+    text: str
+    line: int
+
+
+Statement = Primitive | PolygonRun | Alias | Command | Directive
+
+# Radiance's types (ray.html, section 2.1): what may stand second in a primitive
+_SURFACES = "polygon sphere bubble cone cup cylinder tube ring source instance mesh"
+_MODIFIERS = """
+    plastic metal glass trans dielectric plastic2 metal2 trans2 interface plasfunc
+    metfunc brightfunc brightdata brighttext colorpict glow light illum spotlight
+    mist mirror transfunc BRTDfunc BSDF aBSDF plasdata metdata transdata colorfunc
+    antimatter colordata colortext texfunc texdata mixfunc mixdata mixtext mixpict
+    prism1 prism2 ashik2
+"""
+SURFACE_KINDS = frozenset(_SURFACES.split())
+MODIFIER_KINDS = frozenset(_MODIFIERS.split())
+
+_NUMBER = r"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+(?!\S)"
+_POLYGON = re.compile(
+    rf"""([^\s"'\#!]\S*)\s+polygon\s+([^\s"']\S*)\s+0\s+0\s+(\d+)((?:\s+{_NUMBER})++)""",
+    re.ASCII,
+)
+_SKIP = re.compile(r"(?:\s++|#(?!@rfluxmtx\b)[^\n]*+)*+", re.ASCII)
+_LINE = re.compile(r"[^\n]*")
+_COMMAND = re.compile(r"!((?:[^\\\n]|\\.|\\\n|\\)*)")
+_WORD = re.compile(r"""\s*(?:"([^"]*)(")?|'([^']*)(')?|(\S+))""", re.ASCII)
+
+
+def parse_statements(text: str, *, file: str) -> list[Statement]:
+    """Return the statements of a file's text in their order.
+
+    Raises
+    ------
+    InputError : with file and line, where the text is not a scene description
+    """
+    statements: list[Statement] = []
+    polygons = _PolygonCollector()
+    cursor = _Cursor(text, file)
+    while cursor.skip():
+        if polygons.take(cursor):
+            continue
+        statements.extend(polygons.flush())
+        statements.append(_statement(cursor))
+    statements.extend(polygons.flush())
+    return statements
+
+
+@dataclass
+class _Cursor:
+    # A place in the text, and the line it is on
+    text: str
+    file: str
+    at: int = 0
+    counted: int = 0
+    newlines: int = 0
+
+    def skip(self) -> bool:
+        # Pass blanks and comments; tell whether anything is left
+        match = _SKIP.match(self.text, self.at)
+        self.at = match.end() if match else self.at
+        return self.at < len(self.text)
+
+    def line(self) -> int:
+        self.newlines += self.text.count("\n", self.counted, self.at)
+        self.counted = self.at
+        return self.newlines + 1
+
+    def word(self, what: str) -> str:
+        match = _WORD.match(self.text, self.at)
+        if match is None:
+            raise self.error(
+                f"the file ends where {what} is expected", at=len(self.text.rstrip())
+            )
+        double, double_end, single, single_end, plain = match.groups()
+        if plain is None and double_end is None and single_end is None:
+            raise self.error("a quotation mark is not closed", at=match.start())
+        self.at = match.end()
+        return next(w for w in (plain, double, single) if w is not None)
+
+    def error(self, message: str, *, at: int | None = None) -> InputError:
+        at = self.at if at is None else at
+        return InputError(
+            message, file=self.file, line=self.text.count("\n", 0, at) + 1
+        )
+
+
+def _statement(cursor: _Cursor) -> Statement:
+    line = cursor.line()
+    start = cursor.text[cursor.at]
+    if start == "#":
+        match = _LINE.match(cursor.text, cursor.at)
+        cursor.at = match.end() if match else cursor.at
+        return Directive(
+            match.group().removeprefix("#@rfluxmtx") if match else "", line
+        )
+    if start == "!":
+        match = _COMMAND.match(cursor.text, cursor.at)
+        cursor.at = match.end() if match else cursor.at
+        return Command(match.group(1).replace("\\\n", "") if match else "", line)
+
+    modifier = cursor.word("a modifier")
+    here = cursor.at
+    kind = cursor.word(f'the type of a primitive modified by "{modifier}"')
+    name = cursor.word(f"the name of the {kind}") if _is_kind(kind) else ""
+    if kind == "alias":
+        return Alias(
+            modifier, name, cursor.word(f'the original of alias "{name}"'), line
+        )
+    if kind not in SURFACE_KINDS and kind not in MODIFIER_KINDS:
+        hint = "a type such as polygon or plastic expected"
+        if number(modifier) is not None and number(kind) is not None:
+            hint = "does the primitive before have more numbers than its count says?"
+        cursor.at = here + len(cursor.text[here:]) - len(cursor.text[here:].lstrip())
+        raise cursor.error(f'unknown type "{kind}" of primitive; {hint}')
+    return _primitive(cursor, modifier=modifier, kind=kind, name=name, line=line)
+
+
+def _is_kind(word: str) -> bool:
+    return word == "alias" or word in SURFACE_KINDS or word in MODIFIER_KINDS
+
+
+def _primitive(
+    cursor: _Cursor, *, modifier: str, kind: str, name: str, line: int
+) -> Primitive:
+    label = f'{kind} "{name}"'
+    strings = tuple(
+        cursor.word(f"string {i + 1} of {label}")
+        for i in range(_count(cursor, f"the count of strings of {label}"))
+    )
+    if _count(cursor, f"the count of integers of {label}") != 0:
+        raise cursor.error(f"{label} has integer arguments; a count of 0 expected")
+    count = _count(cursor, f"the count of numbers of {label}")
+    if count > len(cursor.text) - cursor.at:
+        raise cursor.error(f"{label} announces {count} numbers; the file ends before")
+    reals = []
+    for i in range(count):
+        word = cursor.word(f"number {i + 1} of {count} of {label}")
+        value = number(word)
+        if value is None:
+            raise cursor.error(
+                f'{label} has "{word}" where number {i + 1} of {count} is expected'
+            )
+        reals.append(value)
+    return Primitive(modifier, kind, name, strings, tuple(reals), line)
+
+
+def _count(cursor: _Cursor, what: str) -> int:
+    word = cursor.word(what)
+    if not (word.isascii() and word.isdecimal() and len(word) < 12):
+        raise cursor.error(f'"{word}" stands where {what} is expected')
+    return int(word)
+
+
+@dataclass
+class _PolygonCollector:
+    # Polygons met so far, their numbers still as text
+    modifier: list[str] = field(default_factory=list)
+    name: list[str] = field(default_factory=list)
+    line: list[int] = field(default_factory=list)
+    count: list[int] = field(default_factory=list)
+    numbers: list[str] = field(default_factory=list)
+
+    def take(self, cursor: _Cursor) -> bool:
+        # Take the polygon at the cursor if it is as plain as they come
+        match = _POLYGON.match(cursor.text, cursor.at)
+        if match is None:
+            return False
+        modifier, name, announced, numbers = match.groups()
+        count = int(announced)
+        if count < 9 or count % 3 or len(numbers.split()) != count:
+            return False
+        self.modifier.append(modifier)
+        self.name.append(name)
+        self.line.append(cursor.line())
+        self.count.append(count // 3)
+        self.numbers.append(numbers)
+        cursor.at = match.end()
+        return True
+
+    def flush(self) -> list[PolygonRun]:
+        if not self.count:
+            return []
+        vertices = np.fromstring("".join(self.numbers), sep=" ").reshape(-1, 3)
+        first = np.concatenate([[0], np.cumsum(self.count)])
+        run = PolygonRun(self.modifier, self.name, self.line, first, vertices)
+        self.modifier, self.name, self.line, self.count, self.numbers = (
+            [],
+            [],
+            [],
+            [],
+            [],
+        )
+        return [run]

@@ -1,0 +1,185 @@
+"""Windows from Radiance scene files, with the comments that rfluxmtx reads.
+
+The comments `#@rfluxmtx h=kf u=Z` give the basis and the up vector of the polygons that
+follow. Without them the basis is Klems full; up is +z, or +y for a horizontal window.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.hemisphere.klems import klems
+from clerestory.radiance.expansion import Placed, placed_items
+from clerestory.radiance.statements import Directive, PolygonRun
+from clerestory.scene.model import Polygon, Scene, Source
+from clerestory.scene.transform import number
+from clerestory.scene.window import Window, window_of
+
+_BASES = {"k": "full", "kf": "full", "k1": "full", "kh": "half", "k2": "half"}
+_BASES |= {"kq": "quarter", "k4": "quarter"}
+
+
+def read_window(path: str | Path) -> Window:
+    r"""Return the window in a .rad file; all polygons of the file belong to it.
+
+    Materials do not matter. The window takes the name of its polygons' modifier
+    or, where they have several, of the file.
+
+    Raises
+    ------
+    InputError : with file and line, where the file is missing or malformed, has no
+        polygons or other surfaces, polygons of different normals, or asks for a
+        basis that windows cannot have
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> text = "#@rfluxmtx h=kf u=Z\n void polygon pane 0 0 9 0 0 0 0 0 1 1 0 0"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "south.rad")
+    ...     _ = file.write_text(text)
+    ...     window = read_window(file)
+    >>> window.name, window.area, window.frame.normal.tolist()
+    ('south', 0.5, [0.0, 1.0, 0.0])
+    """
+    groups = _groups(path)
+    names = list(groups)
+    name = names[0] if len(names) == 1 and names[0] != "void" else Path(path).stem
+    panes = [pane for group in groups.values() for pane in group]
+    return _window(name, panes)
+
+
+def read_windows(*paths: str | Path) -> tuple[Window, ...]:
+    """Return the windows in .rad files, one for each modifier, in the order met.
+
+    Raises
+    ------
+    InputError : as for `read_window`
+    """
+    groups: dict[str, list[_Pane]] = {}
+    for path in paths:
+        for name, panes in _groups(path).items():
+            groups.setdefault(name, []).extend(panes)
+    return tuple(_window(name, panes) for name, panes in groups.items())
+
+
+@dataclass(frozen=True, eq=False)
+class _Pane:
+    # A polygon, and the variables in force where it stands
+    polygon: Polygon
+    basis: str
+    up: Float[np.ndarray, "3"] | None
+
+
+def _groups(path: str | Path) -> dict[str, list[_Pane]]:
+    # Polygons of a file by modifier
+    groups: dict[str, list[_Pane]] = {}
+    basis, up = "full", None
+    for placed in placed_items(path):
+        match placed.item:
+            case Directive():
+                basis, up = _variables(placed.item, placed.file, basis, up)
+            case PolygonRun():
+                for polygon in _polygons(placed.item, placed.file):
+                    groups.setdefault(polygon.material, []).append(
+                        _Pane(polygon, basis, up)
+                    )
+            case _:
+                _refuse_surface(placed)
+    if not groups:
+        raise InputError("no polygons; the polygons of a window expected", file=path)
+    return groups
+
+
+def _polygons(run: PolygonRun, file: str) -> list[Polygon]:
+    parts = np.split(run.vertices, run.first[1:-1])
+    return [
+        Polygon(vertices, modifier, name, Source(file, line))
+        for vertices, modifier, name, line in zip(
+            parts, run.modifier, run.name, run.line, strict=True
+        )
+    ]
+
+
+def _refuse_surface(placed: Placed) -> None:
+    if isinstance(placed.item, Scene):
+        raise InputError(
+            "a command that makes a scene in a window file; polygons expected",
+            file=placed.file,
+        )
+    source = getattr(placed.item, "source", None)
+    if source is not None:
+        kind = type(placed.item).__name__.lower()
+        raise InputError(
+            f"a {kind} in a window file; a window is made of polygons",
+            file=source.file,
+            line=source.line,
+        )
+
+
+def _window(name: str, panes: list[_Pane]) -> Window:
+    polygons = tuple(pane.polygon for pane in panes)
+    return window_of(
+        polygons, name=name, up=panes[0].up, partition=klems(panes[0].basis)
+    )
+
+
+def _variables(
+    directive: Directive, file: str, basis: str, up: Float[np.ndarray, "3"] | None
+) -> tuple[str, Float[np.ndarray, "3"] | None]:
+    # Values after a `#@rfluxmtx` comment
+    for word in directive.text.split():
+        key, _, value = word.partition("=")
+        match key:
+            case "h":
+                basis = _basis(value, file, directive.line)
+            case "u":
+                up = _up(value, file, directive.line)
+            case "o":
+                pass  # where rfluxmtx would write its matrix
+            case _:
+                raise InputError(
+                    f'unknown variable "{word}" of #@rfluxmtx; h=kf|kh|kq or'
+                    " u=X|Y|Z|x,y,z expected",
+                    file=file,
+                    line=directive.line,
+                )
+    return basis, up
+
+
+def _basis(value: str, file: str, line: int) -> str:
+    if value.startswith("-"):
+        raise InputError(
+            f"h={value} asks for left-handed coordinates, which are not supported;"
+            f" h={value[1:]} expected",
+            file=file,
+            line=line,
+        )
+    name = value.removeprefix("+").lower()
+    if name not in _BASES:
+        raise InputError(
+            f"h={value} is no basis for a window; kf, kh or kq expected",
+            file=file,
+            line=line,
+        )
+    return _BASES[name]
+
+
+def _up(value: str, file: str, line: int) -> Float[np.ndarray, "3"]:
+    if value.lstrip("+-").lower() in ("x", "y", "z"):
+        sign = -1.0 if value.startswith("-") else 1.0
+        axis = np.zeros(3)
+        axis["xyz".index(value[-1].lower())] = sign
+        return axis
+    parts = [number(part) for part in value.split(",")]
+    vector = np.array([p for p in parts if p is not None])
+    if len(parts) != 3 or len(vector) != 3 or not vector.any():
+        raise InputError(
+            f"u={value} is no direction; X, -X, Y, -Y, Z, -Z or x,y,z expected",
+            file=file,
+            line=line,
+        )
+    return vector

@@ -1,0 +1,147 @@
+"""What rules look at: the sun and the light on the façade, before and in the room.
+
+Everything is worked out when a rule asks for it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.control.profile import profile_angle
+from clerestory.matrix.axis import sensor_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.metrics.hours import occupied_hours
+from clerestory.phases.shaded import States
+from clerestory.sky.conditions import sun_over
+from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.study.config import Study
+from clerestory.study.inputs import Inputs
+from clerestory.study.stored import Traced
+from clerestory.study.traced import Skies
+
+# Daylight glare probability of some steps, the worst of the views named, given states
+GlareFunction = Callable[
+    [States, Int[np.ndarray, " step"], Sequence[str]], Float[np.ndarray, " step"]
+]
+
+
+@dataclass(frozen=True, eq=False)
+class ControlInputs:
+    """What is known about a study before the states are chosen.
+
+    Attributes
+    ----------
+    judge : tells the glare of some steps
+    """
+
+    study: Study
+    inputs: Inputs
+    tracing: Traced
+    skies: Skies
+    judge: GlareFunction
+    _kept: dict[tuple[str, int], np.ndarray] = field(default_factory=dict)
+
+    @property
+    def times(self) -> np.ndarray:
+        """Middles of the steps, local standard time."""
+        return self.inputs.weather.times
+
+    @property
+    def step_minutes(self) -> float:
+        """Length of a step [min]."""
+        return self.inputs.weather.step_minutes
+
+    @cached_property
+    def occupied(self) -> Bool[np.ndarray, " time"]:
+        """Whether each step lies within the study's schedule."""
+        schedule = self.study.schedule
+        return occupied_hours(
+            self.times, from_hour=schedule.from_hour, to_hour=schedule.to_hour
+        )
+
+    @cached_property
+    def sun(self) -> Float[np.ndarray, "time 3"]:
+        """Unit vectors to the sun, in the frame of the scene."""
+        rotation = self.study.sky.rotation_deg
+        return sun_over(self.inputs.weather, rotation_deg=rotation).directions()
+
+    def profile(
+        self, group: int, *, vertical: bool = False
+    ) -> Float[np.ndarray, " time"]:
+        """Profile angle of the sun at a window [rad]; NaN behind it and at night."""
+        frame = self.inputs.groups[group].inner.frame
+        angle = profile_angle(self.sun, frame, vertical=vertical)
+        return np.where(self.sun[:, 2] > 0, angle, np.nan)
+
+    def direct_irradiance(self, group: int) -> Float[np.ndarray, " time"]:
+        """Irradiance of a façade straight from the sun, nothing in its way [W/m²]."""
+        outward = -self.inputs.groups[group].inner.frame.normal
+        slant = np.maximum(self.sun @ outward, 0) * (self.sun[:, 2] > 0)
+        return np.asarray(self.inputs.weather.direct_normal * slant)
+
+    def irradiance(self, group: int) -> Float[np.ndarray, " time"]:
+        """Solar irradiance of a façade from all around [W/m²]."""
+        return self._on_facade("irradiance", group, self._solar) / LUMINOUS_EFFICACY
+
+    def facade_illuminance(self, group: int) -> Float[np.ndarray, " time"]:
+        """Illuminance of a façade [lux]."""
+        return self._on_facade("illuminance", group, self.skies.whole)
+
+    @cached_property
+    def _solar(self) -> SkyMatrix:
+        table = self.study.sky
+        return sky_matrix(
+            self.inputs.weather,
+            subdivision=table.subdivision,
+            ground_reflectance=table.ground_reflectance,
+            rotation_deg=table.rotation_deg,
+            spectrum="solar",
+        )
+
+    def _on_facade(self, name: str, group: int, sky: SkyMatrix) -> np.ndarray:
+        if (name, group) not in self._kept:
+            row = self._facade_row(group)
+            self._kept[name, group] = (row @ sky).illuminance()["illuminance"].values[0]
+        return self._kept[name, group]
+
+    def _facade_row(self, group: int) -> TransferMatrix:
+        # The window's outer patches as one sensor; without D, nothing in the way
+        if self.tracing.whole:
+            daylight = self.tracing.whole[group].daylight
+            outer = self.inputs.groups[group].outer.partition
+            values = outer.projected_solid_angles()[None, :] @ daylight.values
+            return TransferMatrix(values, sensor_axis(1), daylight.columns)
+        partition = self.skies.whole.partition
+        outward = -self.inputs.groups[group].inner.frame.normal
+        slant = np.maximum(partition.dome.centres() @ outward, 0)
+        ground = np.pi / 2 * (1 - outward[2])
+        weights = np.append(ground, slant * partition.dome.solid_angles())
+        return TransferMatrix(
+            weights[None, None, :], sensor_axis(1), self.skies.whole.rows
+        )
+
+    def illuminance(
+        self, states: States, grid: str
+    ) -> Float[np.ndarray, "sensor time"]:
+        """Illuminance of a grid with the windows in given states [lux]."""
+        everything = range(len(self.inputs.groups))
+        found = self.tracing.reduced(everything, self.inputs.rows(grid)).illuminance(
+            self.skies, states, display=_silent
+        )
+        return np.asarray(found["illuminance"].values)
+
+    def direct(
+        self, group: int, state: States, grid: str
+    ) -> Float[np.ndarray, "sensor time"]:
+        """Illuminance of a grid straight from the sun through one window [lux]."""
+        part = self.tracing.reduced([group], self.inputs.rows(grid))
+        return np.asarray(part.direct_illuminance(self.skies, state).values)
+
+
+def _silent(_phase: str) -> Callable[[float, str], None]:
+    return lambda _share, _note: None

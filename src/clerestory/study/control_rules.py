@@ -1,0 +1,293 @@
+"""Rules of the study file as states over time: one function for each kind.
+
+What a rule sees of the room depends on the other windows. Those decided before are in
+their states; those still to be decided count as closed, so that a limit that can be
+kept is kept, and the first in the file stays the most open.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.control.choice import Limit, best_states, least_closed
+from clerestory.control.profile import blocking_states
+from clerestory.control.rule import Situation, apply_rule
+from clerestory.control.schedule import held, read_schedule
+from clerestory.control.threshold import staged_states, threshold_states
+from clerestory.control.user_rule import load_rule
+from clerestory.errors import InputError
+from clerestory.study.control_inputs import ControlInputs
+from clerestory.study.window_tables import ControlTable
+
+DGP_BELOW = 0.40
+
+# Simplified glare probability from vertical illuminance (J. Wienold, Building
+# Simulation 2009): DGPs = 6.22e-5 Ev + 0.184
+_DGPS_SLOPE, _DGPS_OFFSET = 6.22e-5, 0.184
+
+_StateTimes = Int[np.ndarray, " time"]
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A window group that is to be decided.
+
+    Attributes
+    ----------
+    number : of the group
+    control : its rule
+    others : states of all groups as they stand; the group's own do not matter
+    """
+
+    signals: ControlInputs
+    number: int
+    control: ControlTable
+    others: list[_StateTimes]
+
+    @property
+    def count(self) -> int:
+        """Number of states of the group."""
+        return len(self.signals.inputs.groups[self.number].states)
+
+    def with_state(self, state: int) -> list[_StateTimes]:
+        """States of all groups with this one in a given state at all steps."""
+        states = list(self.others)
+        states[self.number] = np.full_like(states[self.number], state)
+        return states
+
+    def every_step(self) -> Int[np.ndarray, " time"]:
+        """Numbers of all steps."""
+        return np.arange(len(self.signals.times))
+
+
+def fixed(case: Case) -> _StateTimes:
+    """Return the same state at all steps."""
+    group = case.signals.inputs.groups[case.number]
+    return np.full(len(case.signals.times), group.number_of(case.control.state))
+
+
+def cut_off(case: Case) -> _StateTimes:
+    """Return the most open tilt that stops the sun, where it shines."""
+    control = case.control
+    width, spacing = control.slat_width, control.slat_spacing
+    if width is None or spacing is None:
+        raise InputError('rule "cut-off" without the size of the slats')
+    return blocking_states(
+        case.signals.profile(case.number, vertical=control.vertical),
+        tilts=np.radians(control.tilts_deg),
+        width=width,
+        spacing=spacing,
+        sunny=_sunny(case),
+    )
+
+
+def by_profile(case: Case) -> _StateTimes:
+    """Return the number of angles that the sun's profile angle is below."""
+    angle = case.signals.profile(case.number, vertical=case.control.vertical)
+    if case.control.vertical:
+        angle = np.abs(angle)
+    below = [angle < np.radians(limit) for limit in case.control.angles_deg]
+    return np.where(_sunny(case), np.sum(below, axis=0), 0)
+
+
+def by_threshold(case: Case) -> _StateTimes:
+    """Return states that follow one quantity over time."""
+    control = case.control
+    quantity = _quantity(case)
+    delays = {
+        "close_after": _steps(case, control.close_after),
+        "open_after": _steps(case, control.open_after),
+    }
+    low = control.open_below
+    if len(control.close_above) == 1:
+        closed = threshold_states(
+            quantity,
+            close_above=control.close_above[0],
+            open_below=low[0] if low else None,
+            **delays,
+        )
+        return closed * (case.count - 1)
+    return staged_states(
+        quantity,
+        close_above=np.array(control.close_above),
+        open_below=np.array(low) if low else None,
+        **delays,
+    )
+
+
+def by_glare(case: Case) -> _StateTimes:
+    """Return the least closed state with glare below the limit."""
+    bound = case.control.dgp_below or DGP_BELOW
+    if case.control.grid:
+        return least_closed([Limit(_simplified_glare(case), bound)])
+    return least_closed([Limit(_glare_until(case, bound), bound)])
+
+
+def by_score(case: Case) -> _StateTimes:
+    """Return the state that gives most of the light worth having, within limits."""
+    control, signals = case.control, case.signals
+    target = control.target_lux or signals.study.metrics.target_lux
+    lux = [
+        signals.illuminance(case.with_state(state), control.grid)
+        for state in range(case.count)
+    ]
+    score = np.stack([np.minimum(each, target).mean(axis=0) for each in lux])
+    limits = []
+    if control.lux_below is not None:
+        most = np.stack([each.max(axis=0) for each in lux])
+        limits.append(Limit(most, control.lux_below))
+    if control.dgp_below is not None:
+        limits.append(Limit(_glare(case), control.dgp_below))
+    return best_states(score, limits)
+
+
+def by_schedule(case: Case) -> _StateTimes:
+    """Return the states of a file: a line holds until the next one."""
+    group = case.signals.inputs.groups[case.number]
+    file = case.control.file
+    if file is None:
+        raise InputError('rule "schedule" without a file')
+    schedule = read_schedule(file)
+    if group.name not in schedule.states:
+        raise InputError(
+            f'no column "{group.name}"; one for each window group that asks expected',
+            file=file,
+        )
+    states = held(schedule, case.signals.times)[group.name]
+    if int(states.max()) >= case.count:
+        raise InputError(
+            f'window "{group.name}" in state {states.max()}; 0 to {case.count - 1}'
+            " expected",
+            file=file,
+        )
+    return states
+
+
+def by_function(case: Case) -> _StateTimes:
+    """Return what the user's own function says."""
+    file, function = case.control.function.rsplit(":", 1)
+    rule = load_rule(case.signals.study.folder / file, function)
+    try:
+        return apply_rule(rule, situation(case))
+    except InputError:
+        raise
+    except Exception as error:  # whatever the user's function does
+        told = " ".join(str(error).split())[:200]
+        raise InputError(
+            f'rule "{function}" ended with {type(error).__name__}: {told}', file=file
+        ) from error
+
+
+def situation(case: Case) -> Situation:
+    """Return all that a user's function may look at."""
+    signals, number = case.signals, case.number
+    weather = signals.inputs.weather
+    return Situation(
+        signals.times,
+        case.count,
+        signals.occupied,
+        {
+            "irradiance": signals.irradiance(number),
+            "illuminance": signals.facade_illuminance(number),
+            "direct irradiance": signals.direct_irradiance(number),
+            "direct normal": weather.direct_normal,
+            "diffuse horizontal": weather.diffuse_horizontal,
+            "profile": signals.profile(number),
+            "altitude": np.arcsin(np.clip(signals.sun[:, 2], -1, 1)),
+        },
+        _wanted(case),
+    )
+
+
+def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
+    # What the function wants to know for every state
+    found, needs = {}, case.control.needs
+    if "illuminance" in needs:
+        for grid in case.signals.inputs.grids:
+            lux = [
+                case.signals.illuminance(case.with_state(s), grid).mean(axis=0)
+                for s in range(case.count)
+            ]
+            found[f"illuminance {grid}"] = np.stack(lux)
+    if "glare" in needs:
+        found["dgp"] = _glare(case)
+    return found
+
+
+# Rules that look at the sky and the façade alone, and rules that look at the room
+OUTSIDE: dict[str, Callable[[Case], _StateTimes]] = {
+    "fixed": fixed,
+    "cut-off": cut_off,
+    "profile angle": by_profile,
+    "threshold": by_threshold,
+    "schedule": by_schedule,
+}
+INSIDE: dict[str, Callable[[Case], _StateTimes]] = {
+    "glare": by_glare,
+    "best": by_score,
+    "python": by_function,
+}
+
+
+def _sunny(case: Case) -> np.ndarray:
+    direct = case.signals.direct_irradiance(case.number)
+    return np.asarray(direct > case.control.sun_above)
+
+
+def _steps(case: Case, minutes: float) -> int:
+    return max(1, int(np.ceil(minutes / case.signals.step_minutes - 1e-9)))
+
+
+def _quantity(case: Case) -> Float[np.ndarray, " time"]:
+    signals, number = case.signals, case.number
+    weather = signals.inputs.weather
+    match case.control.quantity:
+        case "facade irradiance":
+            return signals.irradiance(number)
+        case "facade illuminance":
+            return signals.facade_illuminance(number)
+        case "facade direct irradiance":
+            return signals.direct_irradiance(number)
+        case "direct normal":
+            return weather.direct_normal
+        case "diffuse horizontal":
+            return weather.diffuse_horizontal
+        case "global horizontal":
+            level = weather.direct_normal * np.maximum(signals.sun[:, 2], 0)
+            return np.asarray(weather.diffuse_horizontal + level)
+        case "illuminance":
+            opened = [np.zeros_like(state) for state in case.others]
+            lux = signals.illuminance(opened, case.control.grid)
+            return np.asarray(lux.mean(axis=0))
+
+
+def _glare(case: Case) -> Float[np.ndarray, "state time"]:
+    judge, views = case.signals.judge, case.control.views
+    steps = case.every_step()
+    return np.stack(
+        [judge(case.with_state(s), steps, views) for s in range(case.count)]
+    )
+
+
+def _glare_until(case: Case, bound: float) -> Float[np.ndarray, "state time"]:
+    # More closed states are judged only at the steps where no other was good
+    steps = case.every_step()
+    glare = np.full((case.count, len(steps)), np.inf)
+    for state in range(case.count):
+        if len(steps):
+            found = case.signals.judge(
+                case.with_state(state), steps, case.control.views
+            )
+            glare[state, steps] = found
+            steps = steps[found > bound]
+    return glare
+
+
+def _simplified_glare(case: Case) -> Float[np.ndarray, "state time"]:
+    lux = [
+        case.signals.illuminance(case.with_state(state), case.control.grid)
+        for state in range(case.count)
+    ]
+    return np.stack([_DGPS_SLOPE * e.max(axis=0) + _DGPS_OFFSET for e in lux])

@@ -1,0 +1,121 @@
+"""What the luminaires of a study do at every step, and what they use."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float, Int
+
+from clerestory.errors import InputError
+from clerestory.metrics.lighting import LightingUse, LightingZone, lighting_use
+from clerestory.study.lighting_tables import LightingTable
+from clerestory.study.luminaire_matrices import Lamps, Zone
+
+# Rounds in which zones that light each other settle
+_ROUNDS = 8
+
+
+def lighting(
+    lamps: Lamps,
+    hourly: xr.Dataset,
+    *,
+    rows: Sequence[Int[np.ndarray, " sensor"]],
+    occupied: Bool[np.ndarray, " time"],
+    step_hours: float,
+) -> xr.Dataset:
+    """Return what the luminaires do at every step.
+
+    Dimmed zones see daylight and each other; those that are switched see daylight.
+
+    Parameters
+    ----------
+    hourly : `illuminance` and `standard_error` of daylight [lux]
+    rows : numbers of the sensors that govern each zone
+    occupied : whether somebody is there
+    step_hours : length of a step [h]
+
+    Returns
+    -------
+    `electric_illuminance` (sensor, time) [lux], `dimming` (zone, time), 0…1,
+    `lighting_power` (zone, time) [W], `lighting_energy` and `lighting_energy_error`
+    (zone) [Wh]; empty without luminaires
+    """
+    if not lamps.zones:
+        return xr.Dataset()
+    full = lamps.illuminance()
+    daylight = [hourly["illuminance"][chosen].values for chosen in rows]
+    error = [hourly["standard_error"][chosen].values for chosen in rows]
+    output = np.zeros((len(lamps.zones), hourly.sizes["time"]))
+    uses: list[LightingUse] = []
+    for _ in range(1 if len(lamps.zones) == 1 else _ROUNDS):
+        uses = []
+        for number, (zone, chosen) in enumerate(zip(lamps.zones, rows, strict=True)):
+            others = np.delete(np.arange(len(lamps.zones)), number)
+            seen = daylight[number].astype(float)
+            if zone.table.control != "on-off":
+                seen = seen + full[np.ix_(others, chosen)].T @ output[others]
+            own = full[number, chosen]
+            use = lighting_use(
+                _governed(zone, own),
+                _reading(zone.table, seen, own),
+                occupied,
+                standard_error=error[number].mean(axis=0),
+                step_hours=step_hours,
+            )
+            output[number] = use.output
+            uses.append(use)
+    return _dataset(lamps, full, output, uses)
+
+
+def _governed(zone: Zone, full: np.ndarray) -> LightingZone:
+    table = zone.table
+    if not (len(full) and full.min() > 0):
+        raise InputError(
+            f'the luminaires of lighting "{table.label}" do not reach all sensors of'
+            f' grid "{table.grid}"; light at each of them expected'
+        )
+    return LightingZone(
+        power=zone.power,
+        full_lux=float(full.mean()),
+        setpoint_lux=table.setpoint_lux,
+        control=table.control,
+        least_output=table.least_output,
+        least_power=table.least_power,
+        standby=table.standby,
+    )
+
+
+def _reading(
+    table: LightingTable, seen: Float[np.ndarray, "sensor time"], full: np.ndarray
+) -> Float[np.ndarray, " time"]:
+    # Illuminance of the photosensor; "lowest" is the sensor that needs most light
+    if table.reading == "mean":
+        return np.asarray(seen.mean(axis=0))
+    missing = ((table.setpoint_lux - seen) / full[:, None]).max(axis=0)
+    return np.asarray(table.setpoint_lux - full.mean() * missing)
+
+
+def _dataset(
+    lamps: Lamps, full: np.ndarray, output: np.ndarray, uses: Sequence[LightingUse]
+) -> xr.Dataset:
+    axes = ("zone", "time")
+    power = np.stack([use.power for use in uses])
+    names = np.array([zone.table.label for zone in lamps.zones], dtype=str)
+    return xr.Dataset(
+        {
+            "electric_illuminance": (
+                ("sensor", "time"),
+                (full.T @ output).astype(np.float32),
+                {"units": "lux"},
+            ),
+            "dimming": (axes, output.astype(np.float32), {"units": "1"}),
+            "lighting_power": (axes, power.astype(np.float32), {"units": "W"}),
+            "lighting_energy": ("zone", [use.energy for use in uses], {"units": "Wh"}),
+            "lighting_energy_error": (
+                "zone",
+                [use.error for use in uses],
+                {"units": "Wh"},
+            ),
+        },
+        coords={"zone": names},
+    )

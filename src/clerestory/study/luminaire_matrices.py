@@ -1,0 +1,221 @@
+"""Electric light of a study: traced once at full output, then dimmed step by step.
+
+Luminaires light the room with the windows open and black: what falls on them is lost.
+What else shines in the scene's files is left out.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory import __version__
+from clerestory.errors import InputError
+from clerestory.formats.photometry.luminaire_scene import luminaire_scene
+from clerestory.formats.photometry.read import read_luminaire
+from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.fingerprint import fingerprint
+from clerestory.phases.render import irradiance, render
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
+from clerestory.study.job import LAMPS, Job
+from clerestory.study.lighting_tables import LightingTable, LuminaireTable
+
+
+@dataclass(frozen=True, eq=False)
+class Zone:
+    """Luminaires that one photosensor governs.
+
+    Attributes
+    ----------
+    light : the luminaires alone, as surfaces that shine
+    power : of all of them at full output [W]
+    """
+
+    table: LightingTable
+    light: Scene
+    power: float
+
+
+@dataclass(frozen=True, eq=False)
+class Lamps:
+    """Electric light at full output.
+
+    Attributes
+    ----------
+    zones : in the order of the study
+    full : irradiance of the sensors by each zone [W/m²], as matrices of one column
+    views : radiance of the pixels by each zone, per view
+    """
+
+    zones: tuple[Zone, ...] = ()
+    full: tuple[TransferMatrix, ...] = ()
+    views: dict[str, tuple[np.ndarray, ...]] = field(default_factory=dict)
+
+    def pictures(self, view: str) -> tuple[np.ndarray, ...]:
+        """Radiance (pixel, channel) of a view by each zone at full output."""
+        return self.views.get(view, ())
+
+    def illuminance(self) -> Float[np.ndarray, "zone sensor"]:
+        """Illuminance of the sensors by each zone at full output [lux]."""
+        return np.stack([_lux(matrix)[0] for matrix in self.full])
+
+    def error(self) -> Float[np.ndarray, "zone sensor"]:
+        """Standard error of `illuminance` [lux]."""
+        return np.stack([_lux(matrix)[1] for matrix in self.full])
+
+
+def _lux(matrix: TransferMatrix) -> tuple[np.ndarray, np.ndarray]:
+    lux = matrix.weighted(matrix.bands.weights)
+    return lux.values[0, :, 0], lux.standard_error[0, :, 0]
+
+
+def trace_lamps(job: Job) -> Lamps:
+    """Return the electric light of a study; what was traced before is found again.
+
+    Raises
+    ------
+    InputError : a luminaire's file is wrong
+    """
+    zones = tuple(_zone(job, table) for table in job.study.lighting)
+    if not zones:
+        return Lamps()
+    room = unlit(job.scene)
+    full = tuple(_sensors(job, room, zone, n) for n, zone in enumerate(zones))
+    views = {
+        table.label: tuple(
+            _pixels(job, room, zone, n, view) for n, zone in enumerate(zones)
+        )
+        for view, table in enumerate(job.study.view)
+    }
+    return Lamps(zones, full, views)
+
+
+def unlit(scene: Scene) -> Scene:
+    """Return a scene in which nothing shines: lamps are black, skies are gone.
+
+    Examples
+    --------
+    >>> from clerestory.scene.model import Light
+    >>> bulb = Scene({"bulb": Light("bulb", np.ones(3))})
+    >>> type(unlit(bulb).materials["bulb"]).__name__
+    'Plastic'
+    """
+
+    def dark(material: Material) -> Material:
+        if isinstance(material, Illum):
+            return dark(replace(material.alternate, name=material.name))
+        if isinstance(material, Emitter):
+            return Plastic(material.name, np.zeros(3))
+        return material
+
+    materials = {name: dark(material) for name, material in scene.materials.items()}
+    return Scene(materials, scene.surfaces)
+
+
+def _zone(job: Job, table: LightingTable) -> Zone:
+    light, power = Scene(), 0.0
+    for lamp in job.study.luminaire:
+        if lamp.zone == table.label or not lamp.zone:
+            part, watts = _luminaires(lamp)
+            light, power = light + part, power + watts
+    if not light.surfaces:
+        raise InputError(f'lighting "{table.label}" has no luminaires; some expected')
+    return Zone(table, light, power)
+
+
+def _luminaires(table: LuminaireTable) -> tuple[Scene, float]:
+    # What shines, and its power
+    if not table.photometric:
+        return _emitters(table), table.power or 0.0
+    lamp = read_luminaire(table.file)
+    light = Scene()
+    for number, place in enumerate(table.places):
+        light += luminaire_scene(
+            lamp,
+            position=np.array(place, dtype=float),
+            turn_deg=table.turn_deg,
+            tilt_deg=table.tilt_deg,
+            dimming=table.output,
+            name=f"{table.label}.{number + 1}",
+        )
+    power = lamp.watts * len(table.places) if table.power is None else table.power
+    if not power > 0:
+        raise InputError(
+            f'luminaire "{table.label}" has no power in its file; the key "power"'
+            " expected",
+            file=table.file,
+        )
+    return light, power
+
+
+def _emitters(table: LuminaireTable) -> Scene:
+    scene = read_rad(table.file)
+    materials = {
+        name: _brighter(material, table.output)
+        for name, material in scene.materials.items()
+    }
+    lit = Scene(materials, scene.surfaces)
+    if not any(_shines(materials[surface.material]) for surface in scene.surfaces):
+        raise InputError(
+            "nothing shines in it; a light or glow expected", file=table.file
+        )
+    return lit
+
+
+def _shines(material: Material) -> bool:
+    return isinstance(material, Emitter)
+
+
+def _brighter(material: Material, factor: float) -> Material:
+    if isinstance(material, Emitter):
+        return replace(material, radiance=factor * material.radiance)
+    return material
+
+
+def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
+    sensors, options = job.inputs.sensors(), job.options(LAMPS + number)
+    key = fingerprint("lamps", __version__, room, zone.light, sensors, options)
+
+    def make() -> TransferMatrix:
+        progress = job.display(f"electric light of {zone.table.label or 'the room'}")
+        found = irradiance(
+            room + zone.light,
+            sensors,
+            executor=job.executor,
+            progress=progress,
+            **options,
+        )
+        return TransferMatrix(
+            found.irradiance.T[:, :, None],
+            sensor_axis(len(sensors)),
+            unknown_axis(1),
+            found.error.T[None, :, :, None],
+        )
+
+    return job.matrix(f"lamps-{zone.table.label}", key, make)
+
+
+def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.ndarray:
+    table, camera = job.study.view[view], job.inputs.cameras[view]
+    options = job.options(LAMPS + number)
+    del options["relative_error" if "relative_error" in options else "samples"]
+    options["samples"] = table.samples
+    key = fingerprint("lamps seen", __version__, room, zone.light, camera, options)
+
+    def make() -> TransferMatrix:
+        picture = render(
+            room + zone.light,
+            camera.view,
+            columns=camera.columns,
+            rows=camera.rows,
+            executor=job.executor,
+            progress=job.display(f"electric light in {table.label}"),
+            **options,
+        ).picture
+        values = picture.radiance.reshape(-1, 3).T[:, :, None]
+        return TransferMatrix(values, pixel_axis(len(camera)), unknown_axis(1))
+
+    name = f"lamps-{table.label}-{zone.table.label}"
+    return job.matrix(name, key, make).values[:, :, 0].T

@@ -1,0 +1,65 @@
+"""Whether a study fits into memory, or its matrices and hours have to lie in files.
+
+The choice depends on the study alone, never on the machine: where it falls the other
+way, standard errors come from fewer batches, and results are the same everywhere.
+"""
+
+import warnings
+
+from clerestory.engine.channels import channels_of
+from clerestory.engine.sums import BATCHES
+from clerestory.errors import ClerestoryWarning
+from clerestory.study.config import Study
+from clerestory.study.inputs import Inputs
+
+# Bytes of a coefficient in double precision with its error components
+_COEFFICIENT = 8 + 4 * BATCHES
+
+# Bytes of a coefficient in single precision, without its error
+_SINGLE = 4
+
+# Arrays over sensors and steps that a run holds at most: illuminance and its error,
+# both twice more while they are written, and as much again in the report
+_HOURLY = 8
+
+
+def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
+    """Whether view matrices and hourly results lie in files.
+
+    Parameters
+    ----------
+    direct : whether direct light is traced apart
+    """
+    each = _sensor_bytes(study, inputs, coefficient=_COEFFICIENT, direct=direct)
+    whole = len(inputs.sensors()) * each * 1e-9
+    large = whole > study.trace.memory_gb
+    if large and study.method != "3-phase":
+        warnings.warn(
+            f"the {study.method} method holds all in memory, more than {whole:.1f} GB;"
+            " only the three-phase method goes through files",
+            ClerestoryWarning,
+            stacklevel=2,
+        )
+        return False
+    return large
+
+
+def most_sensors(study: Study, inputs: Inputs, *, direct: bool) -> int:
+    """Return how many sensors a rule may look at: those that memory holds, errorless.
+
+    Parameters
+    ----------
+    direct : whether direct light is traced apart
+    """
+    each = _sensor_bytes(study, inputs, coefficient=_SINGLE, direct=direct)
+    return int(study.trace.memory_gb * 1e9) // each
+
+
+def _sensor_bytes(
+    study: Study, inputs: Inputs, *, coefficient: int, direct: bool
+) -> int:
+    # What a sensor's coefficients and hours take in memory
+    patches = sum(len(group.inner.partition) for group in inputs.groups)
+    coefficients = patches * channels_of(inputs.scene) * (2 if direct else 1)
+    hours = len(inputs.weather.times)
+    return int(coefficient * coefficients + 4 * _HOURLY * hours)

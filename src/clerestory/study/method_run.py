@@ -1,0 +1,177 @@
+"""Run a study by one method: read, trace, operate, multiply, judge, save.
+
+Whatever kills a run, the next one gives the same results to the bit: traced
+matrices are kept as soon as they are whole, all else is computed again, and
+results.nc is written last.
+"""
+
+import shutil
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import xarray as xr
+
+from clerestory.engine.work import Executor
+from clerestory.errors import ClerestoryWarning
+from clerestory.files import make_folder
+from clerestory.phases.shaded import States
+from clerestory.phases.store import MatrixStore
+from clerestory.scene.scene_checks import check_scene
+from clerestory.study.config import Study
+from clerestory.study.control_inputs import ControlInputs
+from clerestory.study.electric_lighting import lighting
+from clerestory.study.inputs import Inputs, read_inputs
+from clerestory.study.job import Display, Job
+from clerestory.study.labels import label_results, occupied_steps, sensor_labels
+from clerestory.study.luminaire_matrices import Lamps, trace_lamps
+from clerestory.study.outputs import write_tables
+from clerestory.study.results import Results, read_results, save_results
+from clerestory.study.run_facts import run_facts
+from clerestory.study.shade_operation import ShadeOperation, operate
+from clerestory.study.sunlight_exposure import sunlight
+from clerestory.study.traced import Skies
+from clerestory.study.tracing import study_skies, trace_study
+from clerestory.study.view_tracing import trace_views
+from clerestory.study.views import glare_function, study_views
+
+# Hourly values that memory does not hold lie here until results.nc is written
+SCRATCH_FOLDER = "unfinished"
+
+
+@dataclass
+class RunLog:
+    """What a run notes about itself."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Time a phase; note its warnings, and pass them on when it ends."""
+        start = perf_counter()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", ClerestoryWarning)
+            yield
+        self.seconds[name] = round(perf_counter() - start, 3)
+        for item in caught:
+            if issubclass(item.category, ClerestoryWarning):
+                self.warnings.append(str(item.message))
+            warnings.warn_explicit(
+                item.message, item.category, item.filename, item.lineno
+            )
+
+
+def run_method(
+    study: Study,
+    *,
+    out: Path,
+    store: MatrixStore,
+    display: Display,
+    executor: Executor,
+    states: States | None = None,
+) -> Results:
+    """Run a study by its first method and write the results into a folder.
+
+    Parameters
+    ----------
+    store : where traced matrices are kept
+    executor : does the work of tracing
+    states : of every window group, in place of what the rules of the study choose
+    """
+    log = RunLog()
+    with log.phase("read"):
+        inputs = read_inputs(study)
+    with log.phase("check"):
+        _warn_of_doubts(inputs)
+    with _scratch_folder(out) as scratch:
+        job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
+        data = _simulate(job, log, states, out=out)
+        with log.phase("write"):
+            write_tables(study, Results(data), out)
+        facts = run_facts(job, data, log.seconds, log.warnings)
+        results = Results(data, facts)
+        save_results(results, out)
+        if any(scratch.iterdir()):
+            # Hourly values go on from where they are kept
+            data.close()
+            results = read_results(out)
+    return results
+
+
+def _simulate(
+    job: Job,
+    log: RunLog,
+    states: States | None,
+    *,
+    out: Path,
+) -> xr.Dataset:
+    study, inputs, display = job.study, job.inputs, job.display
+    with log.phase("trace"):
+        tracing = trace_study(job)
+        views = trace_views(job, tracing)
+        lamps = trace_lamps(job)
+    with log.phase("sky"):
+        skies = study_skies(study, inputs.weather)
+    with log.phase("control"):
+        signals = ControlInputs(
+            study, inputs, tracing, skies, glare_function(views, skies, display=display)
+        )
+        acts = operate(signals) if states is None else ShadeOperation(list(states))
+    with log.phase("multiply"):
+        hourly = tracing.illuminance(skies, acts.states, display=display)
+        electric = _lighting(study, inputs, lamps, hourly)
+    with log.phase("pictures"):
+        glare = study_views(
+            views,
+            skies,
+            acts.states,
+            lamps=lamps,
+            output=_output(electric, skies),
+            out=out,
+            display=display,
+        )
+    with log.phase("metrics"):
+        parts = [electric, glare, sunlight(study, inputs)]
+        return label_results(study, inputs, hourly, parts, signals, acts)
+
+
+@contextmanager
+def _scratch_folder(out: Path) -> Iterator[Path]:
+    # An empty folder for what memory does not hold; what a killed run left goes
+    folder = out / SCRATCH_FOLDER
+    shutil.rmtree(folder, ignore_errors=True)
+    try:
+        yield make_folder(folder)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _warn_of_doubts(inputs: Inputs) -> None:
+    named = replace(inputs.sensors(), names=tuple(sensor_labels(inputs)))
+    windows = [group.inner for group in inputs.groups]
+    for doubt in check_scene(inputs.scene, windows, named):
+        warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
+
+
+def _lighting(
+    study: Study, inputs: Inputs, lamps: Lamps, hourly: xr.Dataset
+) -> xr.Dataset:
+    return lighting(
+        lamps,
+        hourly,
+        rows=[inputs.rows(zone.table.grid) for zone in lamps.zones],
+        occupied=occupied_steps(study, inputs.weather.times),
+        step_hours=inputs.weather.step_minutes / 60,
+    )
+
+
+def _output(electric: xr.Dataset, skies: Skies) -> np.ndarray:
+    # Share of full output of every zone, if there are any
+    if "dimming" not in electric:
+        return np.zeros((0, len(skies.whole.times)))
+    return np.asarray(electric["dimming"].values)

@@ -1,0 +1,120 @@
+"""Operate the shades of a study: the state of every window group at every step.
+
+Rules that look at the sky come first, then LM-83's for all groups that have it, then
+those that look at the room, in the order of the file.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from clerestory.control.choice import when_occupied
+from clerestory.control.direct_sun import operate_by_direct_sun
+from clerestory.study.control_inputs import ControlInputs
+from clerestory.study.control_rules import INSIDE, OUTSIDE, Case
+from clerestory.study.window_groups import WindowGroup
+
+
+@dataclass(frozen=True, eq=False)
+class ShadeOperation:
+    """States of the shades of a study.
+
+    Attributes
+    ----------
+    states : per window group, over time
+    kept : whether LM-83's rule is kept at each step; None where nobody asks
+    """
+
+    states: list[Int[np.ndarray, " time"]]
+    kept: Bool[np.ndarray, " time"] | None = None
+
+
+def operate(signals: ControlInputs) -> ShadeOperation:
+    """Return the states that the rules of a study choose.
+
+    Raises
+    ------
+    InputError : a rule's file or function is wrong
+    """
+    groups = signals.inputs.groups
+    steps = len(signals.times)
+    states = [np.full(steps, len(group.states) - 1) for group in groups]
+
+    # What only the sky decides
+    for number, group in enumerate(groups):
+        control = group.control
+        if control is None or len(group.states) == 1:
+            states[number] = np.zeros(steps, dtype=int)
+        elif control.rule in OUTSIDE and not _looks_inside(group):
+            _decide(signals, number, states)
+
+    kept = _by_direct_sun(signals, states)
+
+    # What the room decides, one group after the other
+    for number, group in enumerate(groups):
+        if len(group.states) > 1 and _looks_inside(group):
+            _decide(signals, number, states)
+    return ShadeOperation(states, kept)
+
+
+def _looks_inside(group: WindowGroup) -> bool:
+    control = group.control
+    return control is not None and (
+        control.rule in INSIDE or control.quantity == "illuminance"
+    )
+
+
+def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> None:
+    # Replace the states of one group by those of its rule
+    control = signals.inputs.groups[number].control
+    if control is not None:
+        rule = {**OUTSIDE, **INSIDE}[control.rule]
+        found = rule(Case(signals, number, control, list(states)))
+        states[number] = _unless_empty(signals, number, np.asarray(found, dtype=int))
+
+
+def _by_direct_sun(
+    signals: ControlInputs, states: list[np.ndarray]
+) -> np.ndarray | None:
+    # All groups with LM-83's rule at once; the others let through what they do
+    groups = signals.inputs.groups
+    chosen = [
+        n
+        for n, group in enumerate(groups)
+        if group.control and group.control.rule == "LM-83" and len(group.states) > 1
+    ]
+    if not chosen:
+        return None
+    control = groups[chosen[0]].control
+    if control is None:
+        return None
+    steps = len(signals.times)
+    direct = {
+        str(n): np.stack(
+            [
+                signals.direct(n, [np.full(steps, state)], control.grid)
+                for state in range(len(groups[n].states))
+            ]
+        )
+        for n in chosen
+    }
+    rest = [n for n in range(len(groups)) if n not in chosen]
+    static = [signals.direct(n, [states[n]], control.grid) for n in rest]
+    found = operate_by_direct_sun(
+        direct,
+        static=np.sum(static, axis=0) if static else None,
+        sun_lux=control.sun_lux,
+        most_sensors=control.most_sensors,
+    )
+    for n in chosen:
+        states[n] = _unless_empty(signals, n, found.states[str(n)])
+    return found.kept
+
+
+def _unless_empty(signals: ControlInputs, number: int, state: np.ndarray) -> np.ndarray:
+    group = signals.inputs.groups[number]
+    if group.control is None or group.control.when_empty is None:
+        return state
+    empty = group.number_of(group.control.when_empty)
+    return when_occupied(state, signals.occupied, otherwise=empty)

@@ -1,0 +1,105 @@
+"""Exposure to sunlight after EN 17037: the openings of a study on one day."""
+
+import numpy as np
+import xarray as xr
+
+from clerestory.metrics.sunlight import hours_of_sun, reference_point
+from clerestory.phases.sunshine import sunshine
+from clerestory.radiance.window_reader import read_windows
+from clerestory.scene.window import Window
+from clerestory.sky.sun import SunPosition, sun_position
+from clerestory.study.config import Study
+from clerestory.study.config_tables import SunlightTable
+from clerestory.study.inputs import Inputs
+
+_STEP_MINUTES = 1
+
+
+def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
+    """Return when the sun reaches each opening; empty if the study does not ask.
+
+    Returns
+    -------
+    `sun_reaches` (opening, moment): whether the sun is seen from the opening's point;
+    `sun_point` (opening, xyz) [m]; `hours_of_sun` (opening) and `room_hours_of_sun` [h]
+
+    Raises
+    ------
+    InputError : the file of openings is wrong
+    """
+    table = study.sunlight
+    if table is None:
+        return xr.Dataset()
+    windows = _windows(table, inputs)
+    names, points = _openings(table, windows)
+    moments, sun = _day(study, table, inputs)
+    high = sun.altitude >= np.radians(table.lowest_sun_deg)
+    reached = np.zeros((len(points), len(moments)), dtype=bool)
+    # Not worth a cluster, whose devices may be others
+    device = "auto" if study.trace.cluster else study.trace.device
+    seen = sunshine(inputs.scene, points, sun.directions()[high], device=device)
+    reached[:, high] = seen & (_inwards(windows) @ sun.directions()[high].T < 0)
+    each, room = hours_of_sun(reached, step_minutes=_STEP_MINUTES)
+    return xr.Dataset(
+        {
+            "sun_reaches": (
+                ("opening", "moment"),
+                reached,
+                {"lowest_sun_deg": table.lowest_sun_deg},
+            ),
+            "sun_point": (("opening", "xyz"), points, {"units": "m"}),
+            "hours_of_sun": ("opening", each, {"units": "h"}),
+            "room_hours_of_sun": ((), room, {"units": "h"}),
+        },
+        coords={"opening": names, "moment": moments},
+    )
+
+
+def _windows(table: SunlightTable, inputs: Inputs) -> tuple[Window, ...]:
+    if table.file is not None:
+        return read_windows(table.file)
+    return tuple(group.inner for group in inputs.groups)
+
+
+def _openings(
+    table: SunlightTable, windows: tuple[Window, ...]
+) -> tuple[list[str], np.ndarray]:
+    # Each polygon is an opening of its own
+    names, points = [], []
+    for window in windows:
+        several = len(window.polygons) > 1
+        for number, polygon in enumerate(window.polygons, start=1):
+            names.append(f"{window.name}.{number}" if several else window.name)
+            points.append(
+                reference_point(
+                    polygon.vertices,
+                    window.frame.normal,
+                    floor=table.floor,
+                    depth=table.depth,
+                )
+            )
+    return names, np.array(points)
+
+
+def _inwards(windows: tuple[Window, ...]) -> np.ndarray:
+    return np.array([w.frame.normal for w in windows for _ in w.polygons])
+
+
+def _day(
+    study: Study, table: SunlightTable, inputs: Inputs
+) -> tuple[np.ndarray, SunPosition]:
+    # The middle of every minute, and the sun in the frame of the scene
+    weather = inputs.weather
+    year = str(weather.times[0])[:4]
+    half = 30 * _STEP_MINUTES
+    seconds = np.arange(half, 86400, 2 * half).astype("timedelta64[s]")
+    moments = np.datetime64(f"{year}-{table.day}", "s") + seconds
+    sun = sun_position(
+        moments,
+        latitude_deg=weather.latitude_deg,
+        longitude_deg=weather.longitude_deg,
+        utc_offset_hours=weather.utc_offset_hours,
+        elevation=weather.elevation,
+    )
+    turned = sun.azimuth - np.radians(study.sky.rotation_deg)
+    return moments.astype("datetime64[ns]"), SunPosition(sun.altitude, turned)
