@@ -33,7 +33,7 @@ from clerestory.radiance.generated_sky import sky_at, sky_scene
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import view_of
 from clerestory.scene.model import Scene
-from clerestory.sky.read import read_weather
+from clerestory.sky.weather_formats import read_weather
 
 Sky = Annotated[
     str | None,

@@ -41,8 +41,8 @@ from clerestory.phases.trace import (
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.sensors import read_sensors
-from clerestory.sky.read import read_weather
-from clerestory.sky.suns import sun_matrix
+from clerestory.sky.sun_matrix import sun_matrix
+from clerestory.sky.weather_formats import read_weather
 
 Direct = Annotated[
     bool,

@@ -84,4 +84,4 @@ def _exposed(picture: Picture, white: float | None) -> Display:
     level = key_luminance(picture) if white is None else white
     # The luminance of radiance 1 W/(m²·sr) in each channel is the picture's own
     one = photometric(Picture(np.ones((1, 1, 3), dtype=np.float32)))[0, 0]
-    return picture.radiance * np.float32(one / level)
+    return picture.rgb * np.float32(one / level)

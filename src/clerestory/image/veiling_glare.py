@@ -76,17 +76,18 @@ def with_veil(picture: Picture) -> Picture:
     coarser = max(np.sqrt(fovea.columns * fovea.rows / _MOST_SAMPLES), 1)
     columns = min(int(fovea.columns / coarser), picture.columns)
     rows = min(int(fovea.rows / coarser), picture.rows)
-    samples = reduce(picture, columns=columns, rows=rows).radiance.reshape(-1, 3)
+    samples = reduce(picture, columns=columns, rows=rows).radiance
     direction = fovea.view.rays(columns, rows).direction.reshape(-1, 3)
-    veil = _scatter(direction.astype(np.float32), samples).reshape(rows, columns, 3)
+    veil = _scatter(direction.astype(np.float32), samples.reshape(rows * columns, -1))
+    veil = veil.reshape(samples.shape)
     # Between the samples, linear; outside the outermost, theirs
     row = (np.arange(picture.rows) + 0.5) / picture.rows * rows - 0.5
     column = (np.arange(picture.columns) + 0.5) / picture.columns * columns - 0.5
     place = np.stack(np.meshgrid(row, column, indexing="ij"))
     fine = np.stack(
         [
-            map_coordinates(veil[..., i], place, order=1, mode="nearest")
-            for i in range(3)
+            map_coordinates(band, place, order=1, mode="nearest")
+            for band in np.moveaxis(veil, -1, 0)
         ],
         axis=-1,
     )
@@ -96,8 +97,8 @@ def with_veil(picture: Picture) -> Picture:
 
 def _scatter(
     direction: Float32[np.ndarray, "samples 3"],
-    radiance: Float32[np.ndarray, "samples 3"],
-) -> Float32[np.ndarray, "samples 3"]:
+    radiance: Float32[np.ndarray, "samples band"],
+) -> Float32[np.ndarray, "samples band"]:
     # Average of all others, weighted with cos θ / θ²; 2 (1 − cos θ) stands for θ²
     veil = np.zeros_like(radiance)
     count = max(_PAIRS // len(direction), 1)

@@ -98,7 +98,7 @@ def human_vision(
     screen = screen or Screen()
     seen = with_veil(picture) if veil else picture
     histogram = _histogram(seen)
-    values = _with_colour_loss(seen) if colour_loss else seen.radiance
+    values = _with_colour_loss(seen) if colour_loss else seen.rgb
     if histogram is None:
         return np.zeros_like(values)
     luminance = photometric(seen)
@@ -245,10 +245,10 @@ def threshold(
 def _with_colour_loss(picture: Picture) -> Float32[np.ndarray, "row column 3"]:
     luminance = photometric(picture)
     if luminance.min() >= _CONES_ONLY:
-        return picture.radiance
+        return picture.rgb
     colour = np.clip((luminance - _RODS_ONLY) / (_CONES_ONLY - _RODS_ONLY), 0, 1)
-    grey = picture.radiance @ np.array(_SCOTOPIC_WEIGHTS, dtype=np.float32)
+    grey = picture.rgb @ np.array(_SCOTOPIC_WEIGHTS, dtype=np.float32)
     mixed: np.ndarray = (
-        colour[..., None] * picture.radiance + ((1 - colour) * grey)[..., None]
+        colour[..., None] * picture.rgb + ((1 - colour) * grey)[..., None]
     )
     return mixed.astype(np.float32)

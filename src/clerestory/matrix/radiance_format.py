@@ -54,8 +54,8 @@ def read_matrix(
     Parameters
     ----------
     rows, columns : what they stand for; unlabelled when not given
-    bands : of the components; when not given, three are RGB, one is grey, and any
-        other number unnamed
+    bands : of the components; when not given, one or three are RGB, and any other
+        number unnamed
 
     Raises
     ------

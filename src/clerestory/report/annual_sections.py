@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import UInt8
 
-from clerestory.glare.classes import category
+from clerestory.glare.dgp import DGP
 from clerestory.report.animation import Row, film_section
 from clerestory.report.class_map import DayMap
 from clerestory.report.content import ReportContent
@@ -75,7 +75,7 @@ def film_rows(content: ReportContent) -> list[Row]:
         rows.append(Row(each.window, words, tuple(shades[k] for k in state)))
     shades = _hexadecimal(COLOURS)
     for glare in content.glare:
-        kind = category(glare.rated()[steps]).tolist()
+        kind = DGP.category(glare.rated()[steps]).tolist()
         lit = np.isfinite(glare.dgp[steps]).tolist()
         words = tuple(
             f"{glare.dgp[step]:.2f}" if known else "–"

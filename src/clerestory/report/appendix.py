@@ -1,6 +1,6 @@
 """The end of the page: how sure, how computed, and what the words mean."""
 
-from clerestory.metrics.useful import LIMITS_LUX
+from clerestory.metrics.useful_illuminance import LIMITS_LUX
 from clerestory.report.content import ReportContent
 from clerestory.report.fact_tables import fact_tables, time_table
 from clerestory.report.headline import target_words

@@ -91,7 +91,7 @@ class ReportContent:
     illuminance, standard_error : per sensor and step [lux]
     occupied : steps that count for the metrics
     schedule : the occupied hours in words
-    metrics : of each sensor, as `metrics.summary.sensor_metrics` returns them, and
+    metrics : of each sensor, as `sensor_metrics` returns them, and
         `useful_bands_error` over (band, sensor)
     sensors : where the illuminance was found
     room, windows : the scene; both may be empty

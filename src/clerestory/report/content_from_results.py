@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
-from clerestory.metrics.autonomy import TARGET_LUX, daylight_autonomy
-from clerestory.metrics.summary import metric_error, sensor_metrics
-from clerestory.metrics.useful import BANDS, LIMITS_LUX
+from clerestory.metrics.daylight_autonomy import TARGET_LUX, daylight_autonomy
+from clerestory.metrics.sensor_metrics import metric_error, sensor_metrics
+from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX
 from clerestory.report.animation import film
 from clerestory.report.content import (
     FactTable,

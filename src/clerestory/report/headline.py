@@ -1,7 +1,7 @@
 """The top of the page: what was studied, what came out, how sure it is."""
 
-from clerestory.glare.classes import glare_autonomy
-from clerestory.metrics.useful import LIMITS_LUX
+from clerestory.glare.comfort_classes import glare_autonomy
+from clerestory.metrics.useful_illuminance import LIMITS_LUX
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, element
 from clerestory.report.metric_maps import MetricMap, metric_maps, useful_share

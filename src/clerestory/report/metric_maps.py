@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from clerestory.metrics.useful import BANDS, LIMITS_LUX
+from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX
 from clerestory.report.content import ReportContent
 from clerestory.report.uncertain_value import Figure
 

@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
 from clerestory.files import make_folder
-from clerestory.glare.annual import annual_glare
+from clerestory.glare.annual_glare import annual_glare
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
 from clerestory.phases.shaded import States
