@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.errors import InputError
 from clerestory.image.picture_files import write_picture
 from clerestory.matrix.netcdf import read_netcdf

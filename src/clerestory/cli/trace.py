@@ -26,7 +26,7 @@ from clerestory.cli.trace_facade import facade
 from clerestory.cli.trace_options import TraceOptions, spelt_out
 from clerestory.cli.traced import receiver_of, warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
-from clerestory.gonio.layer import read_layer
+from clerestory.gonio.layer_file import read_layer
 from clerestory.phases.pictures import (
     Camera,
     picture_sun_coefficients,

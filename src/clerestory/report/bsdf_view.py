@@ -15,9 +15,9 @@ from jaxtyping import Float, UInt16
 
 import clerestory
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.finding import Finding
-from clerestory.bsdf.plausibility import check
-from clerestory.bsdf.scattering import Function, ScatteringFunction
+from clerestory.bsdf.quality_checks import check
+from clerestory.bsdf.quality_finding import Finding
+from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.files import write_text

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from matplotlib.figure import Figure as Drawing
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 from clerestory.report.bsdf_plot import (
