@@ -49,8 +49,8 @@ _HOME = {
     "parse_view": "radiance.view_text",
     "read_view": "radiance.view_text",
     "Picture": "image.picture",
-    "read_picture": "image.read",
-    "write_picture": "image.write",
+    "read_picture": "image.picture_files",
+    "write_picture": "image.picture_files",
     "denoise": "image.denoise",
     "read_window": "radiance.window_reader",
     "read_windows": "radiance.window_reader",
@@ -79,7 +79,7 @@ _HOME = {
     "run_study": "study.study_run",
 }
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = sorted([*_HOME, "__version__"])
 
 

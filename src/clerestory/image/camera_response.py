@@ -14,8 +14,8 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text
-from clerestory.image.capture_exposure import Exposure, Photograph
 from clerestory.image.opencv import opencv
+from clerestory.image.photograph import Exposure, Photograph
 
 Method = Literal["debevec", "robertson"]
 

@@ -13,9 +13,11 @@ from jaxtyping import Float, Int
 
 from clerestory.image.picture import Picture
 from clerestory.report.colour import ColourScale
-from clerestory.report.legend import legend
+from clerestory.report.colour_bar import legend
+from clerestory.report.embedded_data import jpeg
 from clerestory.report.markup import Markup, element
-from clerestory.report.moments import (
+from clerestory.report.period import date_words
+from clerestory.report.view_pictures import (
     ViewPictures,
     as_luminance,
     as_seen,
@@ -23,8 +25,6 @@ from clerestory.report.moments import (
     luminance_scale,
     read_small,
 )
-from clerestory.report.period import date_words
-from clerestory.report.pixels import jpeg
 
 # A film has as many frames at least, and no more than these
 _FEWEST, _MOST = 6, 96

@@ -3,17 +3,17 @@
 import numpy as np
 
 from clerestory.report.colour import ColourScale, illuminance_scale, percent_scale
+from clerestory.report.colour_bar import legend
 from clerestory.report.content import ReportContent
-from clerestory.report.data import grid_frames, series_names
-from clerestory.report.heatmap import DARKEST_LUX, day_hour_grid, heat_map
-from clerestory.report.legend import legend
+from clerestory.report.embedded_data import picture
+from clerestory.report.fact_tables import sensor_table
+from clerestory.report.floor_plan import plan, walls_definition
+from clerestory.report.heat_map import DARKEST_LUX, day_hour_grid, heat_map
 from clerestory.report.markup import Markup, element
+from clerestory.report.metric_maps import MetricMap, metric_maps
 from clerestory.report.orientation import orientation, orientation_table
-from clerestory.report.pixels import picture
-from clerestory.report.plan import plan, walls_definition
+from clerestory.report.page_data import grid_frames, series_names
 from clerestory.report.room_view import MOST_TRIANGLES
-from clerestory.report.summary import MetricMap, metric_maps
-from clerestory.report.tables import sensor_table
 
 # What eyes and other upright sensors are judged by
 _UPRIGHT = ("mean", "autonomy", "exceeded")

@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 
 from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX
 from clerestory.report.content import ReportContent
-from clerestory.report.figure import Figure
+from clerestory.report.uncertain_value import Figure
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.report.animation import film_data
+from clerestory.report.annual_sections import day_maps, moment_note
+from clerestory.report.class_map import day_map_data
 from clerestory.report.colour import illuminance_scale
 from clerestory.report.content import ReportContent
-from clerestory.report.course import day_maps, moment_note
-from clerestory.report.day_map import day_map_data
-from clerestory.report.equation import equation_data
-from clerestory.report.figure import Figure
-from clerestory.report.film import film_data
-from clerestory.report.heatmap import DARKEST_LUX, day_hour_grid
-from clerestory.report.pixels import code_step, illuminance_codes, packed
-from clerestory.report.plan import PlanFrame, plan_frame
+from clerestory.report.embedded_data import code_step, illuminance_codes, packed
+from clerestory.report.five_phase_terms import equation_data
+from clerestory.report.floor_plan import PlanFrame, plan_frame
+from clerestory.report.heat_map import DARKEST_LUX, day_hour_grid
+from clerestory.report.metric_maps import metric_maps
 from clerestory.report.room_view import room_view
-from clerestory.report.summary import metric_maps
+from clerestory.report.uncertain_value import Figure
 
 # Hourly values that a page carries: about 3 MB once compressed
 _MOST_VALUES = 1_500_000

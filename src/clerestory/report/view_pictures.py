@@ -16,10 +16,10 @@ import xarray as xr
 from jaxtyping import Float, UInt8
 
 from clerestory.image.arithmetic import reduce, within_view
-from clerestory.image.display import to_srgb
 from clerestory.image.picture import Picture, photometric
-from clerestory.image.read import read_picture
-from clerestory.image.tone import filmic, key_luminance
+from clerestory.image.picture_files import read_picture
+from clerestory.image.srgb_display import to_srgb
+from clerestory.image.tone_curves import filmic, key_luminance
 from clerestory.report.colour import ColourScale
 
 Pixels = UInt8[np.ndarray, "row column 3"]

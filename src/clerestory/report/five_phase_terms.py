@@ -13,11 +13,11 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 
 from clerestory.phases.five import TERMS
-from clerestory.report.figure import number
+from clerestory.report.embedded_data import code_step, illuminance_codes, packed
 from clerestory.report.markup import Markup, element
 from clerestory.report.period import date_words
-from clerestory.report.pixels import code_step, illuminance_codes, packed
 from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.uncertain_value import number
 
 # Sensors whose terms the page carries
 _MOST = 12

@@ -8,10 +8,10 @@ import xarray as xr
 from jaxtyping import Bool, Float
 from matplotlib import colormaps
 
-from clerestory.report.day_map import DayMap, day_map
-from clerestory.report.figure import Figure
+from clerestory.report.class_map import DayMap, day_map
 from clerestory.report.markup import Markup, element
 from clerestory.report.period import hours_in
+from clerestory.report.uncertain_value import Figure
 
 _LEVELS = 101
 

@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Bool, Int, UInt8
 
 from clerestory.errors import InputError
-from clerestory.report.heatmap import DayHourGrid, day_hour_grid, heat_map
+from clerestory.report.embedded_data import packed, png
+from clerestory.report.heat_map import DayHourGrid, day_hour_grid, heat_map
 from clerestory.report.markup import Markup, element
-from clerestory.report.pixels import packed, png
 
 _NO_DATA = 255
 

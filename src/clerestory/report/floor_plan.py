@@ -11,12 +11,12 @@ from jaxtyping import Float, Int
 
 from clerestory.report.colour import ColourScale, nice_step
 from clerestory.report.content import ReportContent, WindowSurface
-from clerestory.report.edges import feature_edges, weld
-from clerestory.report.lattice import sensor_cells
+from clerestory.report.feature_edges import feature_edges, weld
+from clerestory.report.horizontal_section import horizontal_section, visible_extent
 from clerestory.report.markup import Markup, element, join
+from clerestory.report.metric_maps import MetricMap
 from clerestory.report.orientation import orientation
-from clerestory.report.section import horizontal_section, visible_extent
-from clerestory.report.summary import MetricMap
+from clerestory.report.sensor_cells import sensor_cells
 
 _WIDTH, _HEIGHT = 320.0, 380.0
 _MARGIN, _FOOT = 16.0, 30.0

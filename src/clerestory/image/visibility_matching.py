@@ -21,7 +21,7 @@ from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.image.arithmetic import reduce
 from clerestory.image.picture import Picture, photometric
-from clerestory.image.veil import foveal_view, with_veil
+from clerestory.image.veiling_glare import foveal_view, with_veil
 
 # Bins of the histogram, and the luminance [cd/m²] that counts as visible (pcond.h)
 _BINS = 100

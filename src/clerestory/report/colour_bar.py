@@ -3,8 +3,8 @@
 import numpy as np
 
 from clerestory.report.colour import ColourScale
+from clerestory.report.embedded_data import png
 from clerestory.report.markup import Markup, element
-from clerestory.report.pixels import png
 
 
 def legend(scale: ColourScale) -> Markup:

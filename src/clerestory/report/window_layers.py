@@ -18,8 +18,8 @@ from clerestory.report.bsdf_plot import (
     lobe_figure,
     share_figure,
 )
+from clerestory.report.embedded_data import png_address
 from clerestory.report.markup import Markup, element
-from clerestory.report.pixels import png_address
 
 # Layers drawn as discs, as curves; the light of the discs [°]; dots per inch
 _MOST_DISCS, _MOST = 5, 8

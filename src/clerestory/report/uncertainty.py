@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, element
-from clerestory.report.summary import relative_errors
+from clerestory.report.metric_maps import relative_errors
 
 # Below this, an error in per cent says nothing about daylight [lux]
 LIT_LUX = 10.0

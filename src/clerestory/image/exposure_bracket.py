@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Bool
 
 from clerestory.errors import InputError
-from clerestory.image.capture_exposure import Exposure, Photograph
-from clerestory.image.capture_response import LEVELS, ResponseCurve, check_bracket
+from clerestory.image.camera_response import LEVELS, ResponseCurve, check_bracket
 from clerestory.image.opencv import opencv
+from clerestory.image.photograph import Exposure, Photograph
 from clerestory.image.picture import Picture
 
 # Values below and above are noise and overflow
@@ -47,7 +47,7 @@ def merge_bracket(
 
     Examples
     --------
-    >>> from clerestory.image.capture_response import linear_response
+    >>> from clerestory.image.camera_response import linear_response
     >>> scene = np.array([[[10, 20, 30], [100, 110, 120]]])
     >>> shots = [(scene * k).clip(0, 255).astype(np.uint8) for k in (1, 2)]
     >>> merged = merge_bracket(

@@ -14,21 +14,21 @@ from jaxtyping import Bool
 from clerestory.metrics.daylight_autonomy import TARGET_LUX, daylight_autonomy
 from clerestory.metrics.sensor_metrics import metric_error, sensor_metrics
 from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX
+from clerestory.report.animation import film
 from clerestory.report.content import (
     FactTable,
     ReportContent,
     Room,
     WindowSurface,
 )
-from clerestory.report.electric import lamp_zones
-from clerestory.report.equation import equation_terms
-from clerestory.report.film import film
-from clerestory.report.layers import window_layers
+from clerestory.report.electric_lighting import lamp_zones
+from clerestory.report.five_phase_terms import equation_terms
 from clerestory.report.method_table import method_comparison
-from clerestory.report.moments import view_pictures
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.sunlight import sunlight_of
 from clerestory.report.view_glare import view_glare
+from clerestory.report.view_pictures import view_pictures
+from clerestory.report.window_layers import window_layers
 from clerestory.report.window_states import rule_words, window_states
 from clerestory.study.results import Results
 

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 
 from clerestory.report.content import FactTable
-from clerestory.report.figure import Figure
 from clerestory.report.markup import Markup, element
+from clerestory.report.metric_maps import MetricMap
 from clerestory.report.sensor_points import SensorPoints
-from clerestory.report.summary import MetricMap
+from clerestory.report.uncertain_value import Figure
 
 _MOST_ROWS = 500
 
