@@ -71,7 +71,8 @@ def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
     if len(fall):
         at = int(fall[0])
         raise InputError(
-            f"wavelength {w[at + 1]:g} nm follows {w[at]:g} nm; increasing ones expected"
+            f"wavelength {w[at + 1]:g} nm follows {w[at]:g} nm; increasing wavelengths"
+            " expected"
         )
 
 

@@ -15,10 +15,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions, Points2, Values
 from clerestory.bands import RGB, Bands
-from clerestory.bsdf.colour import rgb_from_xyz
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.scattering import (
+from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_function import (
     OTHER_SIDE,
     TOGETHER,
     Function,
@@ -184,18 +185,14 @@ class Bsdf:
         *,
         channel: str = "visible",
         partition: RingPartition | None = None,
-    ) -> Float[np.ndarray, " incident"]:
+    ) -> Values:
         """Share of the light from each incident patch that is scattered in all."""
         part = self.function(function, channel=channel, partition=partition)
         return part.direct_hemispherical()
 
     def hemispherical(
-        self,
-        incident: Float[np.ndarray, "*batch 3"],
-        *,
-        function: Function,
-        channel: str = "visible",
-    ) -> Float[np.ndarray, "*batch"]:
+        self, incident: Directions, *, function: Function, channel: str = "visible"
+    ) -> Values:
         """Share of the light from each direction that is scattered in all."""
         return self.scattering(function, channel=channel).hemispherical(incident)
 
@@ -241,12 +238,12 @@ class Bsdf:
 
     def sample(
         self,
-        incident: Float[np.ndarray, "*batch 3"],
-        u: Float[np.ndarray, "*batch 2"],
+        incident: Directions,
+        u: Points2,
         *,
         function: Function,
         channel: str = "visible",
-    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+    ) -> tuple[Directions, Values]:
         """Directions into which light leaves, and their probability density [1/sr].
 
         The density is the BSDF times the cosine over the share scattered in all.

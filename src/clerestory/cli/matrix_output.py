@@ -7,7 +7,7 @@ import numpy as np
 
 from clerestory.matrix.radiance_format import Encoding, write_matrix, write_rows
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
 
 
 def write_any_matrix(

@@ -15,13 +15,13 @@ from clerestory.bands import RGB, Bands
 from clerestory.constants import GROUND_REFLECTANCE
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
-from clerestory.sky.conditions import SkyConditions, Spectrum, sky_conditions
-from clerestory.sky.direct import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
-from clerestory.sky.dome import Quadrature, dome_radiance
-from clerestory.sky.matrix import SkyMatrix, SkyResponse, default_colour
+from clerestory.sky.patch_radiance import SkyMatrix, SkyResponse, default_colour
 from clerestory.sky.perez import perez_sky
+from clerestory.sky.perez_patches import Quadrature, dome_radiance
+from clerestory.sky.sky_conditions import SkyConditions, Spectrum, sky_conditions
 from clerestory.sky.sky_state import DEFAULT_DEW_POINT_C
-from clerestory.sky.sun import SunFormula
+from clerestory.sky.solar_position import SunFormula
+from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.weather import Weather
 
 __all__ = ["SkyMatrix", "SkyResponse", "sky_matrix"]

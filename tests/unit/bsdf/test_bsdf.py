@@ -6,7 +6,7 @@ import pytest
 from clerestory.bands import Bands
 from clerestory.bsdf.analytic import clear_air, lambertian
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems

@@ -11,10 +11,10 @@ from clerestory.bands import unnamed_bands
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning, InputError, MatrixError
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.sky.conditions import sky_conditions
-from clerestory.sky.direct import sun_radiance
+from clerestory.sky.sky_conditions import sky_conditions
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sky_state import sky_state, visible_irradiance
+from clerestory.sky.solar_radiance import sun_radiance
 from clerestory.sky.weather import Weather
 
 GREY = {"sky_colour": (1.0, 1.0, 1.0), "spectrum": "solar"}
