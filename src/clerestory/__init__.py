@@ -79,7 +79,7 @@ _HOME = {
     "run_study": "study.study_run",
 }
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = sorted([*_HOME, "__version__"])
 
 
