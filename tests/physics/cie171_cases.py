@@ -12,13 +12,17 @@ import numpy as np
 from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene, panel_scene
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.phases.render import irradiance
-from clerestory.phases.trace import daylight_coefficients
+from clerestory.phases.rendering import irradiance
+from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.scene.materials.emitters import Light
 from clerestory.scene.model import Plastic, Polygon, Scene, Sphere
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import DistantSource
-from clerestory.sky.distribution import Overcast, cie_general, horizontal_integral
+from clerestory.sky.luminance_distribution import (
+    Overcast,
+    cie_general,
+    horizontal_integral,
+)
 
 WEIGHTS = np.array([0.265, 0.670, 0.065]) * 179
 UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)

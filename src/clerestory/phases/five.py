@@ -23,8 +23,8 @@ from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
 from clerestory.phases.product import Progress
 from clerestory.phases.three import WindowPhases, three_phase_sum
-from clerestory.sky.matrix import SkyMatrix
-from clerestory.sky.suns import SunMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
+from clerestory.sky.sun_matrix import SunMatrix
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,9 +22,9 @@ from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_datase
 from clerestory.phases.five import sum_of_terms, sun_illuminance
 from clerestory.phases.product import Progress
 from clerestory.phases.three import WindowPhases
-from clerestory.sky.matrix import SkyMatrix, SkyResponse
+from clerestory.sky.patch_radiance import SkyMatrix, SkyResponse
 from clerestory.sky.product import lit_steps
-from clerestory.sky.suns import SunMatrix
+from clerestory.sky.sun_matrix import SunMatrix
 
 # Steps and sensors multiplied at a time: 32 components of 64 sensors take 4 MB
 _STEPS = 512

@@ -26,8 +26,8 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.pooled import FEW, pooled
 from clerestory.phases.shaded import States
 from clerestory.phases.stored_views import StoredViews, ViewBlock
-from clerestory.phases.trace import Progress
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.phases.traced_matrices import Progress
+from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.product import fold, lit_steps, product_blocks
 
 # Sensors multiplied at a time: 5800 patches with their components take 119 MB

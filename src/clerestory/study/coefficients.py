@@ -17,10 +17,10 @@ from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_datase
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.product import Progress
 from clerestory.phases.shaded import States
-from clerestory.phases.trace import daylight_coefficients
+from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.phases.two import two_phase
 from clerestory.scene.model import BsdfSurface, Plastic, Scene
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.study.job import COEFFICIENTS, STATE, Job
 from clerestory.study.window_groups import WindowGroup, WindowState
 

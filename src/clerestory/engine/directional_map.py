@@ -1,0 +1,63 @@
+"""Radiance over all directions as a table: two squares, above and below the horizon.
+
+A hemisphere becomes a disc by r² = 1 − |z|, which keeps shares of solid angle, and the
+disc a square by Shirley and Chiu's map. Cells are equal in solid angle; with 512 of
+them along an edge they are 0.3° wide. Between their middles values are interpolated,
+never across the horizon.
+"""
+
+from collections.abc import Callable
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.square import square_from_disc
+from clerestory.engine.upload import on_device
+from clerestory.hemisphere.shirley_chiu import disc_from_square
+
+Radiance = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, "n 3"]]
+
+
+def map_directions(edge: int) -> Float[np.ndarray, "n 3"]:
+    """Unit vectors through the middles of the cells, in the order of the tables."""
+    middle = (np.arange(edge) + 0.5) / edge
+    a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
+    x, y = disc_from_square(a, b)
+    height = 1 - (x * x + y * y)
+    scale = np.sqrt(1 + height)
+    up = np.stack([x * scale, y * scale, height], axis=-1)
+    return np.concatenate([up, up * [1, 1, -1]])
+
+
+class DirectionalMap:
+    """One or several tables of radiance over all directions.
+
+    Parameters
+    ----------
+    values : of each table, RGB for each of `map_directions(edge)`
+    edge : cells along the edge of a square
+    """
+
+    def __init__(self, values: Float[np.ndarray, "table n 3"], edge: int):
+        self.edge = edge
+        self.values = on_device(mi.Float, values)
+
+    def look_up(self, direction, table=0):
+        """Return the radiance in a direction, interpolated."""
+        height = dr.minimum(dr.abs(direction.z), 1)
+        scale = dr.rsqrt(1 + height)
+        place = square_from_disc(direction.x * scale, direction.y * scale)
+        place = dr.clip(place * self.edge - 0.5, 0, self.edge - 1)
+        corner = dr.minimum(mi.Point2u(place), self.edge - 2)
+        part = place - mi.Point2f(corner)
+        below = dr.select(direction.z >= 0, mi.UInt32(0), mi.UInt32(self.edge**2))
+        first = mi.UInt32(table) * (2 * self.edge**2) + below
+        found = mi.Color3f(0)
+        for i in range(2):
+            for j in range(2):
+                cell = first + (corner.x + i) * self.edge + corner.y + j
+                share = (part.x if i else 1 - part.x) * (part.y if j else 1 - part.y)
+                found += share * dr.gather(mi.Color3f, self.values, cell)
+        return found

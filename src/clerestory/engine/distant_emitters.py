@@ -1,0 +1,140 @@
+"""What shines at infinity: sky and ground as a table, suns as discs."""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.directional_map import DirectionalMap, map_directions
+from clerestory.engine.upload import on_device, vectors
+from clerestory.scene.model import DistantSource, Scene
+
+# Sources that subtend less than this are discs with sharp edges, aimed at directly.
+_DISC_DEG = 12.0
+
+# Cells along the edge of the sky's table, and points of a cell that are averaged.
+_EDGE = 512
+
+
+def is_sun(source: DistantSource) -> bool:
+    """Whether a distant source is narrow, and aimed at directly."""
+    return source.angle_deg <= _DISC_DEG
+
+
+@dataclass
+class DistantEmitters:
+    """Everything at infinity, for kernels.
+
+    Attributes
+    ----------
+    dome : radiance of all wide sources
+    suns : how many narrow sources there are
+    direction, radiance : of each narrow source
+    cos_half : cosine of half the angle it subtends
+    solid_angle : [sr]
+    cumulative : share of the irradiance up to and with each
+    """
+
+    dome: DirectionalMap | None
+    suns: int
+    direction: mi.Vector3f
+    radiance: mi.Color3f
+    one_minus_cos: mi.Float
+    cumulative: mi.Float
+
+    @classmethod
+    def of(cls, scene: Scene) -> "DistantEmitters":
+        """Return the tables of a scene's distant sources."""
+        wide = [s for s in scene.distant if not is_sun(s)]
+        narrow = [s for s in scene.distant if is_sun(s)]
+        # Kernels take no empty tables: without suns, one that is never looked at
+        direction = np.array([s.direction for s in narrow] or [[0.0, 0.0, 1.0]])
+        radiance = np.array([_at_centre(scene, s) for s in narrow] or [np.zeros(3)])
+        half = np.radians([s.angle_deg / 2 for s in narrow] or [0.5])
+        depth = 2 * np.sin(half / 2) ** 2
+        power = radiance.mean(axis=1) * depth
+        total = power.sum()
+        share = power / total if total > 0 else np.full(len(power), 1.0)
+        cumulative = np.cumsum(share)
+        cumulative[-1] = 1
+        light = cls(
+            dome=_dome(scene, wide) if wide else None,
+            suns=len(narrow),
+            direction=vectors(mi.Vector3f, direction),
+            radiance=vectors(mi.Color3f, radiance),
+            one_minus_cos=on_device(mi.Float, depth),
+            cumulative=on_device(mi.Float, cumulative),
+        )
+        dr.make_opaque(
+            light.direction, light.radiance, light.one_minus_cos, light.cumulative
+        )
+        return light
+
+    def radiance_of_dome(self, direction):
+        """Return the radiance of the wide sources in a direction."""
+        if self.dome is None:
+            return mi.Color3f(0)
+        return self.dome.look_up(direction)
+
+    @dr.syntax
+    def radiance_of_suns(self, direction, active):
+        """Return the radiance of the narrow sources, and the pdf of aiming there."""
+        found = mi.Color3f(0)
+        pdf = mi.Float(0)
+        number = mi.UInt32(0)
+        while active & (number < self.suns):
+            towards = dr.gather(mi.Vector3f, self.direction, number)
+            depth = dr.gather(mi.Float, self.one_minus_cos, number)
+            apart = 0.5 * dr.squared_norm(direction - towards)
+            inside = apart <= depth
+            radiance = dr.gather(mi.Color3f, self.radiance, number)
+            found += dr.select(inside, radiance, 0)
+            pdf += dr.select(inside, self._share(number) / (2 * dr.pi * depth), 0)
+            number += 1
+        return found, pdf
+
+    def aim(self, pick, u, v):
+        """Return a direction to a narrow source, its pdf, and what shines there."""
+        number = mi.UInt32(
+            dr.binary_search(
+                0,
+                self.suns - 1,
+                lambda i: dr.gather(mi.Float, self.cumulative, i) <= pick,
+            )
+        )
+        depth = dr.gather(mi.Float, self.one_minus_cos, number)
+        axis = dr.gather(mi.Vector3f, self.direction, number)
+        height = u * depth
+        flat = dr.safe_sqrt(height * (2 - height))
+        sine, cosine = dr.sincos(2 * dr.pi * v)
+        local = mi.Vector3f(flat * cosine, flat * sine, 1 - height)
+        pdf = self._share(number) / (2 * dr.pi * depth)
+        radiance = dr.gather(mi.Color3f, self.radiance, number)
+        return mi.Frame3f(axis).to_world(local), pdf, radiance
+
+    def _share(self, number):
+        low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
+        return dr.gather(mi.Float, self.cumulative, number) - low
+
+
+def _at_centre(scene: Scene, source: DistantSource) -> Float[np.ndarray, "3"]:
+    material = scene.materials[source.material]
+    if material.pattern is None:
+        return material.radiance
+    return material.radiance * material.pattern.value(source.direction[None])[0]
+
+
+def _dome(scene: Scene, sources: list[DistantSource]) -> DirectionalMap:
+    direction = map_directions(_EDGE)
+    total = np.zeros_like(direction)
+    for source in sources:
+        material = scene.materials[source.material]
+        least = np.cos(np.radians(source.angle_deg / 2)) - 1e-9
+        inside = direction @ source.direction >= least
+        radiance = np.broadcast_to(material.radiance, (int(inside.sum()), 3))
+        if material.pattern is not None:
+            radiance = radiance * material.pattern.value(direction[inside])
+        total[inside] += radiance
+    return DirectionalMap(total[None], _EDGE)

@@ -1,0 +1,194 @@
+"""Surfaces that shine: what they send, and where to aim at them.
+
+Every shining shape is one lamp. Its radiance may vary with the direction of the
+light, by a pattern, which is tabulated over all directions; a pattern that varies
+with place is taken at the middle of each surface.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.directional_map import DirectionalMap, map_directions
+from clerestory.engine.upload import on_device, vectors
+from clerestory.errors import InputError
+from clerestory.scene.model import Emitter, Glow, Illum, Spotlight
+from clerestory.scene.tessellate import Mesh
+
+# Cells along the edge of a pattern's table: 0.6° wide, for lamps of narrow beams
+_EDGE = 256
+
+
+def split_by_surface(mesh: Mesh) -> list[Mesh]:
+    """Return the mesh, surface by surface if its pattern asks where light leaves."""
+    pattern = getattr(mesh.material, "pattern", None)
+    if pattern is None or not (pattern.needs_normal or pattern.needs_point):
+        return [mesh]
+    return [
+        Mesh(mesh.material, mesh.vertices, mesh.faces[chosen], mesh.surface[chosen])
+        for chosen in (mesh.surface == number for number in np.unique(mesh.surface))
+    ]
+
+
+def is_aimed_at(material: Emitter) -> bool:
+    """Whether shadow rays are sent to it; the others are met by chance."""
+    return not (isinstance(material, Glow) and material.radius <= 0)
+
+
+@dataclass
+class Emitters:
+    """All shining shapes, for kernels.
+
+    Attributes
+    ----------
+    count : of triangles to aim at
+    radiance : of each lamp
+    table : of each lamp: 1 + number of its pattern, or 0
+    shy : whether a lamp shows itself to the eye only (glow of negative radius)
+    veiled : whether the eye sees another material in its place (illum)
+    patterns : tables of all patterns
+    corner, edge_u, edge_v, normal : of the triangles to aim at [m]
+    lamp : of each triangle
+    chance : of each triangle over its area [1/m²]
+    cumulative : chances up to and with each triangle
+    aimed : for each lamp, its chance over area [1/m²]; 0 where it is not aimed at
+    """
+
+    count: int
+    radiance: mi.Color3f
+    table: mi.UInt32
+    shy: mi.Bool
+    veiled: mi.Bool
+    patterns: DirectionalMap | None
+    corner: mi.Point3f
+    edge_u: mi.Vector3f
+    edge_v: mi.Vector3f
+    lamp: mi.UInt32
+    cumulative: mi.Float
+    aimed: mi.Float
+
+    @classmethod
+    def of(cls, shining: list[Mesh], origin: Float[np.ndarray, "3"]) -> "Emitters":
+        """Return the tables of shining meshes; lamp i is mesh i."""
+        radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
+        tables, number = [], []
+        for mesh in shining:
+            table = _pattern(mesh)
+            tables += [] if table is None else [table]
+            number.append(0 if table is None else len(tables))
+        mean = radiance.mean(axis=1)
+        for index, which in enumerate(number):
+            mean[index] *= 1 if which == 0 else tables[which - 1].mean()
+
+        # Triangles that are aimed at, by power
+        corners, lamp = [], []
+        for index, mesh in enumerate(shining):
+            if is_aimed_at(mesh.material) and mean[index] > 0:
+                corners.append(mesh.vertices[mesh.faces] - origin)
+                lamp.append(np.full(len(mesh.faces), index))
+        corner = np.concatenate([np.zeros((0, 3, 3)), *corners])
+        owner = np.concatenate([np.zeros(0, dtype=int), *lamp])
+        u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+        area = 0.5 * np.linalg.norm(np.cross(u, v), axis=1)
+        power = area * mean[owner]
+        cumulative = np.cumsum(power) / power.sum() if len(power) else power
+        aimed = np.zeros(len(shining))
+        if len(power):
+            cumulative[-1] = 1
+            aimed[np.unique(owner)] = mean[np.unique(owner)] / power.sum()
+        made = cls(
+            count=len(owner),
+            radiance=vectors(mi.Color3f, radiance),
+            table=on_device(mi.UInt32, number),
+            shy=on_device(mi.Bool, [_is_shy(m.material) for m in shining]),
+            veiled=on_device(mi.Bool, [isinstance(m.material, Illum) for m in shining]),
+            patterns=DirectionalMap(np.array(tables), _EDGE) if tables else None,
+            corner=vectors(mi.Point3f, corner[:, 0]),
+            edge_u=vectors(mi.Vector3f, u),
+            edge_v=vectors(mi.Vector3f, v),
+            lamp=on_device(mi.UInt32, owner),
+            cumulative=on_device(mi.Float, cumulative),
+            aimed=on_device(mi.Float, aimed),
+        )
+        dr.make_opaque(made.radiance, made.table, made.cumulative, made.aimed)
+        return made
+
+    def emitted(self, lamp, direction, active):
+        """Return the radiance that a lamp sends along a direction."""
+        found = dr.gather(mi.Color3f, self.radiance, lamp, active)
+        if self.patterns is None:
+            return found
+        table = dr.gather(mi.UInt32, self.table, lamp, active)
+        varied = self.patterns.look_up(direction, dr.maximum(table, 1) - 1)
+        return dr.select(table > 0, found * varied, found)
+
+    def pdf(self, lamp, distance2, cosine, active):
+        """Return the density of aiming at a point of a lamp [1/sr]."""
+        chance = dr.gather(mi.Float, self.aimed, lamp, active)
+        return chance * distance2 / dr.maximum(cosine, 1e-6)
+
+    def aim(self, origin, pick, u, v):
+        """Return a point of a lamp, the direction and cosine there, pdf and lamp."""
+        number = mi.UInt32(
+            dr.binary_search(
+                0,
+                self.count - 1,
+                lambda i: dr.gather(mi.Float, self.cumulative, i) <= pick,
+            )
+        )
+        fold = u + v > 1
+        u, v = dr.select(fold, 1 - u, u), dr.select(fold, 1 - v, v)
+        edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
+        edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
+        point = dr.gather(mi.Point3f, self.corner, number) + edge_u * u + edge_v * v
+        across = point - origin
+        distance2 = dr.squared_norm(across)
+        direction = across * dr.rsqrt(distance2)
+        normal = dr.normalize(dr.cross(edge_u, edge_v))
+        cosine = -dr.dot(normal, direction)
+        lamp = dr.gather(mi.UInt32, self.lamp, number)
+        return point, direction, cosine, self.pdf(lamp, distance2, cosine, True), lamp
+
+
+def _is_shy(material: Emitter) -> bool:
+    return isinstance(material, Glow) and material.radius < 0
+
+
+def _pattern(mesh: Mesh) -> Float[np.ndarray, "n 3"] | None:
+    # Multiplier of radiance for light that leaves along each direction of a table
+    material = mesh.material
+    pattern = material.pattern
+    if pattern is None and not isinstance(material, Spotlight):
+        return None
+    direction = map_directions(_EDGE)
+    value = np.ones_like(direction)
+    if pattern is not None:
+        normal = np.broadcast_to(_normal(mesh), direction.shape)
+        corners = mesh.vertices[mesh.faces].reshape(-1, 3)
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        point = np.broadcast_to(middle, direction.shape)
+        value = value * pattern.value(direction, normal, point)
+    if isinstance(material, Spotlight):
+        inside = direction @ material.direction >= np.cos(
+            np.radians(material.angle_deg / 2)
+        )
+        value = value * inside[:, None]
+    return value
+
+
+def _normal(mesh: Mesh) -> Float[np.ndarray, "3"]:
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
+    normal = np.cross(b - a, c - a)
+    total = normal.sum(axis=0)
+    length = np.linalg.norm(total)
+    if mesh.material.pattern.needs_normal and (
+        length < 0.999 * np.linalg.norm(normal, axis=1).sum()
+    ):
+        raise InputError(
+            f'emitter "{mesh.material.name}" is curved, and its pattern depends on the'
+            " normal; a flat surface expected"
+        )
+    return total / max(length, 1e-30)

@@ -1,0 +1,46 @@
+"""The surface that a pixel shows: where its irradiance is asked for.
+
+Clear panes, solids that refract and BSDFs that stand for geometry are looked through,
+straight on, as rpict -i does. What shines has no irradiance here.
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.walk import offset
+
+
+@dr.syntax
+def seen_surface(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
+    """Follow rays to the first surface that is not looked through.
+
+    Returns
+    -------
+    point : a little off the surface, on the side of the eye
+    normal : towards the eye
+    found : whether there is one
+    """
+    point, normal = mi.Point3f(0), mi.Vector3f(0, 0, 1)
+    found = mi.Bool(False)
+    looking = mi.Bool(active)
+    while looking:
+        hit = model.scene.ray_intersect_preliminary(ray, active=looking)
+        looking &= hit.is_valid()
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, looking)
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        lamp = dr.gather(mi.UInt32, model.emitter_of_shape, shape, looking) > 0
+        proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, looking) != 0
+        flags = si.bsdf().flags()
+        through = mi.has_flag(flags, mi.BSDFFlags.Null)
+        through |= mi.has_flag(flags, mi.BSDFFlags.Transmission)
+        through &= ~mi.has_flag(flags, mi.BSDFFlags.Smooth)
+        through |= proxy
+        shown = looking & ~through & ~lamp
+        facing = dr.mulsign(si.n, -dr.dot(si.n, ray.d))
+        point = dr.select(shown, offset(model, si, -ray.d, shown), point)
+        normal = dr.select(shown, facing, normal)
+        found |= shown
+        looking &= through & ~lamp
+        ray.o = dr.select(looking, offset(model, si, ray.d, looking), ray.o)
+    return point, normal, found

@@ -1,0 +1,78 @@
+"""GuidingCells of a room, by place and by the way a surface faces.
+
+What is known of light at a few places, such as which portals are bright, holds for the
+surfaces around them that face alike.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float, Int
+
+# Size of a cell [m], grown where an axis would need more than so many; points beyond
+# the outermost share of those given belong to the cells at the rim.
+_SIZE, _MOST = 0.75, 16
+_OUTLYING = 0.01
+
+# Ways to face: along the axes, either way.
+_FACINGS = 6
+
+
+@dataclass
+class GuidingCells:
+    """A grid, with six cells at each of its places.
+
+    Attributes
+    ----------
+    low : corner of the grid [m]
+    size : of the cells along each axis [m]
+    shape : cells along each axis
+    count : of all cells
+    """
+
+    low: mi.Point3f
+    size: mi.Vector3f
+    shape: mi.Vector3u
+    count: int
+
+    @classmethod
+    def around(cls, point: Float[np.ndarray, "n 3"]) -> "GuidingCells":
+        """Return cells around points; without any, one place for everything."""
+        if len(point) == 0:
+            return cls._of(np.zeros(3), np.ones(3), np.ones(3, dtype=int))
+        low, high = np.quantile(point, [_OUTLYING, 1 - _OUTLYING], axis=0)
+        extent = np.maximum(high - low, 1e-3)
+        shape = np.clip(np.ceil(extent / _SIZE), 1, _MOST).astype(int)
+        return cls._of(low, extent / shape, shape)
+
+    @classmethod
+    def _of(
+        cls,
+        low: Float[np.ndarray, "3"],
+        size: Float[np.ndarray, "3"],
+        shape: Int[np.ndarray, "3"],
+    ) -> "GuidingCells":
+        cells = cls(
+            mi.Point3f(*low.tolist()),
+            mi.Vector3f(*size.tolist()),
+            mi.Vector3u(*shape.tolist()),
+            int(shape.prod()) * _FACINGS,
+        )
+        dr.make_opaque(cells.low, cells.size, cells.shape)
+        return cells
+
+    def number(self, point: mi.Point3f, normal: mi.Vector3f) -> mi.UInt32:
+        """Return the cell of a place whose surface faces along a normal."""
+        place = (point - self.low) / self.size
+        number = mi.UInt32(0)
+        for here, cells in zip(place, self.shape, strict=True):
+            last = mi.Float(cells - 1)
+            number = number * cells + mi.UInt32(dr.clip(here, 0, last))
+        size = dr.abs(normal)
+        upright = (size.z >= size.x) & (size.z >= size.y)
+        axis = dr.select(upright, 2, dr.select(size.x >= size.y, 0, 1))
+        along = dr.select(upright, normal.z, dr.select(axis == 0, normal.x, normal.y))
+        facing = mi.UInt32(axis) * 2 + dr.select(along > 0, mi.UInt32(1), mi.UInt32(0))
+        return number * _FACINGS + facing

@@ -1,0 +1,172 @@
+"""Light that passes a layer unscattered, found in its BSDF (Radiance's aBSDF).
+
+A clear pane in a BSDF file is one bright cell around the direction straight on. The
+cells around that direction are sorted by their values: those within a factor of eight
+of the brightest, and no larger than one and a half of the smallest cells, are the
+peak. What they hold above their surround passes straight, and leaves the data.
+
+The criteria are those that Radiance's material documents (m_bsdf.c).
+"""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.bsdf.scattering_function import Function, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.engine.square import square_from_disc
+from clerestory.engine.upload import on_device
+from clerestory.hemisphere.shirley_chiu import disc_from_square
+
+# Directions are looked up on a grid with this many cells along an edge.
+_GRID = 128
+
+# Points around the direction straight on, in edges of the smallest cell.
+_STEPS = np.array(
+    [(i, j) for i in range(-4, 5) for j in range(-4, 5) if i * i + j * j <= 18]
+)
+_STEP = 0.6
+_REACH = float(np.sqrt(18) * _STEP + np.sqrt(0.5))
+
+_CONTRAST = 8.0
+_LARGEST = 1.5
+
+# Peaks that carry less than this share of the light are none.
+_FAINT = 5e-4
+
+_SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
+
+
+class PeakTable:
+    """The peak of a layer's transmission, for kernels.
+
+    Light that leaves to the room is looked up in the first half of the tables, light
+    that leaves to the outside in the second.
+    """
+
+    def __init__(self, bsdf: Bsdf):
+        found = [_peaks(bsdf, side) for side in _SIDES]
+        passed = np.concatenate([part[0] for part in found])
+        self.passed = on_device(mi.Float, passed)
+        self.surround = mi.Float(
+            np.concatenate([part[1] for part in found]).astype(np.float32)
+        )
+        self.limit = mi.Float(
+            np.concatenate([part[2] for part in found]).astype(np.float32)
+        )
+        self.radius2 = on_device(mi.Float, [part[3] for part in found])
+
+    def _cell(self, wi):
+        place = square_from_disc(wi.x, wi.y) * _GRID
+        row = dr.clip(mi.Int32(place.x), 0, _GRID - 1)
+        column = dr.clip(mi.Int32(place.y), 0, _GRID - 1)
+        outside = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(_GRID * _GRID))
+        return outside + mi.UInt32(row * _GRID + column)
+
+    def transmittance(self, wi):
+        """Return the share of light that passes straight to a direction."""
+        cell = self._cell(wi) * 3
+        return mi.Color3f(
+            *[dr.gather(mi.Float, self.passed, cell + i) for i in range(3)]
+        )
+
+    def without(self, value, wi, wo):
+        """Return a value of the transmission without the peak."""
+        cell = self._cell(wi)
+        side = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(1))
+        apart = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
+        near = apart <= dr.gather(mi.Float, self.radius2, side)
+        peak = near & (dr.sum(value) / 3 > dr.gather(mi.Float, self.limit, cell))
+        return dr.select(peak, dr.gather(mi.Float, self.surround, cell), value)
+
+
+def _peaks(
+    bsdf: Bsdf, side: Function
+) -> tuple[
+    Float[np.ndarray, "cell 3"],
+    Float[np.ndarray, " cell"],
+    Float[np.ndarray, " cell"],
+    float,
+]:
+    # Transmittance, surround, lowest value of the peak, and its squared reach
+    cells = _GRID * _GRID
+    none = np.zeros((cells, 3)), np.zeros(cells), np.full(cells, np.inf), 0.0
+    if not bsdf.has(side):
+        return none
+    luminous = bsdf.scattering(side)
+    smallest = _smallest(luminous)
+    if smallest is None:
+        return none
+    edge = float(np.sqrt(smallest))
+    leaving, incident, inside = _around(edge)
+    parts = bsdf.xyz(side) if bsdf.in_colour(side) else (luminous,)
+    values = [np.where(inside, part.evaluate(incident, leaving), 0) for part in parts]
+    size = luminous.reciprocal().resolution(leaving, incident)
+    bright = values[len(values) // 2]
+    in_peak, limit = _select(bright, size, inside, smallest)
+
+    # The peak carries what it holds above its surround; each cell counts once
+    first = _first_of_each(bright) & inside
+    around = first & ~in_peak
+    weight = np.where(around, size, 0).sum(axis=1)
+    surround = np.where(around, bright * size, 0).sum(axis=1)
+    surround = np.divide(surround, weight, out=np.zeros(cells), where=weight > 0)
+    counted = in_peak & first
+    above = [
+        np.where(counted, np.maximum(v - surround[:, None], 0) * size, 0).sum(axis=1)
+        for v in values
+    ]
+    rgb = np.stack(above * (3 // len(above)))
+    if len(parts) == 3:
+        rgb = rgb_from_xyz(rgb[:, :, None])[:, :, 0]
+    clear = (above[len(above) // 2] >= _FAINT) & (weight > 0)
+    rgb = np.where(clear, rgb, 0).T
+    limit = np.where(clear, limit, np.inf)
+    return rgb, surround, limit, smallest * _REACH**2
+
+
+def _smallest(part: ScatteringFunction) -> float | None:
+    if isinstance(part, ScatteringTree):
+        return float(np.pi * 0.25**part.depth)
+    if isinstance(part, ScatteringMatrix):
+        return float(part.incidents.projected_solid_angles().min())
+    return _smallest(part.reciprocal())
+
+
+def _around(edge: float):
+    # For each cell of the grid its middle, and directions around straight on
+    middle = (np.arange(_GRID) + 0.5) / _GRID
+    a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
+    x, y = disc_from_square(a, b)
+    leaving = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
+    disc = -leaving[:, None, :2] + _STEPS * (_STEP * edge)
+    radius2 = np.sum(disc**2, axis=-1)
+    inside = radius2 < 1
+    height = np.sqrt(np.maximum(1 - radius2, 1e-9))
+    incident = np.concatenate([disc, -height[..., None]], axis=-1)
+    incident /= np.linalg.norm(incident, axis=-1, keepdims=True)
+    return np.broadcast_to(leaving[:, None], incident.shape), incident, inside
+
+
+def _first_of_each(values: Float[np.ndarray, "cell step"]):
+    # Points with the value of an earlier one lie in the same cell
+    order = np.argsort(values, axis=1, kind="stable")
+    ranked = np.take_along_axis(values, order, axis=1)
+    new = np.ones_like(ranked, dtype=bool)
+    new[:, 1:] = ranked[:, 1:] != ranked[:, :-1]
+    first = np.zeros_like(new)
+    np.put_along_axis(first, order, new, axis=1)
+    return first
+
+
+def _select(values, size, inside, smallest: float):
+    # Which points lie in the peak: bright ones, of small cells
+    small = inside & (size <= _LARGEST * smallest)
+    brightest = np.where(inside, values, 0).max(axis=1)
+    sharp = np.where(small, values, 0).max(axis=1) >= brightest
+    limit = np.where(sharp & (brightest > 0), brightest / _CONTRAST, np.inf)
+    return small & (values > limit[:, None]), limit

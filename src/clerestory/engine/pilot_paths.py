@@ -1,0 +1,74 @@
+"""Places of a room: what paths come to, found before a picture or sensors are traced.
+
+Paths walk diffusely from surface to surface on this side of all windows. Where they
+touch tells where light is gathered: which surfaces sun may fall on (`sun_patches`) and
+from where portals are seen (`path_guiding`).
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine import sampler
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.sampler import points
+from clerestory.engine.upload import launching
+from clerestory.engine.walk import offset
+
+# Paths that look for places, and how many each visits.
+LOOKING = 1 << 13
+_VERTICES = 4
+
+
+@dataclass
+class Places:
+    """Places on the surfaces of a room.
+
+    Attributes
+    ----------
+    point, start : on its surface, and moved off it [m]
+    normal : on the side that light is gathered from
+    """
+
+    point: Float[np.ndarray, "n 3"]
+    start: Float[np.ndarray, "n 3"]
+    normal: Float[np.ndarray, "n 3"]
+
+    def __len__(self) -> int:
+        return len(self.point)
+
+
+def visit(model: LoweredScene, ray: mi.Ray3f) -> Places:
+    """Walk from surface to surface, from the first segments of `LOOKING` paths on."""
+    sequence = points(0, dr.width(ray.d))
+    index, seed = dr.arange(mi.UInt32, dr.width(ray.d)), mi.UInt32(0)
+    active = mi.Bool(True)
+    found = []
+    for vertex in range(_VERTICES):
+        hit = model.scene.ray_intersect_preliminary(ray, active=active)
+        active &= hit.is_valid()
+        shape = dr.reinterpret_array(mi.UInt32, hit.shape)
+        flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
+        active &= mi.has_flag(flags, mi.BSDFFlags.Smooth)
+        active &= ~mi.has_flag(flags, mi.BSDFFlags.Null)
+        active &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
+        normal = dr.mulsign(si.n, -dr.dot(si.n, ray.d))
+        u, v = (
+            sampler.coordinate(sequence, seed, index, mi.UInt32(vertex), purpose)
+            for purpose in (sampler.DIRECTION_U, sampler.DIRECTION_V)
+        )
+        local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
+        direction = mi.Frame3f(normal).to_world(local)
+        ray = mi.Ray3f(offset(model, si, direction, active), direction)
+        with launching():
+            dr.eval(ray, active, si.p, normal)
+        kept = active.numpy()
+        found.append([part.numpy().T[kept] for part in (si.p, ray.o, normal)])
+    point, start, normal = (
+        np.concatenate(part).astype(float) for part in zip(*found, strict=True)
+    )
+    return Places(point, start, normal)
