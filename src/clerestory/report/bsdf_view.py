@@ -24,9 +24,9 @@ from clerestory.files import write_text
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.report.colour import ColourScale
+from clerestory.report.embedded_data import packed
 from clerestory.report.markup import Markup, element, embedded_json, join
-from clerestory.report.offline import asset, content_policy
-from clerestory.report.pixels import packed
+from clerestory.report.page_assets import asset, content_policy
 
 _SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_view.js")
 
