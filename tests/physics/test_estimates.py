@@ -9,12 +9,12 @@ import clerestory as cl
 from clerestory.engine import device as devices
 
 # The engine's modules, Mitsuba and Dr.Jit exist once a device was started
-estimate = devices.load("cpu")
+controller = devices.load("cpu")
 
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine import materials, work
+from clerestory.engine import materials, work_units
 from clerestory.engine.patches import PatchTable, SkyTable
 from clerestory.engine.sampler import points
 from clerestory.engine.windows import window_shapes
@@ -71,8 +71,8 @@ def test_results_do_not_depend_on_the_size_of_launches(device, monkeypatch):
     scene, south = box(4, 5, 3, 0.6)
     options = {"sensors": SENSORS, "samples": 16 * 600, "seed": 3, "device": device}
     whole = cl.view_matrix(scene, south, **options)
-    monkeypatch.setattr(work, "_PATHS", 16 * 256)
-    monkeypatch.setattr(estimate, "_STRETCH", 256)
+    monkeypatch.setattr(work_units, "_PATHS", 16 * 256)
+    monkeypatch.setattr(controller, "_STRETCH", 256)
     cut = cl.view_matrix(scene, south, **options)
     assert np.array_equal(whole.values, cut.values)
 

@@ -16,7 +16,7 @@ from clerestory.engine import materials
 from clerestory.engine.analytic_shapes import round_shape, without_round
 from clerestory.engine.channels import SHINING, channels_of
 from clerestory.engine.emitters import Emitters, split_by_surface
-from clerestory.engine.shelf import shelved
+from clerestory.engine.scene_cache import cached
 from clerestory.engine.upload import on_device
 from clerestory.engine.windows import WindowTable, window_shapes
 from clerestory.scene.model import BsdfSurface, Scene
@@ -77,7 +77,7 @@ def lower(
     receivers : windows that are surfaces of the scene and end the paths that meet them
     """
     key = mi.variant(), scene, tuple(origin.tolist()), receivers
-    lowered: LoweredScene = shelved(key, lambda: _lowered(scene, origin, receivers))
+    lowered: LoweredScene = cached(key, lambda: _lowered(scene, origin, receivers))
     return lowered
 
 

@@ -16,7 +16,7 @@ from clerestory.formats.photometry.read import read_luminaire
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.render import irradiance, render
+from clerestory.phases.rendering import irradiance, render
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
 from clerestory.study.job import LAMPS, Job

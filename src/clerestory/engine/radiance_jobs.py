@@ -14,8 +14,8 @@ from typing import ClassVar, Literal, Protocol
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.estimate import GROWTH, Effort
-from clerestory.engine.work import Job, Unit
+from clerestory.engine.controller import GROWTH, Effort
+from clerestory.engine.work_units import Job, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -36,7 +36,7 @@ _DARK = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Lit:
+class RadianceEstimate:
     """Light that was gathered.
 
     Attributes
@@ -71,7 +71,7 @@ class Batches:
         return spread / (self.count * math.sqrt(len(self.total)))
 
 
-class LitJob(Job, Protocol):
+class RadianceJob(Job, Protocol):
     """A job whose rows are lights that are gathered.
 
     Attributes
@@ -85,7 +85,7 @@ class LitJob(Job, Protocol):
     def receivers(self) -> int:
         """Number of rows."""
 
-    def trial(self, paths: int) -> Unit:
+    def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of some rows."""
 
     def error(self, values: Batches) -> float:
@@ -113,7 +113,7 @@ class PictureJob:
         """Pixels of the picture."""
         return self.columns * self.rows
 
-    def trial(self, paths: int) -> Unit:
+    def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of the middle of the picture."""
         return middle_unit(self.receivers, self.batches, paths)
 
@@ -141,7 +141,7 @@ class IrradianceJob:
         """Number of sensors."""
         return len(self.sensors)
 
-    def trial(self, paths: int) -> Unit:
+    def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of some sensors."""
         return middle_unit(self.receivers, self.batches, paths)
 
@@ -160,7 +160,7 @@ def trace_picture(
     effort: Effort,
     *,
     quantity: Literal["radiance", "irradiance"],
-) -> Lit:
+) -> RadianceEstimate:
     """Return the radiance of a view's pixels, row by row from the top.
 
     The relative error is that of the mean pixel: the root mean square of the standard
@@ -172,20 +172,22 @@ def trace_picture(
     """
     walk = effort.bounces, effort.seed, effort.device
     job = PictureJob(scene, view, columns, rows, *walk, quantity)
-    return estimate_lit(job, effort)
+    return estimate_radiance(job, effort)
 
 
-def trace_irradiance(scene: Scene, sensors: Sensors, effort: Effort) -> Lit:
+def trace_irradiance(
+    scene: Scene, sensors: Sensors, effort: Effort
+) -> RadianceEstimate:
     """Return the irradiance of sensors; every one reaches the relative error."""
     job = IrradianceJob(scene, sensors, effort.bounces, effort.seed, effort.device)
-    return estimate_lit(job, effort)
+    return estimate_radiance(job, effort)
 
 
-def estimate_lit(job: LitJob, effort: Effort) -> Lit:
+def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
     """Trace a job until its samples are taken or its error is reached."""
     batches, rows = job.batches, job.receivers
     if not effort.executor.accepts(job, effort.goal):
-        return Lit(np.zeros((rows, 3)), np.zeros((rows, 3)), 0, True)
+        return RadianceEstimate(np.zeros((rows, 3)), np.zeros((rows, 3)), 0, True)
     sums = Batches(np.zeros((batches, rows, 3)))
     length = _PILOT
     if effort.samples is not None:
@@ -205,7 +207,9 @@ def estimate_lit(job: LitJob, effort: Effort) -> Lit:
         length = min(int(length * 2 ** np.ceil(np.log2(growth))), _LONGEST)
     if effort.progress:
         effort.progress(1.0, "done")
-    return Lit(sums.mean(), sums.error(), rows * batches * sums.count, reached)
+    return RadianceEstimate(
+        sums.mean(), sums.error(), rows * batches * sums.count, reached
+    )
 
 
 def middle_unit(rows: int, batches: int, paths: int) -> Unit:

@@ -16,10 +16,10 @@ from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
+from clerestory.engine.controller import Effort, Estimate
 from clerestory.engine.device import Device
-from clerestory.engine.estimate import Effort, Estimate
-from clerestory.engine.traces import trace_coefficients, trace_daylight, trace_view
-from clerestory.engine.work import Executor, Local
+from clerestory.engine.matrix_jobs import trace_coefficients, trace_daylight, trace_view
+from clerestory.engine.work_units import Executor, Local
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, window_axis

@@ -10,7 +10,7 @@ from clerestory.engine.device import Device
 from clerestory.scene.model import Scene
 
 
-def sunshine(
+def sun_visible(
     scene: Scene,
     points: Float[np.ndarray, "point 3"],
     suns: Float[np.ndarray, "sun 3"],
@@ -34,5 +34,5 @@ def sunshine(
     """
     if not (len(points) and len(suns)):
         return np.zeros((len(points), len(suns)), dtype=bool)
-    tracer: Any = devices.load(device, "sunshine")
-    return np.asarray(tracer.straight_share(scene, points, suns) > 0)
+    tracer: Any = devices.load(device, "direct_visibility")
+    return np.asarray(tracer.direct_transmittance(scene, points, suns) > 0)

@@ -23,11 +23,11 @@ from typing import Unpack
 
 import numpy as np
 
-from clerestory.engine.facade import trace_facade
+from clerestory.engine.facade_jobs import trace_facade
 from clerestory.errors import ClerestoryWarning, MatrixError
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.trace import (
+from clerestory.phases.traced_matrices import (
     Tracing,
     matrix_effort,
     require_distinct,

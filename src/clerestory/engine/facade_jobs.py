@@ -12,8 +12,8 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from clerestory.engine.channels import channels_of
-from clerestory.engine.estimate import Effort, Estimate, MatrixJob, Sums, estimate
-from clerestory.engine.traces import patches_of, walk_of, window_irradiance
+from clerestory.engine.controller import Effort, Estimate, MatrixJob, Sums, estimate
+from clerestory.engine.matrix_jobs import patches_of, walk_of, window_irradiance
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 

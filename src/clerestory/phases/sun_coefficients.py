@@ -14,8 +14,8 @@ from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.device import Device
-from clerestory.engine.sunlit import SunJob, trace_sun
-from clerestory.engine.work import Executor, Local
+from clerestory.engine.direct_sun_jobs import SunJob, trace_sun
+from clerestory.engine.work_units import Executor, Local
 from clerestory.errors import InputError
 from clerestory.matrix.axis import sensor_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix

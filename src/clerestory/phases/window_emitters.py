@@ -12,9 +12,9 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.directions import unit
-from clerestory.engine.outgoing import Patches, trace_outgoing
+from clerestory.engine.exiting_radiance import Patches, trace_exiting_radiance
 from clerestory.errors import InputError
-from clerestory.phases.trace import Tracing, matrix_effort, warn_if_short
+from clerestory.phases.traced_matrices import Tracing, matrix_effort, warn_if_short
 from clerestory.radiance.illum_table import LeavingLight, light_pattern
 from clerestory.scene.model import Illum, Material, Polygon, Scene
 from clerestory.scene.triangulate import triangulate
@@ -66,7 +66,7 @@ def precompute_illums(
         raise InputError("no panes given; at least one polygon expected")
     effort = matrix_effort(default_error=DEFAULT_RELATIVE_ERROR, **tracing)
     patches = _patches(pieces)
-    lit = trace_outgoing(room + panes, patches, rings, 2 * rings, effort)
+    lit = trace_exiting_radiance(room + panes, patches, rings, 2 * rings, effort)
     warn_if_short(lit, "light of the windows", effort)
     radiance = lit.value.reshape(len(pieces), rings, 2 * rings, 3)
     materials: dict[str, Material] = {}

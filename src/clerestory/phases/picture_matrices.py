@@ -20,15 +20,20 @@ from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.device import Device
-from clerestory.engine.sunlit import PixelSunJob, trace_pixel_sun
-from clerestory.engine.traces import trace_pixel_view
-from clerestory.engine.work import Executor, Goal, Local
+from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
+from clerestory.engine.matrix_jobs import trace_pixel_view
+from clerestory.engine.work_units import Executor, Goal, Local
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.sun import check_window
-from clerestory.phases.trace import Progress, Tracing, matrix_effort, warn_if_short
+from clerestory.phases.sun_coefficients import check_window
+from clerestory.phases.traced_matrices import (
+    Progress,
+    Tracing,
+    matrix_effort,
+    warn_if_short,
+)
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 from clerestory.scene.window import Window

@@ -11,7 +11,7 @@ from clerestory.engine.walk import passed
 from clerestory.scene.model import Scene
 
 
-def straight_share(
+def direct_transmittance(
     scene: Scene,
     points: Float[np.ndarray, "point 3"],
     directions: Float[np.ndarray, "sun 3"],

@@ -14,18 +14,25 @@ from typing import Literal
 
 import numpy as np
 
+from clerestory.engine.controller import GROWTH, PILOT, row_bytes
 from clerestory.engine.device import Device
-from clerestory.engine.estimate import GROWTH, PILOT, row_bytes
-from clerestory.engine.lit import Batches
+from clerestory.engine.radiance_jobs import Batches
 from clerestory.engine.sums import Sums, estimated
-from clerestory.engine.work import Executor, Goal, Grain, Job, Unit, spread
+from clerestory.engine.work_units import (
+    Executor,
+    Goal,
+    Job,
+    Unit,
+    UnitSize,
+    evenly_spaced,
+)
 
 # Paths of a trial on each worker, and what it returns at most [bytes]
 _TRIAL, _SUMS = 1 << 19, 1 << 27
 
 
 @dataclass(frozen=True, eq=False)
-class Noted:
+class PlannedJob:
     """A job and when it is done."""
 
     job: Job
@@ -33,7 +40,7 @@ class Noted:
 
 
 @dataclass(frozen=True)
-class Foreseen:
+class JobCost:
     """What a job will take.
 
     Attributes
@@ -68,7 +75,7 @@ class Plan:
 
     def __init__(self, place: Executor):
         self.place = place
-        self.noted: list[Noted] = []
+        self.noted: list[PlannedJob] = []
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
         """Return the device that the work is to be done on."""
@@ -76,12 +83,12 @@ class Plan:
 
     def accepts(self, job: Job, goal: Goal) -> bool:
         """Return False: take note of the job, and leave it."""
-        self.noted.append(Noted(job, goal))
+        self.noted.append(PlannedJob(job, goal))
         return False
 
-    def grain(self, device: Literal["cpu", "cuda"]) -> Grain:
+    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
         """Return how large units will be."""
-        return self.place.grain(device)
+        return self.place.unit_size(device)
 
     def workers(self) -> int:
         """Return how many units will be done at once."""
@@ -92,14 +99,14 @@ class Plan:
         return iter(())
 
 
-def foresee(plan: Plan) -> list[Foreseen]:
+def estimate_costs(plan: Plan) -> list[JobCost]:
     """Return what each noted job will take, after a trial of each kind of job.
 
     The largest job of a kind is tried, and the start of the next one in its scene. Jobs
     of one kind take as long to prepare and trace as many paths a second, and need as
     many paths for each row.
     """
-    kinds: dict[type, list[Noted]] = {}
+    kinds: dict[type, list[PlannedJob]] = {}
     for noted in sorted(plan.noted, key=lambda n: -n.job.receivers):
         if noted.job.receivers:
             kinds.setdefault(type(noted.job), []).append(noted)
@@ -112,10 +119,10 @@ def foresee(plan: Plan) -> list[Foreseen]:
     return found
 
 
-def _foreseen(noted: Noted, trial: _Trial | None, *, again: bool) -> Foreseen:
+def _foreseen(noted: PlannedJob, trial: _Trial | None, *, again: bool) -> JobCost:
     job, goal = noted.job, noted.goal
     if trial is None:
-        return Foreseen(0, 0.0)
+        return JobCost(0, 0.0)
     if goal.samples is not None:
         length: float = _length(noted)
     else:
@@ -124,15 +131,15 @@ def _foreseen(noted: Noted, trial: _Trial | None, *, again: bool) -> Foreseen:
     paths = round(length * job.batches * job.receivers)
     seconds = trial.next_preparation if again else trial.preparation
     seconds += paths / trial.rate + trial.beside * job.receivers
-    return Foreseen(paths, seconds)
+    return JobCost(paths, seconds)
 
 
-def _length(noted: Noted) -> int:
+def _length(noted: PlannedJob) -> int:
     # Points of a batch, where samples are given
     return max(1, -(-(noted.goal.samples or 1) // noted.job.batches))
 
 
-def _try(kind: Sequence[Noted], place: Executor) -> _Trial:
+def _try(kind: Sequence[PlannedJob], place: Executor) -> _Trial:
     # Twice the same: the first time builds the scene and compiles its kernels
     noted, workers = kind[0], place.workers()
     job, unit = noted.job, _like_all(noted)
@@ -162,9 +169,9 @@ def _timed(
     return time.perf_counter() - start, sums
 
 
-def _like_all(noted: Noted) -> Unit:
+def _like_all(noted: PlannedJob) -> Unit:
     # A unit of as many paths a row as the run will trace, where that is known
-    job, unit = noted.job, noted.job.trial(_TRIAL)
+    job, unit = noted.job, noted.job.pilot_unit(_TRIAL)
     shape = getattr(job, "shape", None)
     if shape is None or noted.goal.samples is None or unit.count <= _length(noted):
         return unit
@@ -172,7 +179,7 @@ def _like_all(noted: Noted) -> Unit:
     if job.together:
         return Unit(unit.rows, 0, length)
     rows = min(_TRIAL // (length * job.batches), _SUMS // row_bytes(job))
-    return Unit(spread(shape[0], max(1, rows)), 0, length)
+    return Unit(evenly_spaced(shape[0], max(1, rows)), 0, length)
 
 
 def _beside(job: Job, unit: Unit, part: np.ndarray) -> float:

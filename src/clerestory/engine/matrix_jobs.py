@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.channels import channels_of
-from clerestory.engine.estimate import (
+from clerestory.engine.controller import (
     Effort,
     Estimate,
     MatrixJob,

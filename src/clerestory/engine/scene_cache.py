@@ -1,7 +1,7 @@
 """What was built on the device for one job, and serves the next as well.
 
 A scene of millions of triangles takes longer to build than the daylight matrix of
-one window behind it takes to trace. So what a preparation builds stays on the shelf
+one window behind it takes to trace. So what a preparation builds stays on the cache
 of its executor: the next one takes it from there if it asks for the same, and
 otherwise all that it has not taken is let go *before* anything new is built.
 """
@@ -11,19 +11,19 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
-_in_use: ContextVar["Shelf | None"] = ContextVar("shelf", default=None)
+_in_use: ContextVar["SceneCache | None"] = ContextVar("cache", default=None)
 
 
-class Shelf:
+class SceneCache:
     """Keeps what the last preparation built.
 
     Examples
     --------
-    >>> shelf = Shelf()
+    >>> cache = SceneCache()
     >>> built = []
     >>> for name in ("hall", "hall", "room"):
-    ...     with shelf.preparing():
-    ...         _ = shelved((name,), lambda: built.append(name))
+    ...     with cache.preparing():
+    ...         _ = cached((name,), lambda: built.append(name))
     >>> built
     ['hall', 'room']
     """
@@ -34,7 +34,7 @@ class Shelf:
 
     @contextmanager
     def preparing(self) -> Iterator[None]:
-        """Serve `shelved` meanwhile; what nobody asked for is let go at the end."""
+        """Serve `cached` meanwhile; what nobody asked for is let go at the end."""
         self._former = set(self._kept)
         token = _in_use.set(self)
         try:
@@ -57,12 +57,12 @@ class Shelf:
         self._former = set()
 
 
-def shelved(key: tuple[object, ...], build: Callable[[], Any]) -> Any:
-    """Return what was built for a key, or build it; without a shelf, always build.
+def cached(key: tuple[object, ...], build: Callable[[], Any]) -> Any:
+    """Return what was built for a key, or build it; without a cache, always build.
 
     Parameters
     ----------
     key : all that it depends on; scenes and windows are compared by identity
     """
-    shelf = _in_use.get()
-    return build() if shelf is None else shelf.take(key, build)
+    cache = _in_use.get()
+    return build() if cache is None else cache.take(key, build)

@@ -12,11 +12,11 @@ from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.bands import RGB, Bands
-from clerestory.engine.estimate import Effort
-from clerestory.engine.lit import trace_irradiance, trace_picture
+from clerestory.engine.controller import Effort
+from clerestory.engine.radiance_jobs import trace_irradiance, trace_picture
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture, Quantity
-from clerestory.phases.trace import Tracing, matrix_effort, warn_if_short
+from clerestory.phases.traced_matrices import Tracing, matrix_effort, warn_if_short
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

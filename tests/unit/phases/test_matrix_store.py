@@ -8,7 +8,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.store import MatrixStore
+from clerestory.phases.matrix_store import MatrixStore
 
 KEY = "0123456789abcdef" * 4
 OTHER_KEY = "f123456789abcdef" * 4

@@ -19,7 +19,14 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from clerestory.engine.sums import BATCHES, Estimate, Sums, estimated
-from clerestory.engine.work import Executor, Goal, Grain, Local, Unit, spread
+from clerestory.engine.work_units import (
+    Executor,
+    Goal,
+    Local,
+    Unit,
+    UnitSize,
+    evenly_spaced,
+)
 from clerestory.scene.model import Scene
 
 # Sample points of a batch in the first round, when an error is aimed at.
@@ -105,10 +112,10 @@ class MatrixJob(ABC):
         return self.shape[0]
 
     @final
-    def trial(self, paths: int) -> Unit:
+    def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of rows spread over the matrix."""
         rows, batches, _, _ = self.shape
-        few = np.arange(rows) if self.together else spread(rows, _TRIAL_ROWS)
+        few = np.arange(rows) if self.together else evenly_spaced(rows, _TRIAL_ROWS)
         return Unit(few, 0, int(np.clip(paths // (len(few) * batches), 1, _STRETCH)))
 
     @abstractmethod
@@ -235,8 +242,8 @@ def _lengthen(
     # Bring the batches of the active rows to `length` points, unit by unit
     todo = np.flatnonzero(active)
     have, batches = int(sums.count[todo[0]]), effort.batches
-    grain = effort.executor.grain(job.device)
-    units = list(_units(job, numbers[todo], have, length, grain))
+    unit_size = effort.executor.unit_size(job.device)
+    units = list(_units(job, numbers[todo], have, length, unit_size))
     work, done, start_time = len(todo) * (length - have), 0, time.perf_counter()
     for unit, part in zip(units, effort.executor.map(job, units), strict=True):
         sums.add(unit.rows - numbers[0], part)
@@ -253,12 +260,14 @@ def _units(
     rows: Int[np.ndarray, " row"],
     have: int,
     length: int,
-    grain: Grain,
+    unit_size: UnitSize,
 ) -> Iterator[Unit]:
     batches = job.shape[1]
-    stretch = min(_STRETCH, max(PILOT, grain.paths // batches))
+    stretch = min(_STRETCH, max(PILOT, unit_size.paths // batches))
     for first in range(have, length, stretch):
         count = min(length - first, stretch)
-        most = min(grain.paths // (batches * count), grain.sums // row_bytes(job))
+        most = min(
+            unit_size.paths // (batches * count), unit_size.sums // row_bytes(job)
+        )
         for start in range(0, len(rows), max(1, most)):
             yield Unit(rows[start : start + max(1, most)], first, count)

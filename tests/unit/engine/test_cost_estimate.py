@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from clerestory.directions import Frame
-from clerestory.engine import foresight
-from clerestory.engine.foresight import Plan, foresee
-from clerestory.engine.traces import DaylightJob, ViewJob
-from clerestory.engine.work import Goal, Local
+from clerestory.engine import cost_estimate
+from clerestory.engine.cost_estimate import Plan, estimate_costs
+from clerestory.engine.matrix_jobs import DaylightJob, ViewJob
+from clerestory.engine.work_units import Goal, Local
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.scene.model import Polygon, Scene
@@ -60,10 +60,10 @@ def test_a_trial_takes_as_many_paths_a_row_as_the_run(place):
     plan = Plan(place)
     job = ViewJob(Scene(), (WINDOW,) * 40, SENSORS, *WALK)
     plan.accepts(job, Goal(samples=512))
-    [found] = foresee(plan)
+    [found] = estimate_costs(plan)
     for _, unit in place.units:
         assert unit.count == 32
-        assert len(unit.rows) == foresight._SUMS // (16 * 40 * 145 * 8)
+        assert len(unit.rows) == cost_estimate._SUMS // (16 * 40 * 145 * 8)
     assert found.paths == 512_000
     assert found.seconds == pytest.approx(SCENE + JOB + MILLION * 0.512)
 
@@ -75,7 +75,7 @@ def test_windows_of_a_scene_build_it_once(place):
         plan.accepts(DaylightJob(scene, WINDOW, sky, *WALK), Goal(samples=160))
     other = Scene()
     plan.accepts(DaylightJob(other, WINDOW, sky, *WALK), Goal(samples=160))
-    seconds = [each.seconds for each in foresee(plan)]
+    seconds = [each.seconds for each in estimate_costs(plan)]
     trace = MILLION * 145 * 160e-6
     np.testing.assert_allclose(seconds[0], SCENE + JOB + trace)
     np.testing.assert_allclose(seconds[1:40], JOB + trace)
@@ -87,6 +87,6 @@ def test_a_trial_of_few_paths_stays_as_it_is(place):
     plan = Plan(place)
     few = Sensors(SENSORS.position[:3], SENSORS.direction[:3])
     plan.accepts(ViewJob(Scene(), (WINDOW,), few, *WALK), Goal(samples=100))
-    [found] = foresee(plan)
+    [found] = estimate_costs(plan)
     assert found.paths == 3 * 7 * 16
     assert all(len(unit.rows) == 3 for _, unit in place.units)

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine.estimate import Progress
-from clerestory.engine.work import Executor, Goal, Local, Unit, spread
+from clerestory.engine.controller import Progress
+from clerestory.engine.work_units import Executor, Goal, Local, Unit, evenly_spaced
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -60,7 +60,7 @@ class SunJob:
         """Pairs of a sensor and a sun."""
         return len(self.sensors) * len(self.suns)
 
-    def trial(self, paths: int) -> Unit:
+    def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of some sensors and suns."""
         pairs = max(1, paths // (BATCHES * self.points))
         return _trial(len(self.sensors), len(self.suns), pairs, self.points)
@@ -97,7 +97,7 @@ class PixelSunJob:
         """Pairs of a pixel and a sun."""
         return self.columns * self.rows * len(self.suns)
 
-    def trial(self, paths: int) -> Unit:
+    def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of some pixels and suns."""
         pairs = max(1, paths // self.samples)
         pixels = self.columns * self.rows
@@ -194,7 +194,7 @@ def _unit(
 
 def _trial(rows: int, suns: int, pairs: int, count: int) -> Unit:
     # Some suns of the whole year, and consecutive rows
-    few = spread(suns, max(1, min(8, pairs)))
+    few = evenly_spaced(suns, max(1, min(8, pairs)))
     block = max(1, min(rows, pairs // max(1, len(few))))
     first = (rows - block) // 2
     return Unit(np.arange(first, first + block), 0, count, few)

@@ -6,15 +6,15 @@ from typing import ClassVar, Literal
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.engine.estimate import Effort
-from clerestory.engine.lit import (
+from clerestory.engine.controller import Effort
+from clerestory.engine.radiance_jobs import (
     PICTURE_BATCHES,
     Batches,
-    Lit,
-    estimate_lit,
+    RadianceEstimate,
+    estimate_radiance,
     middle_unit,
 )
-from clerestory.engine.work import Unit
+from clerestory.engine.work_units import Unit
 from clerestory.scene.model import Scene
 
 
@@ -37,7 +37,7 @@ class Patches:
 
 
 @dataclass(frozen=True, eq=False)
-class OutgoingJob:
+class ExitingRadianceJob:
     """Mean radiance that patches send within rings and sectors, patch by patch."""
 
     tracer: ClassVar[tuple[str, str]] = ("outgoing_tracer", "prepare_outgoing")
@@ -56,7 +56,7 @@ class OutgoingJob:
         """Directions of all patches."""
         return len(self.patches.frame) * self.rings * self.sectors
 
-    def trial(self, paths: int) -> Unit:
+    def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of some directions."""
         return middle_unit(self.receivers, self.batches, paths)
 
@@ -66,9 +66,11 @@ class OutgoingJob:
         return float(np.sqrt(np.mean(deviation**2)) / max(mean.mean(), 1e-30))
 
 
-def trace_outgoing(
+def trace_exiting_radiance(
     scene: Scene, patches: Patches, rings: int, sectors: int, effort: Effort
-) -> Lit:
+) -> RadianceEstimate:
     """Return the radiance that patches send, but for suns seen straight through."""
     walk = effort.bounces, effort.seed, effort.device
-    return estimate_lit(OutgoingJob(scene, patches, rings, sectors, *walk), effort)
+    return estimate_radiance(
+        ExitingRadianceJob(scene, patches, rings, sectors, *walk), effort
+    )

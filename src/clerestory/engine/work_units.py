@@ -8,7 +8,7 @@ processes share the work, and a unit that is lost is simply done again.
 
 An *executor* decides where units are done: `Local` in this process, a cluster in
 processes elsewhere. There is no other way to trace. A plan of the work is an executor
-as well, which takes note of every job and does none (`engine.foresight`).
+as well, which takes note of every job and does none (`engine.cost_estimate`).
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.engine.device import Device, free_memory, load, resolve
-from clerestory.engine.shelf import Shelf
+from clerestory.engine.scene_cache import SceneCache
 from clerestory.scene.model import Scene
 
 # What a unit may cost on a CPU: more paths a launch do not trace faster.
@@ -52,10 +52,10 @@ class Unit:
 Tracer = Callable[[Unit], np.ndarray]
 
 
-def spread(count: int, most: int) -> Int[np.ndarray, " number"]:
+def evenly_spaced(count: int, most: int) -> Int[np.ndarray, " number"]:
     """Return at most so many of the numbers below `count`, evenly spread.
 
-    >>> spread(10, 4).tolist(), spread(3, 4).tolist()
+    >>> evenly_spaced(10, 4).tolist(), evenly_spaced(3, 4).tolist()
     ([0, 3, 6, 9], [0, 1, 2])
     """
     few = min(count, most)
@@ -88,7 +88,7 @@ class Job(Protocol):
     def receivers(self) -> int:
         """How many things the samples of a goal are counted by."""
 
-    def trial(self, paths: int) -> Unit:
+    def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of about so many paths that is like all of them."""
 
 
@@ -107,7 +107,7 @@ class Goal:
 
 
 @dataclass(frozen=True)
-class Grain:
+class UnitSize:
     """How large a unit may be.
 
     Attributes
@@ -129,7 +129,7 @@ class Executor(Protocol):
     def accepts(self, job: Job, goal: Goal) -> bool:
         """Return whether a job is to be done; what is declined stays blank."""
 
-    def grain(self, device: Literal["cpu", "cuda"]) -> Grain:
+    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
         """Return how large units may be."""
 
     def workers(self) -> int:
@@ -149,7 +149,7 @@ class Local:
     def __init__(self) -> None:
         self._job: Job | None = None
         self._tracer: Tracer | None = None
-        self._shelf = Shelf()
+        self._cache = SceneCache()
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
         """Return the device that a request leads to on this machine."""
@@ -163,16 +163,16 @@ class Local:
         """Return one: a unit takes the whole machine."""
         return 1
 
-    def grain(self, device: Literal["cpu", "cuda"]) -> Grain:
+    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
         """Return units as large as a launch: on a GPU, what its free memory holds.
 
         Sums of whole numbers are the same however the work is cut.
         """
         if device == "cpu":
-            return Grain(_PATHS, _SUMS)
+            return UnitSize(_PATHS, _SUMS)
         free = free_memory() or 0
         paths = min(_MOST_PATHS, free // 4 // _PATH_BYTES)
-        return Grain(max(_PATHS, paths), max(_SUMS, min(_MOST_SUMS, free // 4)))
+        return UnitSize(max(_PATHS, paths), max(_SUMS, min(_MOST_SUMS, free // 4)))
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
         """Yield what each unit adds, in the order of the units."""
@@ -186,6 +186,6 @@ class Local:
         if job is not self._job or self._tracer is None:
             # Let go of the former tables before the next ones are built
             self._job = self._tracer = None
-            with self._shelf.preparing():
+            with self._cache.preparing():
                 self._tracer, self._job = getattr(module, prepare)(job), job
         return self._tracer(unit)
