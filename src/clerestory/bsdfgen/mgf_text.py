@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.colorimetry import rgb_to_xyz
 from clerestory.bsdfgen.area import SampleArea
+from clerestory.colorimetry import RADIANCE
 from clerestory.errors import InputError
 from clerestory.scene.materials.highlight import Roughness
 from clerestory.scene.model import (
@@ -135,7 +135,7 @@ def _glass(material: Glass) -> Iterator[str]:
 
 def _share(keyword: str, rgb: _Colour, *roughness: Roughness) -> Iterator[str]:
     # A share of light after its colour
-    xyz = rgb_to_xyz() @ np.asarray(rgb, dtype=float)
+    xyz = RADIANCE.to_xyz() @ np.asarray(rgb, dtype=float)
     yield "\tc"
     if np.ptp(rgb) > 0:
         yield f"\t\tcxy {_numbers(xyz[:2] / xyz.sum())}"
