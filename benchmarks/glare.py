@@ -32,8 +32,7 @@ from clerestory.glare.glare_view import GlareView, _glare_view, glare_view
 from clerestory.glare.imageless import imageless_dgp
 from clerestory.glare.result import Glare
 from clerestory.image.picture import Picture
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.scene.view import View
 
 FISHEYE = View(kind="angular", horizontal=180, vertical=180)

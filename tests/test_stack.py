@@ -12,8 +12,9 @@ import pytest
 import clerestory
 
 STACK = (
-    ("errors", "constants"),
+    ("array_types", "errors", "constants"),
     ("files", "directions", "bands"),
+    ("colorimetry",),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),

@@ -23,8 +23,7 @@ from clerestory.glare.source_table import GlareSources
 from clerestory.glare.ugr import ugr
 from clerestory.glare.vcp import dgr, vcp
 from clerestory.glare.zones import Zones
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.scene.view import View
 
 # Small pictures have few pixels in the merging angle, for both programs

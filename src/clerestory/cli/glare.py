@@ -27,7 +27,7 @@ from clerestory.files import replace_file, write_text
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.evaluate import eye_of
 from clerestory.glare.field_luminance import field_luminances
-from clerestory.image.read import read_picture
+from clerestory.image.picture_files import read_picture
 
 
 def glare(

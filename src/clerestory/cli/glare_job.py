@@ -31,8 +31,7 @@ from clerestory.glare.region_statistics import (
 from clerestory.glare.result import Glare
 from clerestory.glare.sources import find_sources, in_zone
 from clerestory.glare.zones import Zones
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.radiance.view_text import parse_view, read_view
 from clerestory.scene.view import View
 

@@ -5,20 +5,20 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.cli.two_angles import two_angles
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.formats.pabopto import Facing
-from clerestory.gonio.measurement import Measurement
-from clerestory.gonio.read import Format, read_measurement
+from clerestory.gonio.formats.file_format import Facing
+from clerestory.gonio.measurement_files import read_measurement
+from clerestory.gonio.scattering_measurement import Measurement
 
 _PICTURES = (".png", ".svg", ".pdf")
 
 
 def read_files(
     files: list[Path],
-    form: Format | None,
+    form: str | None,
     function: Function | None,
     facing: Facing,
     blank: Path | None,

@@ -24,7 +24,7 @@ from clerestory.report.comparison_plots import (
     time_figure,
 )
 from clerestory.report.markup import Markup, element, join
-from clerestory.report.offline import asset, content_policy
+from clerestory.report.page_assets import asset, content_policy
 
 PAGE_FILE = "comparison.html"
 _MOST_SERIES = 9

@@ -17,7 +17,7 @@ from clerestory.glare.comfort_classes import (
 )
 from clerestory.glare.dgp import DGP
 from clerestory.glare.index import CATEGORIES
-from clerestory.report.heatmap import day_hour_grid
+from clerestory.report.heat_map import day_hour_grid
 
 # From calm to alarming, told apart by brightness too
 _COLOURS = ("#dce9f2", "#f6d55c", "#ed7d3a", "#9c1b2f")

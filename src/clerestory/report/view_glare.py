@@ -16,10 +16,10 @@ from clerestory.glare.comfort_classes import (
 )
 from clerestory.glare.dgp import DGP
 from clerestory.glare.index import CATEGORIES
-from clerestory.report.day_map import DayMap, day_map, keys
-from clerestory.report.figure import number
+from clerestory.report.class_map import DayMap, day_map, keys
 from clerestory.report.markup import Markup, element
 from clerestory.report.period import hours_in, moment_words
+from clerestory.report.uncertain_value import number
 
 # From calm to alarming, told apart by brightness too
 COLOURS = np.array(

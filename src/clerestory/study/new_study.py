@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import make_folder, write_text
 from clerestory.radiance.rad_reader import read_rad

@@ -6,11 +6,11 @@ import pytest
 from clerestory.bands import Bands
 from clerestory.errors import InputError
 from clerestory.image.arithmetic import reduce
-from clerestory.image.human_vision import human_vision
 from clerestory.image.picture import Picture
-from clerestory.image.tone import filmic, linear
-from clerestory.image.veil import with_veil
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import write_picture
+from clerestory.image.tone_curves import filmic, linear
+from clerestory.image.veiling_glare import with_veil
+from clerestory.image.visibility_matching import human_vision
 from clerestory.scene.view import View
 
 NINE = Bands(tuple(f"band {k}" for k in range(9)), tuple(np.arange(9.0)))

@@ -1,0 +1,116 @@
+"""Reader of goniophotometer files, by a registry of formats.
+
+The registry is made of the modules in `clerestory.gonio.formats`; the format of a file
+is recognized from its first bytes.
+"""
+
+import importlib
+import pkgutil
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+
+from clerestory.bsdf.scattering_function import Function
+from clerestory.errors import InputError
+from clerestory.files import read_bytes
+from clerestory.gonio import formats
+from clerestory.gonio.formats.file_format import (
+    Facing,
+    FileFormat,
+    FileHead,
+    ReadOptions,
+)
+from clerestory.gonio.scattering_measurement import Measurement, merge_scans
+
+# Bytes at the start of a file from which its format is recognized.
+_HEAD = 4096
+
+
+def _registry() -> Mapping[str, FileFormat]:
+    # All formats of the package, by name
+    modules = (
+        importlib.import_module(f"{formats.__name__}.{module.name}")
+        for module in pkgutil.iter_modules(formats.__path__)
+    )
+    found = (getattr(module, "FORMAT", None) for module in modules)
+    return MappingProxyType({f.name: f for f in found if isinstance(f, FileFormat)})
+
+
+FORMATS = _registry()
+
+
+def read_measurement(
+    *paths: str | Path,
+    form: str | None = None,
+    function: Function | None = None,
+    facing: Facing = "room",
+    blank: Path | None = None,
+    merge: bool = False,
+) -> tuple[Measurement, ...]:
+    """Return the measurements in goniophotometer files of one sample.
+
+    Parameters
+    ----------
+    form : name of the format; None to recognize it from the first file
+    function : scattering function that was measured, where the format does not say
+    facing : side that the normal of the sample faces, for pab-opto's files
+    blank : readings without a sample, for workbooks of the RT-300S
+    merge : join scans of the same incident direction instead of refusing them
+
+    Returns
+    -------
+    One measurement per function and channel.
+
+    Raises
+    ------
+    InputError : a file is damaged or of no known format
+    """
+    files = [Path(path) for path in paths]
+    if not files:
+        raise InputError("no goniophotometer file; one or more expected")
+    kind = recognized_format(files[0]) if form is None else FORMATS.get(form)
+    if kind is None:
+        raise InputError(
+            f"goniophotometer format {form!r}; one of {', '.join(FORMATS)} expected"
+        )
+    options = ReadOptions(function, facing, blank)
+    return _merged(files, kind, options) if merge else kind.read(files, options)
+
+
+def recognized_format(path: Path) -> FileFormat:
+    """Return the format of a file, recognized from its first bytes.
+
+    Raises
+    ------
+    InputError : no known format
+    """
+    data = read_bytes(path)[:_HEAD]
+    text = "" if b"\0" in data else data.decode("latin-1").lower()
+    lines = (line.strip() for line in text.splitlines())
+    head = FileHead(data, tuple(line for line in lines if line))
+    for kind in FORMATS.values():
+        if kind.recognizes(head):
+            return kind
+    raise InputError(
+        "not a goniophotometer file of a known format; one of"
+        f" {', '.join(FORMATS)} expected",
+        file=path,
+    )
+
+
+def _merged(
+    files: Sequence[Path], kind: FileFormat, options: ReadOptions
+) -> tuple[Measurement, ...]:
+    # Read every file alone, then join the scans of each function and channel
+    groups: dict[tuple[str, str], list[Measurement]] = {}
+    for file in files:
+        for part in kind.read([file], options):
+            groups.setdefault((part.function, part.channel), []).append(part)
+    return tuple(
+        replace(
+            parts[-1],
+            scans=merge_scans(scan for part in parts for scan in part.scans),
+        )
+        for parts in groups.values()
+    )
