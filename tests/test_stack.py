@@ -14,6 +14,7 @@ import clerestory
 STACK = (
     ("array_types", "errors", "constants", "progress"),
     ("files", "directions", "bands"),
+    ("colorimetry",),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),

@@ -16,15 +16,15 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.colorimetry import rgb_from_xyz
 from clerestory.bsdf.scattering_function import FUNCTIONS, OTHER_SIDE, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.colorimetry import rgb_from_xyz
+from clerestory.engine.materials.properties import colour
 from clerestory.engine.matrix_table import MatrixTable
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.tree_table import TreeTable
-from clerestory.scene.model import BsdfSurface
 
 Table = MatrixTable | TreeTable
 
@@ -103,6 +103,9 @@ class Added:
     transmission: "mi.Color3f"
 
 
+PLUGIN = "bsdf_file"
+
+
 def define() -> type:
     """Return the plugin's class for the variant in use."""
 
@@ -118,16 +121,20 @@ def define() -> type:
                 mi.BSDFFlags.DiffuseReflection | sides,
                 mi.BSDFFlags.DiffuseTransmission | sides,
             ]
+            up = props.get("up", mi.ScalarPoint3f(0, 0, 1))
+            self.up = mi.Vector3f([float(c) for c in np.ravel(up)])
+            self.added = Added(
+                *(
+                    colour(props, name, 0.0)
+                    for name in ("front", "back", "transmission")
+                )
+            )
+            dr.make_opaque(self.up)
+            self.sharp = bool(props.get("peak", False))
+            self.peak = None
             filename = props.get("filename", "")
             if filename:
-                up = props.get("up", mi.ScalarPoint3f(0, 0, 1))
-                black = np.zeros(3)
-                self.take(
-                    read_bsdf(filename),
-                    np.array(up, dtype=float).ravel(),
-                    (black, black, black),
-                    props.get("peak", False),
-                )
+                self.take(read_bsdf(filename))
             self._flag()
 
         def _flag(self):
@@ -136,15 +143,12 @@ def define() -> type:
                 flags = flags | component
             self.m_flags = flags
 
-        def take(self, bsdf, up, added, peak):
-            """Scatter by a `Bsdf` and by diffuse parts: front, back, transmission."""
+        def take(self, bsdf):
+            """Scatter by a `Bsdf`."""
             bsdf = bsdf.tabulated()
             self.table = scattering_table(bsdf)
-            self.up = mi.Vector3f(*[float(c) for c in up])
-            self.added = Added(*[mi.Color3f(*[float(c) for c in a]) for a in added])
-            dr.make_opaque(self.up, self.added)
-            self.peak = PeakTable(bsdf) if peak else None
-            if peak:
+            if self.sharp:
+                self.peak = PeakTable(bsdf)
                 sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
                 self.m_components = [*self.m_components, mi.BSDFFlags.Null | sides]
             self._flag()
@@ -284,21 +288,6 @@ def define() -> type:
     return BsdfFile
 
 
-_classes: dict[str, type] = {}
-
-
-def register() -> type:
-    """Define the plugin for the current variant, once, and return its class."""
-    variant = mi.variant()
-    if variant not in _classes:
-        _classes[variant] = define()
-        mi.register_bsdf("bsdf_file", _classes[variant])
-    return _classes[variant]
-
-
-def plugin(surface: BsdfSurface) -> "mi.BSDF":
-    """Return the plugin that scatters like a surface of the scene."""
-    made = register()(mi.Properties("bsdf_file"))
-    added = (surface.front, surface.back, surface.transmission)
-    made.take(surface.bsdf, surface.up @ surface.transform, added, surface.peak)
-    return made
+def vary(made, name: str, bsdf: Bsdf, origin) -> None:
+    """Scatter by the functions of a `Bsdf`."""
+    made.take(bsdf)
