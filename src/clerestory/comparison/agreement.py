@@ -56,10 +56,6 @@ def agreement(
 ) -> Agreement:
     """Return how well two rows of values agree.
 
-    Raises
-    ------
-    InputError : no pairs, or a measured value that is not positive
-
     Examples
     --------
     >>> found = agreement(np.array([100.0, 200.0]), np.array([104.0, 230.0]))

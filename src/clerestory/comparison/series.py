@@ -59,11 +59,6 @@ class Series:
     error : standard errors of the values, if they are known
     position : of each series' sensor [m], NaN where there is none
     source : where it comes from
-
-    Raises
-    ------
-    InputError : numbers that do not fit each other, a name twice, times that do not
-        grow
     """
 
     names: tuple[str, ...]

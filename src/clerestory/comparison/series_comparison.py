@@ -35,10 +35,6 @@ class Rules:
     above_lux : measured illuminance must exceed this to count [lux]
     shift_minutes : added to the measured times [min]
     coverage : share of a coarse step that finer values must fill, 0…1
-
-    Raises
-    ------
-    InputError : a negative limit, a share outside 0…1
     """
 
     above_lux: float = ABOVE_LUX

@@ -43,10 +43,6 @@ def check_picture(
     colour : shares of red, green and blue for all sources alike
     task : pixels to be shown in blue
 
-    Raises
-    ------
-    InputError : a colour without light
-
     Examples
     --------
     >>> grey = Picture(np.ones((30, 30, 3), dtype=np.float32))

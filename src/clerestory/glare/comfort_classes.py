@@ -32,10 +32,6 @@ def exceeded_dgp(
     ----------
     dgp : in the steps of use only
 
-    Raises
-    ------
-    InputError : no steps, a share out of 0 to 1
-
     Examples
     --------
     >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
@@ -94,10 +90,6 @@ def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
     ----------
     normal_normal : light transmittance without change of direction
     normal_diffuse : light transmittance from normal incidence to all other directions
-
-    Raises
-    ------
-    InputError : a transmittance out of 0 to 1
 
     Examples
     --------

@@ -16,10 +16,6 @@ class SeenRows:
     Attributes
     ----------
     first, last : numbers of the rows, counted from the top
-
-    Raises
-    ------
-    InputError : no rows between them
     """
 
     first: int
@@ -39,10 +35,6 @@ def fill_cut(
 
     As option -I of evalglare: upwards, only columns in which the last row seen lies
     within the field of view are filled.
-
-    Raises
-    ------
-    InputError : the picture has fewer rows
 
     Examples
     --------

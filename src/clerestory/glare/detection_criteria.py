@@ -49,10 +49,6 @@ class SourceRules:
     smallest : sources of less solid angle are left out [sr]
     field_of_view : leave out sources that Guth's field of view does not hold
 
-    Raises
-    ------
-    InputError : a number out of range, a threshold by the task without a task
-
     Examples
     --------
     >>> SourceRules(threshold=5, threshold_kind="times_task", task=Zone(400, 400, 0.6))

@@ -90,12 +90,7 @@ def eye_of(
     position_model: PositionModel = "guth",
     trust: bool = False,
 ) -> GlareView:
-    """Return the pixels of a picture's view, after checking that both fit.
-
-    Raises
-    ------
-    InputError : as `evaluate_glare` does
-    """
+    """Return the pixels of a picture's view, after checking that both fit."""
     seen = view or picture.view
     if seen is None:
         raise InputError(

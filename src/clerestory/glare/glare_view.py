@@ -132,11 +132,6 @@ def glare_view(
     columns, rows : size of the pictures
     model : of the position index
 
-    Raises
-    ------
-    InputError : a parallel view, which sees one direction only; a picture of fewer
-        than 21 pixels a side
-
     Examples
     --------
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)

@@ -35,10 +35,6 @@ def weighted_solid_angle(
     view : where the eye looks; its up vector stands across the line of sight
     model : of the position index
 
-    Raises
-    ------
-    InputError : a source larger than a hemisphere
-
     Examples
     --------
     >>> eye = View(direction=np.array([0.0, 1.0, 0.0]))

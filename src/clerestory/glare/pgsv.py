@@ -43,12 +43,7 @@ def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -
 def surround_luminance(
     *, window: float, window_solid_angle: float, average: float
 ) -> float:
-    """Luminance of the field of view around a window [cd/m²].
-
-    Raises
-    ------
-    InputError : the window gives all the light there is
-    """
+    """Luminance of the field of view around a window [cd/m²]."""
     sphere = 2 * math.pi
     rest = (sphere * average - window * window_solid_angle) / (
         sphere - window_solid_angle

@@ -28,12 +28,6 @@ def check_picture(picture: Picture, view: View, *, trust: bool) -> None:
     Parameters
     ----------
     trust : evaluate in spite of a doubtful projection or scale
-
-    Raises
-    ------
-    InputError : irradiances, negative or boundless values, pixels that are not square,
-        sides that do not fit the view, a fisheye picture with another projection in
-        its header, values of an ordinary photograph
     """
     if picture.quantity != "radiance":
         raise InputError(f"a picture of {picture.quantity}; radiances expected")

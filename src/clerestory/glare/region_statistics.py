@@ -44,10 +44,6 @@ def region_statistics(
 ) -> RegionStatistics:
     """Return the statistics of the pixels of a region that are in view.
 
-    Raises
-    ------
-    InputError : the region holds no pixel
-
     Examples
     --------
     >>> from clerestory.glare.glare_view import glare_view

@@ -71,12 +71,7 @@ def reference_luminance(
 
 
 def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
-    """Whether pixels lie in a zone.
-
-    Raises
-    ------
-    InputError : the middle of the zone lies outside of the picture
-    """
+    """Whether pixels lie in a zone."""
     rows, columns = eye.shape
     if not (0 <= zone.row < rows and 0 <= zone.column < columns):
         raise InputError(

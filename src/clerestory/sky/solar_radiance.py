@@ -49,10 +49,6 @@ def sun_radiance(
         all in the nearest "patch"; in the nearest patch at the radiance of the
         solar "disc", for direct-sun matrices traced with such discs
     diameter_deg : apparent diameter of the disc
-
-    Raises
-    ------
-    InputError : an unknown placement, a diameter of 0 or above 30°
     """
     if placement not in ("spread", "patch", "disc"):
         raise InputError(
