@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.glare.glare_view import glare_view
-from clerestory.glare.pixel_pitch import pixel_pitch
+from clerestory.glare.glare_view import glare_view, pixel_pitch
 from clerestory.glare.pixel_rays import pixel_rays
 from clerestory.glare.pixel_solid_angle import quadrilaterals
 from clerestory.radiance.view_text import parse_view
