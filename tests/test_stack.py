@@ -14,6 +14,7 @@ import clerestory
 STACK = (
     ("array_types", "errors", "constants", "options"),
     ("files", "directions", "bands"),
+    ("colorimetry",),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),

@@ -54,19 +54,19 @@ _HOME = {
     "denoise": "image.denoise",
     "read_window": "radiance.window_reader",
     "read_windows": "radiance.window_reader",
-    "view_matrix": "phases.trace",
-    "view_matrices": "phases.trace",
-    "daylight_matrix": "phases.trace",
-    "daylight_matrices": "phases.trace",
-    "daylight_coefficients": "phases.trace",
-    "facade_matrix": "phases.facade",
-    "facade_matrices": "phases.facade",
-    "facade_daylight": "phases.facade",
+    "view_matrix": "phases.traced_matrices",
+    "view_matrices": "phases.traced_matrices",
+    "daylight_matrix": "phases.traced_matrices",
+    "daylight_matrices": "phases.traced_matrices",
+    "daylight_coefficients": "phases.traced_matrices",
+    "facade_matrix": "phases.facade_matrices",
+    "facade_matrices": "phases.facade_matrices",
+    "facade_daylight": "phases.facade_matrices",
     "Cluster": "cluster.cluster",
-    "irradiance": "phases.render",
-    "render": "phases.render",
-    "render_irradiance": "phases.render",
-    "precompute_illums": "phases.illum",
+    "irradiance": "phases.rendering",
+    "render": "phases.rendering",
+    "render_irradiance": "phases.rendering",
+    "precompute_illums": "phases.window_emitters",
     "write_illums": "radiance.illum_table",
     "sky_at": "radiance.generated_sky",
     "sky_scene": "radiance.generated_sky",
@@ -79,7 +79,7 @@ _HOME = {
     "run_study": "study.study_run",
 }
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = sorted([*_HOME, "__version__"])
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, Points2, Values
-from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.bands import RGB, Bands
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_function import (
     OTHER_SIDE,
@@ -27,6 +27,7 @@ from clerestory.bsdf.scattering_function import (
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree_colour import xyz_functions
+from clerestory.colorimetry import rgb_from_xyz
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
@@ -135,29 +136,36 @@ class Bsdf:
         *,
         partition: RingPartition | None = None,
         window: str | None = None,
+        bands: Bands = RGB,
     ) -> TransferMatrix:
         """Return the matrix T of the three-phase method, E = V·T·D·s.
 
         Each entry is the radiance that leaves into a patch of the room per radiance
         that arrives from a patch outside: the BSDF times the projected solid angle
         of the incident patch. The visible channel is in RGB if the file has CIE X
-        and Z beside it, grey otherwise.
+        and Z beside it, grey otherwise. In other bands than RGB, the file's channels of
+        the names of the bands are taken.
 
         Parameters
         ----------
         partition : patches on both sides; None for those of the file, which for a
             tensor tree are the 145 of Klems
         window : name of the window group it stands in; None fits all
+        bands : spectral bands
 
         Raises
         ------
-        InputError : the layer has no transmission in this channel
+        InputError : the layer has no transmission in this channel, or in one of the
+            bands
         """
-        front = self.function(
-            "transmission_front", channel=channel, partition=partition
-        )
-        factors = front.flux_factors()[None]
-        if channel == "visible" and self.in_colour("transmission_front"):
+        parts = [
+            self.function("transmission_front", channel=name, partition=partition)
+            for name in (bands.names if bands != RGB else (channel,))
+        ]
+        front = parts[0]
+        factors = np.stack([part.flux_factors() for part in parts])
+        in_rgb = bands == RGB and channel == "visible"
+        if in_rgb and self.in_colour("transmission_front"):
             measure = front.incidents.projected_solid_angles()
             xyz = [
                 part.average(front.exits, front.incidents) * measure
@@ -168,6 +176,7 @@ class Bsdf:
             factors,
             window_axis("interior", front.exits, window),
             window_axis("exterior", front.incidents, window),
+            bands=bands,
         )
 
     def direct_hemispherical(

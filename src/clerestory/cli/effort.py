@@ -1,8 +1,8 @@
 """Options of effort as the keywords of functions that trace."""
 
 from clerestory.cli.requests.common import EffortOptions
-from clerestory.engine.work import Executor
-from clerestory.phases.trace import Progress, Tracing
+from clerestory.engine.work_units import Executor
+from clerestory.phases.traced_matrices import Progress, Tracing
 
 
 def tracing_keywords(

@@ -21,7 +21,7 @@ from clerestory.image.picture_sets import (
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.radiance_format import read_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.facade import joint_sum
+from clerestory.phases.facade_matrices import joint_sum
 
 _COMMAND = "clerestory multiply"
 

@@ -23,20 +23,20 @@ from clerestory.cli.requests.trace import (
     ViewMatrix,
 )
 from clerestory.cluster.cluster import executor_at
-from clerestory.engine.work import Executor
+from clerestory.engine.work_units import Executor
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.gonio.layer_file import read_layer
 from clerestory.image.picture_files import write_picture
 from clerestory.image.picture_sets import numbered
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.facade import facade_matrices
-from clerestory.phases.pictures import (
+from clerestory.phases.facade_matrices import facade_matrices
+from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,
 )
-from clerestory.phases.sun import blackened, sun_coefficients
-from clerestory.phases.trace import (
+from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.traced_matrices import (
     Tracing,
     daylight_coefficients,
     daylight_matrices,

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from clerestory.errors import MatrixError
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.pictures import Camera, SunPictures
+from clerestory.phases.picture_matrices import Camera, SunPictures
 from clerestory.phases.three import WindowPhases
 from clerestory.sky.patch_radiance import SkyMatrix, SkyResponse
 from clerestory.sky.sun_matrix import SunMatrix

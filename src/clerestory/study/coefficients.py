@@ -17,7 +17,7 @@ from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_datase
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.product import Progress
 from clerestory.phases.shaded import States
-from clerestory.phases.trace import daylight_coefficients
+from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.phases.two import two_phase
 from clerestory.scene.model import BsdfSurface, Plastic, Scene
 from clerestory.sky.patch_radiance import SkyMatrix

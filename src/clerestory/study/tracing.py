@@ -16,8 +16,8 @@ from clerestory.phases.pooled import with_few_components
 from clerestory.phases.shaded import ShadedWindow
 from clerestory.phases.stored_views import StoredViews, store_views
 from clerestory.phases.streamed import Opening
-from clerestory.phases.sun import blackened, sun_coefficients
-from clerestory.phases.trace import daylight_matrix, view_matrices
+from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.traced_matrices import daylight_matrix, view_matrices
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather

@@ -16,14 +16,14 @@ from jaxtyping import Int
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
-from clerestory.phases.pictures import (
+from clerestory.phases.picture_matrices import (
     Camera,
     SunPictures,
     picture_sun_coefficients,
     picture_view_matrices,
     sun_pictures,
 )
+from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
 from clerestory.phases.shaded import ShadedWindow, States
 from clerestory.phases.streamed import Opening
 from clerestory.study.config_tables import ViewTable

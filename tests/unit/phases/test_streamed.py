@@ -9,9 +9,9 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis, unknown_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_store import MatrixStore
 from clerestory.phases.pooled import pooled
 from clerestory.phases.shaded import ShadedWindow, shaded_three_phase
-from clerestory.phases.store import MatrixStore
 from clerestory.phases.stored_views import StoredViews
 from clerestory.phases.streamed import Opening, leaving_light, stream_illuminance
 from clerestory.sky.sky_matrix import sky_matrix

@@ -8,7 +8,6 @@ from clerestory.cli.command import Command
 from clerestory.cli.requests.common import FigureOutput, Function, Halvings, Quiet
 from clerestory.options import Argument, option
 
-Format = Literal["pabopto", "viavi", "rt300s", "zemax", "fred", "astm", "columns"]
 Symmetry = Literal[
     "isotropic", "quadrilateral", "bilateral-x", "bilateral-y", "rotational", "none"
 ]
@@ -32,9 +31,12 @@ class MeasurementFiles:
         Argument("Files of one sample: pab-opto, VIAVI, RT-300S, …", "FILE…"),
     ]
     form: Annotated[
-        Format | None,
+        str | None,
         option(
-            "Format of the files; inferred from the first if not given.", "--format"
+            "Format of the files, such as pabopto or astm; recognized from the first"
+            " file if not given.",
+            "--format",
+            metavar="NAME",
         ),
     ] = None
     function: Annotated[
