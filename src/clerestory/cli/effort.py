@@ -1,20 +1,21 @@
-"""Options of effort as the keywords of functions that trace."""
+"""Effort of a command from its options."""
 
 from clerestory.cli.requests.common import EffortOptions
+from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Executor
-from clerestory.phases.traced_matrices import Progress, Tracing
+from clerestory.progress import Progress
 
 
-def tracing_keywords(
-    effort: EffortOptions, executor: Executor, progress: Progress | None
-) -> Tracing:
-    """Return samples or error, bounces, seed and device with workers and progress."""
-    return Tracing(
-        samples=effort.samples,
-        relative_error=effort.relative_error,
-        bounces=effort.bounces,
-        seed=effort.seed,
-        device=effort.device,
+def effort_of(
+    options: EffortOptions, executor: Executor, progress: Progress | None
+) -> Effort:
+    """Return the effort that the options ask for, with workers and progress."""
+    return Effort(
+        samples=options.samples,
+        relative_error=options.relative_error,
+        bounces=options.bounces,
+        seed=options.seed,
+        device=options.device,
         executor=executor,
         progress=progress,
     )

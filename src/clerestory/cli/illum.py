@@ -5,7 +5,7 @@ from pathlib import Path
 
 import typer
 
-from clerestory.cli.effort import tracing_keywords
+from clerestory.cli.effort import effort_of
 from clerestory.cli.progress import progress_display
 from clerestory.cli.render import sky_of
 from clerestory.cli.requests.render import Illum
@@ -31,7 +31,7 @@ def illum(request: Illum) -> None:
             panes,
             zone=request.zone,
             rings=request.rings,
-            **tracing_keywords(request.effort, executor, display("illum")),
+            effort=effort_of(request.effort, executor, display("illum")),
         )
     files = write_illums(made, request.output)
     if not request.quiet:

@@ -7,7 +7,7 @@ from datetime import datetime
 import numpy as np
 import typer
 
-from clerestory.cli.effort import tracing_keywords
+from clerestory.cli.effort import effort_of
 from clerestory.cli.progress import progress_display
 from clerestory.cli.requests.common import SkyChoice
 from clerestory.cli.requests.render import Render
@@ -36,8 +36,8 @@ def render(request: Render) -> None:
         executor_at(request.effort.cluster) as executor,
         progress_display(quiet=request.quiet) as display,
     ):
-        tracing = tracing_keywords(request.effort, executor, display("picture"))
-        made = trace(room, view, columns=columns, rows=rows, **tracing)
+        effort = effort_of(request.effort, executor, display("picture"))
+        made = trace(room, view, columns=columns, rows=rows, effort=effort)
     write_picture(
         denoise(made.picture) if request.denoise else made.picture, request.output
     )

@@ -4,16 +4,15 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import typer
 
-from clerestory.cli.effort import tracing_keywords
+from clerestory.cli.effort import effort_of
 from clerestory.cli.matrix_output import write_any_matrix
-from clerestory.cli.progress import Report, progress_display
+from clerestory.cli.progress import progress_display
 from clerestory.cli.requests.common import EffortOptions, MatrixFile, SensorsOrView
 from clerestory.cli.requests.trace import (
     DaylightCoefficients,
@@ -23,6 +22,7 @@ from clerestory.cli.requests.trace import (
     ViewMatrix,
 )
 from clerestory.cluster.cluster import executor_at
+from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Executor
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.gonio.layer_file import read_layer
@@ -37,11 +37,11 @@ from clerestory.phases.picture_matrices import (
 )
 from clerestory.phases.sun_coefficients import blackened, sun_coefficients
 from clerestory.phases.traced_matrices import (
-    Tracing,
     daylight_coefficients,
     daylight_matrices,
     view_matrices,
 )
+from clerestory.progress import Progress
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import view_of
 from clerestory.radiance.window_reader import read_windows
@@ -59,15 +59,15 @@ def view(request: ViewMatrix) -> None:
     receiver = _receiver(request.receiver)
     _warn_of_scene(room, windows, receiver)
     with _run("view", request.file, request.effort.cluster) as run:
-        tracing = run.tracing(request.effort, "view matrix")
+        effort = run.effort(request.effort, "view matrix")
         if isinstance(receiver, Camera):
             traced = picture_view_matrices(
-                room, windows, receiver, direct=request.direct, **tracing
+                room, windows, receiver, direct=request.direct, effort=effort
             )
         else:
             if request.direct:
-                room, tracing["bounces"] = blackened(room), 1
-            traced = view_matrices(room, windows, sensors=receiver, **tracing)
+                room, effort = blackened(room), replace(effort, bounces=1)
+            traced = view_matrices(room, windows, sensors=receiver, effort=effort)
         run.write(traced, receiver)
 
 
@@ -76,9 +76,11 @@ def daylight(request: DaylightMatrix) -> None:
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     _warn_of_scene(room, windows)
     with _run("daylight", request.file, request.effort.cluster) as run:
-        tracing = run.tracing(request.effort, "daylight matrix")
+        effort = run.effort(request.effort, "daylight matrix")
         run.write(
-            daylight_matrices(room, windows, subdivision=request.subdivision, **tracing)
+            daylight_matrices(
+                room, windows, subdivision=request.subdivision, effort=effort
+            )
         )
 
 
@@ -87,9 +89,9 @@ def coefficients(request: DaylightCoefficients) -> None:
     room, points = read_rad(*request.scene), read_sensors(request.sensors)
     _warn_of_scene(room, (), points)
     with _run("coefficients", request.file, request.effort.cluster) as run:
-        tracing = run.tracing(request.effort, "daylight coefficients")
+        effort = run.effort(request.effort, "daylight coefficients")
         found = daylight_coefficients(
-            room, sensors=points, subdivision=request.subdivision, **tracing
+            room, sensors=points, subdivision=request.subdivision, effort=effort
         )
         run.write({"": found})
 
@@ -102,9 +104,9 @@ def facade(request: FacadeMatrix) -> None:
     traced: dict[str, TransferMatrix] = {}
     with _run("facade", request.file, request.effort.cluster) as run:
         for number, each in enumerate(windows):
-            tracing = run.tracing(request.effort, f"façade matrix of {each.name}")
-            tracing["seed"] = request.effort.seed + number
-            found = facade_matrices(room, each, ports, **tracing)
+            effort = run.effort(request.effort, f"façade matrix of {each.name}")
+            effort = replace(effort, seed=request.effort.seed + number)
+            found = facade_matrices(room, each, ports, effort=effort)
             prefix = f"{each.name}-" if len(windows) > 1 else ""
             traced |= {prefix + name: matrix for name, matrix in found.items()}
         run.write(traced)
@@ -116,24 +118,22 @@ def sun(request: SunCoefficients) -> None:
     layer, receiver = read_layer(request.bsdf), _receiver(request.receiver)
     _warn_of_scene(room, windows, receiver)
     weather = read_weather(request.weather)
-    options: dict[str, Any] = {
-        "suns": sun_matrix(weather, tolerance_deg=request.tolerance).directions,
-        "peak": request.peak,
-        "samples": request.samples,
-        "seed": request.seed,
-        "device": request.device,
-    }
+    suns = sun_matrix(weather, tolerance_deg=request.tolerance).directions
+    effort = Effort(samples=request.samples, seed=request.seed, device=request.device)
     traced = {}
     with _run("sun", request.file, request.cluster) as run:
-        options["executor"] = run.executor
         for each in windows:
-            options["progress"] = run.progress(f"direct sun through {each.name}")
+            progress = run.progress(f"direct sun through {each.name}")
+            own = replace(effort, executor=run.executor, progress=progress)
             common = room, windows, each.name, layer
             if isinstance(receiver, Camera):
-                found = picture_sun_coefficients(*common, receiver, **options)
+                traced[each.name] = picture_sun_coefficients(
+                    *common, receiver, suns=suns, peak=request.peak, effort=own
+                )
             else:
-                found = sun_coefficients(*common, sensors=receiver, **options)
-            traced[each.name] = found
+                traced[each.name] = sun_coefficients(
+                    *common, sensors=receiver, suns=suns, peak=request.peak, effort=own
+                )
         run.write(traced, receiver)
 
 
@@ -143,12 +143,12 @@ class _Run:
     kind: str
     file: MatrixFile
     executor: Executor
-    progress: Callable[[str], Report]
+    progress: Callable[[str], Progress]
     begin: float
 
-    def tracing(self, effort: EffortOptions, title: str) -> Tracing:
-        """Return the keywords of functions that trace."""
-        return tracing_keywords(effort, self.executor, self.progress(title))
+    def effort(self, options: EffortOptions, title: str) -> Effort:
+        """Return the effort of a matrix, with a progress display of its own."""
+        return effort_of(options, self.executor, self.progress(title))
 
     def write(
         self,
