@@ -14,7 +14,7 @@ from clerestory.formats.photometry.luminaire_scene import luminaire_scene, panel
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.phases.rendering import irradiance
 from clerestory.phases.traced_matrices import daylight_coefficients
-from clerestory.scene.emitter import Light
+from clerestory.scene.materials.emitters import Light
 from clerestory.scene.model import Plastic, Polygon, Scene, Sphere
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import DistantSource

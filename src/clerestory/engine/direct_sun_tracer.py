@@ -19,9 +19,9 @@ from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import sampler
-from clerestory.engine.bsdf_file import forward_table
 from clerestory.engine.direct_sun_jobs import BATCHES, SunJob
 from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.next_event_estimation import Draw
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.sampler import Points, points

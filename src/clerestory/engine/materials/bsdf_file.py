@@ -16,15 +16,16 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.colorimetry import rgb_from_xyz
 from clerestory.bsdf.scattering_function import FUNCTIONS, OTHER_SIDE, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.colorimetry import rgb_from_xyz
+from clerestory.engine.materials.properties import colour
+from clerestory.engine.materials.queries import completed
 from clerestory.engine.matrix_table import MatrixTable
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.tree_table import TreeTable
-from clerestory.scene.model import BsdfSurface
 
 Table = MatrixTable | TreeTable
 
@@ -103,9 +104,13 @@ class Added:
     transmission: "mi.Color3f"
 
 
+PLUGIN = "bsdf_file"
+
+
 def define() -> type:
     """Return the plugin's class for the variant in use."""
 
+    @completed(up="up")
     class BsdfFile(mi.BSDF):
         """Scattering by the data of a BSDF file, with added diffuse parts."""
 
@@ -118,16 +123,20 @@ def define() -> type:
                 mi.BSDFFlags.DiffuseReflection | sides,
                 mi.BSDFFlags.DiffuseTransmission | sides,
             ]
+            up = props.get("up", mi.ScalarPoint3f(0, 0, 1))
+            self.up = mi.Vector3f([float(c) for c in np.ravel(up)])
+            self.added = Added(
+                *(
+                    colour(props, name, 0.0)
+                    for name in ("front", "back", "transmission")
+                )
+            )
+            dr.make_opaque(self.up)
+            self.sharp = bool(props.get("peak", False))
+            self.peak = None
             filename = props.get("filename", "")
             if filename:
-                up = props.get("up", mi.ScalarPoint3f(0, 0, 1))
-                black = np.zeros(3)
-                self.take(
-                    read_bsdf(filename),
-                    np.array(up, dtype=float).ravel(),
-                    (black, black, black),
-                    props.get("peak", False),
-                )
+                self.take(read_bsdf(filename))
             self._flag()
 
         def _flag(self):
@@ -136,15 +145,12 @@ def define() -> type:
                 flags = flags | component
             self.m_flags = flags
 
-        def take(self, bsdf, up, added, peak):
-            """Scatter by a `Bsdf` and by diffuse parts: front, back, transmission."""
+        def take(self, bsdf):
+            """Scatter by a `Bsdf`."""
             bsdf = bsdf.tabulated()
             self.table = scattering_table(bsdf)
-            self.up = mi.Vector3f(*[float(c) for c in up])
-            self.added = Added(*[mi.Color3f(*[float(c) for c in a]) for a in added])
-            dr.make_opaque(self.up, self.added)
-            self.peak = PeakTable(bsdf) if peak else None
-            if peak:
+            if self.sharp:
+                self.peak = PeakTable(bsdf)
                 sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
                 self.m_components = [*self.m_components, mi.BSDFFlags.Null | sides]
             self._flag()
@@ -255,19 +261,8 @@ def define() -> type:
             valid = active & (pdf > 0)
             return bs, dr.select(valid, mi.Color3f(weight), 0)
 
-        def eval(self, ctx, si, wo, active=True):
-            return self.evaluate(si, wo, active)[0]
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.evaluate(si, wo, active)[1]
-
         def eval_pdf(self, ctx, si, wo, active=True):
             return self.evaluate(si, wo, active)
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            value, pdf = self.evaluate(si, wo, active)
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return value, pdf, bs, weight
 
         def eval_null_transmission(self, si, active=True):
             if self.peak is None:
@@ -275,30 +270,9 @@ def define() -> type:
             wi = self.turned(si).to_local(si.sh_frame.to_world(si.wi))
             return self.peak.transmittance(wi)
 
-        def traverse(self, callback):
-            callback.put("up", self.up, mi.ParamFlags.NonDifferentiable)
-
-        def to_string(self):
-            return f"BsdfFile[{type(self.table).__name__}]"
-
     return BsdfFile
 
 
-_classes: dict[str, type] = {}
-
-
-def register() -> type:
-    """Define the plugin for the current variant, once, and return its class."""
-    variant = mi.variant()
-    if variant not in _classes:
-        _classes[variant] = define()
-        mi.register_bsdf("bsdf_file", _classes[variant])
-    return _classes[variant]
-
-
-def plugin(surface: BsdfSurface) -> "mi.BSDF":
-    """Return the plugin that scatters like a surface of the scene."""
-    made = register()(mi.Properties("bsdf_file"))
-    added = (surface.front, surface.back, surface.transmission)
-    made.take(surface.bsdf, surface.up @ surface.transform, added, surface.peak)
-    return made
+def vary(made, name: str, bsdf: Bsdf, origin) -> None:
+    """Scatter by the functions of a `Bsdf`."""
+    made.take(bsdf)

@@ -5,7 +5,6 @@ import pytest
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.appearance import colour, is_opaque
 from clerestory.scene.model import (
     BsdfSurface,
     Dielectric,
@@ -15,16 +14,16 @@ from clerestory.scene.model import (
     Interface,
     Light,
     Metal,
-    Metal2,
     Mirror,
     Mixture,
     Plastic,
-    Plastic2,
+    Polygon,
+    Scene,
     Spotlight,
     Trans,
-    Trans2,
     Void,
 )
+from clerestory.study.drawing import room_drawing
 
 RED = np.array([0.8, 0.2, 0.1])
 WHITE = np.ones(3)
@@ -35,11 +34,11 @@ PLASTIC, GLASS = Plastic("", RED), Glass("", RED)
 CASES = {
     "plastic": (PLASTIC, RED, True),
     "metal": (Metal("", RED), RED, True),
-    "plastic2": (Plastic2("", RED, 0.1, ROUGH, UP), RED, True),
-    "metal2": (Metal2("", RED, 0.1, ROUGH, UP), RED, True),
+    "plastic2": (Plastic("", RED, 0.1, ROUGH, up=UP), RED, True),
+    "metal2": (Metal("", RED, 0.1, ROUGH, up=UP), RED, True),
     "trans": (Trans("", RED, transmission=0.5), RED, False),
     "trans that passes nothing": (Trans("", RED), RED, True),
-    "trans2": (Trans2("", RED, 0.1, ROUGH, 0.5, 0.5, UP), RED, False),
+    "trans2": (Trans("", RED, 0.1, ROUGH, 0.5, 0.5, up=UP), RED, False),
     "glass": (GLASS, RED, False),
     "dielectric": (Dielectric("", RED, 1.5), RED, False),
     "interface": (Interface("", RED, 1.5, WHITE, 1.3), RED, False),
@@ -60,9 +59,11 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_materials_have_a_colour_and_an_opacity(name):
     material, shown, opaque = CASES[name]
-    assert colour(material) == pytest.approx(shown)
-    assert is_opaque(material) is opaque
+    assert np.clip(material.display_colour(), 0, 1) == pytest.approx(shown)
+    assert material.opaque is opaque
 
 
-def test_colours_beyond_white_are_shown_white():
-    assert colour(Plastic("", 2 * WHITE)).tolist() == [1, 1, 1]
+def test_drawings_show_reflectances_beyond_one_as_white():
+    floor = Polygon(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]]), "bright", "floor")
+    scene = Scene({"bright": Plastic("bright", 2 * WHITE)}, (floor,))
+    assert room_drawing(scene)["triangle_colour"].values.tolist() == [[1, 1, 1]]

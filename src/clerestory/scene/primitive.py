@@ -1,4 +1,8 @@
-"""The arguments of one primitive, taken out with checks that name file and line."""
+"""Primitives of Radiance's scene language as values, and checks of their arguments.
+
+A material is defined by a primitive: a type, a name, strings and numbers. The text of
+the language is read in `radiance`.
+"""
 
 import warnings
 from collections.abc import Callable
@@ -10,20 +14,31 @@ from jaxtyping import Float
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.directions import unit
 from clerestory.errors import ClerestoryWarning, InputError
-from clerestory.radiance.statements import Primitive
-from clerestory.scene.composite import Material
-from clerestory.scene.material import Source
+from clerestory.scene.material import Material, Source
+from clerestory.scene.pattern import Pattern
 from clerestory.scene.transform import LARGEST, Transform, number, parse_transform
 
 
 @dataclass(frozen=True, eq=False)
+class Primitive:
+    """`modifier kind name`, with its string and real arguments."""
+
+    modifier: str
+    kind: str
+    name: str
+    strings: tuple[str, ...]
+    reals: tuple[float, ...]
+    line: int
+
+
+@dataclass(frozen=True, eq=False)
 class Arguments:
-    """What stands behind a primitive's name.
+    """The arguments of a primitive, with checks that name file and line.
 
     Attributes
     ----------
     item : the primitive
-    file : where it stands
+    file : where it is
     """
 
     item: Primitive
@@ -55,11 +70,13 @@ class Arguments:
     def share(
         self, what: str, value: Float[np.ndarray, " numbers"]
     ) -> Float[np.ndarray, " numbers"]:
-        """Return the numbers, if not negative; doubt those above 1."""
+        """Return the numbers, if not negative; warn of those above 1."""
         if value.min() < 0:
             raise self.error(f"{what} is {value.min():g}; 0 to 1 expected")
         if value.max() > 1:
-            self.doubt(f"{what} is {value.max():g}, so it makes light; 0 to 1 expected")
+            self.doubt(
+                f"{what} is {value.max():g}, which creates energy; 0 to 1 expected"
+            )
         return value
 
     def fraction(self, what: str, value: float) -> float:
@@ -69,13 +86,13 @@ class Arguments:
         return float(value)
 
     def radiance(self, value: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-        """Return a colour that is nowhere negative."""
+        """Return a colour without negative channels."""
         if value.min() < 0:
             raise self.error(f"radiance is {value.min():g}; 0 or more expected")
         return value
 
     def direction(self, vector: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-        """Return the unit vector of a vector with a length."""
+        """Return the unit vector of a vector other than zero."""
         length = np.linalg.norm(vector)
         if not 0 < length < np.inf:
             raise self.error("its direction has no length")
@@ -124,18 +141,24 @@ class Arguments:
 
 @dataclass(frozen=True, eq=False)
 class Definition(Arguments):
-    """A material's arguments, and what it may refer to.
+    """The arguments of a material, and what they may refer to.
 
     Attributes
     ----------
     placed : transform of the file that holds it
-    named : the material that a name stands for at this line
-    bsdf : the BSDF in a file
+    named : material of a name at this line
+    bsdf : BSDF of a file name
+    vector : vector that three expressions from a string argument on define, followed by
+        file and transform, in the coordinates that a further transform leads to; a
+        pattern where it varies
+    share_of_foreground : share that the third string argument of a mixture defines
     """
 
     placed: Transform
     named: Callable[[str], Material]
     bsdf: Callable[[str], Bsdf]
+    vector: Callable[[int, Transform], Float[np.ndarray, "3"] | Pattern]
+    share_of_foreground: Callable[[], float | Pattern]
 
     def oriented(self, at: int) -> Transform:
         """Return the transform of strings from `at` on, then that of the file."""
@@ -145,3 +168,10 @@ class Definition(Arguments):
             if error.file is not None:
                 raise
             raise self.error(error.message) from error
+
+    def alternate(self) -> Material | None:
+        """Return the material that the only string argument names, if there is one."""
+        words = self.item.strings
+        if len(words) > 1:
+            raise self.error(f"{len(words)} string arguments; 0 or 1 expected")
+        return self.named(words[0]) if words else None
