@@ -23,7 +23,7 @@ from clerestory.phases.five import sum_of_terms, sun_illuminance
 from clerestory.phases.product import Progress
 from clerestory.phases.three import WindowPhases
 from clerestory.sky.matrix import SkyMatrix, SkyResponse
-from clerestory.sky.product import lit_steps
+from clerestory.sky.sky_product import lit_steps
 from clerestory.sky.suns import SunMatrix
 
 # Steps and sensors multiplied at a time: 32 components of 64 sensors take 4 MB

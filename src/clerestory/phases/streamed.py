@@ -28,7 +28,7 @@ from clerestory.phases.shaded import States
 from clerestory.phases.stored_views import StoredViews, ViewBlock
 from clerestory.phases.trace import Progress
 from clerestory.sky.matrix import SkyMatrix
-from clerestory.sky.product import fold, lit_steps, product_blocks
+from clerestory.sky.sky_product import fold, lit_steps, product_blocks
 
 # Sensors multiplied at a time: 5800 patches with their components take 119 MB
 _SENSORS = 1024
