@@ -1,8 +1,10 @@
-"""Fixtures shared by all tests."""
+"""Fixtures shared by all tests, and the choice of slow tests."""
 
 from pathlib import Path
 
 import pytest
+
+import slow_share
 
 REPOSITORY = Path(__file__).parents[1]
 
@@ -18,12 +20,45 @@ def shared_data() -> Path:
 
 def pytest_addoption(parser):
     parser.addoption("--all", action="store_true", help="run the slow tests too")
+    parser.addoption(
+        "--slow-minutes",
+        type=float,
+        default=0.0,
+        help="run a share of the slow tests that takes about this long [min]",
+    )
+    parser.addoption(
+        "--slow-choice",
+        default="",
+        help="text that chooses the share, such as the name of a commit",
+    )
+    parser.addoption(
+        "--record-slow",
+        action="store_true",
+        help=f"keep what slow tests took in {slow_share.RECORD.name}",
+    )
+
+
+def pytest_configure(config):
+    config.pluginmanager.register(slow_share.Durations(), "slow-durations")
 
 
 def pytest_collection_modifyitems(config, items):
-    if config.getoption("--all"):
-        return
-    skip = pytest.mark.skip(reason="slow: run with --all")
-    for item in items:
-        if "slow" in item.keywords:
+    slow = [item for item in items if "slow" in item.keywords]
+    known = slow_share.read_record()
+    chosen = {item.nodeid for item in slow}
+    if not config.getoption("--all"):
+        chosen = slow_share.choose(
+            chosen,
+            seconds=60 * config.getoption("--slow-minutes"),
+            choice=config.getoption("--slow-choice"),
+            known=known,
+        )
+    config.slow_report = slow_share.describe(chosen, len(slow), known)
+    skip = pytest.mark.skip(reason="slow: not in this run's share; run with --all")
+    for item in slow:
+        if item.nodeid not in chosen:
             item.add_marker(skip)
+
+
+def pytest_report_collectionfinish(config):
+    return config.slow_report

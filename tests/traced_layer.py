@@ -16,10 +16,10 @@ from scipy.spatial import cKDTree
 
 from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.system import System
-from clerestory.engine.points import points
+from clerestory.engine.primary_rays import lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
+from clerestory.engine.sampler import points
 from clerestory.engine.square import square_from_disc
-from clerestory.engine.starts import lanes
 from clerestory.engine.walk import FIXED_POINT, Target
 from clerestory.gonio.angles import angle_between, straight_on
 from clerestory.gonio.measurement import Measurement, Scan

@@ -6,8 +6,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.sky_light import SkyLight
 from clerestory.engine.walk import offset
 from truth.setting import FACE, HEIGHT, PLANE, WIDTH
 
@@ -35,7 +35,7 @@ class Beams:
     lit: list[mi.Float]
 
 
-def beams(film: LoweredScene, sky: SkyLight) -> Beams:
+def beams(film: LoweredScene, sky: DistantEmitters) -> Beams:
     """Trace rays of the sun's whole disc through the film."""
     sun = np.array(sky.direction).ravel()
     normal = np.array(sky.radiance).ravel() * 2 * np.pi * float(sky.one_minus_cos[0])
@@ -60,7 +60,7 @@ def beams(film: LoweredScene, sky: SkyLight) -> Beams:
 
 
 @dr.syntax
-def _through(film: LoweredScene, sky: SkyLight, seed: mi.UInt32):
+def _through(film: LoweredScene, sky: DistantEmitters, seed: mi.UInt32):
     """Return where rays of the sun go, their cosine to the film, whether they left."""
     rng = random_numbers(dr.arange(mi.UInt32, _RAYS), seed)
     sun, _, _ = sky.aim(mi.Float(0.5), rng.next_float32(), rng.next_float32())

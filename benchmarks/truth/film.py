@@ -23,9 +23,9 @@ import numpy as np
 
 import clerestory as cl
 from clerestory.bands import RGB
+from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.lower import LoweredScene, lower
-from clerestory.engine.pixels import PixelRays
-from clerestory.engine.sky_light import SkyLight
+from clerestory.engine.radiance_tracers import PixelRays
 from clerestory.engine.upload import vectors
 from clerestory.engine.walk import offset
 from clerestory.phases.pictures import Camera
@@ -47,7 +47,7 @@ class FilmRoom:
     """A room behind a film at one moment, around the middle of its window."""
 
     model: LoweredScene
-    sky: SkyLight
+    sky: DistantEmitters
     beams: Beams
 
 
@@ -64,7 +64,7 @@ class Film:
 
     def at(self, light: Scene) -> FilmRoom:
         """Return the room under a sky with its sun."""
-        sky = SkyLight.of(light)
+        sky = DistantEmitters.of(light)
         return FilmRoom(self.room, sky, beams(self.film, sky))
 
     def when(self, hours: cl.Weather, moment: datetime) -> FilmRoom:

@@ -16,7 +16,7 @@ import mitsuba as mi
 
 from clerestory.engine import materials, work
 from clerestory.engine.patches import PatchTable, SkyTable
-from clerestory.engine.points import points
+from clerestory.engine.sampler import points
 from clerestory.engine.windows import window_shapes
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart

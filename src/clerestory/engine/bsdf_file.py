@@ -22,7 +22,7 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree import ScatteringTree
 from clerestory.bsdf.xml import read_bsdf
 from clerestory.engine.matrix_table import MatrixTable
-from clerestory.engine.peak import PeakTable
+from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.tree_table import TreeTable
 from clerestory.scene.model import BsdfSurface
 

@@ -11,8 +11,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from clerestory.engine.channels import channels_of
 from clerestory.engine.estimate import Effort, Estimate, MatrixJob, Sums, estimate
-from clerestory.engine.grey import channels_of
 from clerestory.engine.traces import patches_of, walk_of, window_irradiance
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
@@ -22,7 +22,7 @@ from clerestory.scene.window import Window
 class FacadeJob(MatrixJob):
     """From the outer side of a window's patches to those of ports before it."""
 
-    tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_facade")
+    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_facade")
     together: ClassVar[bool] = True
 
     scene: Scene

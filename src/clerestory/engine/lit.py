@@ -96,7 +96,7 @@ class LitJob(Job, Protocol):
 class PictureJob:
     """Radiance of a view's pixels, or irradiance, row by row from the top."""
 
-    tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_picture")
+    tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_picture")
     batches: ClassVar[int] = PICTURE_BATCHES
 
     scene: Scene
@@ -127,7 +127,7 @@ class PictureJob:
 class IrradianceJob:
     """Irradiance of sensors."""
 
-    tracer: ClassVar[tuple[str, str]] = ("pixels", "prepare_irradiance")
+    tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_irradiance")
     batches: ClassVar[int] = SENSOR_BATCHES
 
     scene: Scene

@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine import materials
-from clerestory.engine.grey import SHINING, channels_of
-from clerestory.engine.lamps import Lamps, split_by_surface
-from clerestory.engine.round import round_shape, without_round
+from clerestory.engine.analytic_shapes import round_shape, without_round
+from clerestory.engine.channels import SHINING, channels_of
+from clerestory.engine.emitters import Emitters, split_by_surface
 from clerestory.engine.shelf import shelved
 from clerestory.engine.upload import on_device
 from clerestory.engine.windows import WindowTable, window_shapes
@@ -41,7 +41,7 @@ class LoweredScene:
     grey : whether all materials are, so that one channel says all
     windows : tables of the receiving windows, None without any
     lamps : tables of what shines
-    lamp_of_shape : by Mitsuba's shape number: 1 + lamp, or 0
+    emitter_of_shape : by Mitsuba's shape number: 1 + lamp, or 0
     thickness_of_shape : by Mitsuba's shape number, for BSDFs that stand for geometry
         behind (positive) or before them: how far it reaches [m]; 0 for all others
     layer_of_shape : by Mitsuba's shape number: whether it is a BSDF without thickness
@@ -55,8 +55,8 @@ class LoweredScene:
     panes: bool
     grey: bool
     windows: WindowTable | None
-    lamps: Lamps
-    lamp_of_shape: mi.UInt32
+    lamps: Emitters
+    emitter_of_shape: mi.UInt32
     thickness_of_shape: mi.Float
     layer_of_shape: mi.Bool
     flags_of_shape: mi.UInt32
@@ -156,8 +156,8 @@ def _lowered(
         panes=panes or bool(thickness),
         grey=channels_of(scene) == 1,
         windows=table,
-        lamps=Lamps.of(shining, origin),
-        lamp_of_shape=mi.UInt32(lamps),
+        lamps=Emitters.of(shining, origin),
+        emitter_of_shape=mi.UInt32(lamps),
         thickness_of_shape=mi.Float(depth),
         layer_of_shape=mi.Bool(layer),
         flags_of_shape=mi.UInt32(flags),

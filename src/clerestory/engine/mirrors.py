@@ -127,7 +127,7 @@ def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
         # Stop at the mirror, pass panes and what only stands for geometry
         shape = dr.reinterpret_array(mi.UInt32, si.shape)
         proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, met) != 0
-        lamp = dr.gather(mi.UInt32, model.lamp_of_shape, shape, met) > 0
+        lamp = dr.gather(mi.UInt32, model.emitter_of_shape, shape, met) > 0
         found = met & is_mirror(bsdf) & is_same(si.n, normal)
         _, colour = bsdf.sample(
             mi.BSDFContext(), si, mi.Float(0.5), mi.Point2f(0.5, 0.5), found

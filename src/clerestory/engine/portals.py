@@ -1,14 +1,13 @@
-"""Where light enters a room, as rectangles to aim at.
+"""Portals: rectangles around windows and sunlit areas, for path guiding.
 
-Light comes through few places: panes, blinds, skylights. Directions towards them are
-proposed beside those of the materials; every proposal's density is known for every
-direction, so both together stay unbiased whatever the rectangles leave out.
+Daylight enters a room through a few openings. Directions towards them are sampled
+beside those of the materials; the density of each technique is known for every
+direction, so their combination stays unbiased whatever the rectangles leave out.
 
-Rectangles are aimed at by the solid angle they subtend (see `windows`). Places that the
-sun shines on directly join the windows (see `sun_patches`). How often each is aimed at
-is told for cells of the room (see `guide`): once for paths that go on there, and once
-for rays that only ask what the sun lights there (`aims.sought_sunlight`), which are
-worth most where paths are worth little.
+Rectangles are sampled by the solid angle they subtend (see `windows`). Sunlit areas
+join the windows (see `sun_patches`). Sampling probabilities are learned per cell of the
+room (see `path_guiding`), separately for continued paths and for rays that look for
+sunlit surfaces.
 """
 
 from dataclasses import astuple, dataclass
@@ -18,7 +17,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.engine.cells import Cells
+from clerestory.engine.guiding_cells import GuidingCells
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.windows import RectangleView
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
@@ -95,7 +94,7 @@ class Portals:
     facing: mi.Vector3f
     across: mi.Vector3f
     upwards: mi.Vector3f
-    cells: Cells
+    cells: GuidingCells
     share: mi.Float
     sought: mi.Float
     aimed: mi.Float
@@ -105,7 +104,7 @@ class Portals:
     def of(
         cls,
         rectangles: Rectangles,
-        cells: Cells,
+        cells: GuidingCells,
         share: Float[np.ndarray, "cell rectangle"],
         sought: Float[np.ndarray, "cell rectangle"],
         aimed: Float[np.ndarray, " cell"],
@@ -134,7 +133,7 @@ class Portals:
     @classmethod
     def unknown(cls, rectangles: Rectangles) -> "Portals":
         """Return rectangles of which nothing is known: all are worth the same."""
-        cells = Cells.around(np.zeros((0, 3)))
+        cells = GuidingCells.around(np.zeros((0, 3)))
         count = len(rectangles)
         even = np.full((cells.count, count), 1 / max(count, 1))
         return cls.of(rectangles, cells, even, even, np.full(cells.count, _UNKNOWN))

@@ -17,10 +17,10 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine import points as sampling
+from clerestory.engine import sampler
 from clerestory.engine.lower import lower
-from clerestory.engine.points import Points
-from clerestory.engine.starts import Lanes
+from clerestory.engine.primary_rays import Lanes
+from clerestory.engine.sampler import Points
 from clerestory.engine.walk import offset
 from clerestory.scene.model import Scene
 
@@ -108,11 +108,11 @@ def start(slab: Slab, points: Points, paths: Lanes, table, cell, back) -> mi.Ray
     """
 
     def number(purpose: int):
-        return sampling.coordinate(points, paths.seed, paths.index, first, purpose)
+        return sampler.coordinate(points, paths.seed, paths.index, first, purpose)
 
     first = mi.UInt32(0)
-    a, b = number(sampling.CONNECT_U), number(sampling.CONNECT_V)
-    u, v = number(sampling.DIRECTION_U), number(sampling.DIRECTION_V)
+    a, b = number(sampler.CONNECT_U), number(sampler.CONNECT_V)
+    u, v = number(sampler.DIRECTION_U), number(sampler.DIRECTION_V)
     local = table.sample(cell, u, v)
     o = mi.Point3f(
         dr.lerp(slab.low.x, slab.high.x, a),
@@ -180,10 +180,10 @@ def follow(
         si.wi = si.to_local(-ray.d)
         si.t = si.t + travelled
         bsdf = si.bsdf()
-        lobe = sampling.coordinate(points, seed, index, vertex, sampling.LOBE)
-        u = sampling.coordinate(points, seed, index, vertex, sampling.DIRECTION_U)
-        v = sampling.coordinate(points, seed, index, vertex, sampling.DIRECTION_V)
-        chance = sampling.random_number(seed, index + points.first, vertex + 0x10000)
+        lobe = sampler.coordinate(points, seed, index, vertex, sampler.LOBE)
+        u = sampler.coordinate(points, seed, index, vertex, sampler.DIRECTION_U)
+        v = sampler.coordinate(points, seed, index, vertex, sampler.DIRECTION_V)
+        chance = sampler.random_number(seed, index + points.first, vertex + 0x10000)
         count = dr.clip(dr.ceil(dr.max(weight) * BRANCHES), 1, BRANCHES)
         count = dr.select(met, count, 1)
 
@@ -226,7 +226,7 @@ def follow(
         travelled = dr.select(met, 0, travelled + step.way)
         step, segment = next_step, grown_to
         survive = dr.minimum(total / _ROULETTE, 1)
-        chance = sampling.random_number(seed, index + points.first, vertex + 0x20000)
+        chance = sampler.random_number(seed, index + points.first, vertex + 0x20000)
         active &= (total > 0) & (chance < survive)
         weight = kept * total / dr.maximum(survive, 1e-30)
         vertex += 1

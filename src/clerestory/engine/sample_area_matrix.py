@@ -9,6 +9,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.engine.channels import channels_of
 from clerestory.engine.device import in_use
 from clerestory.engine.estimate import (
     Effort,
@@ -19,12 +20,11 @@ from clerestory.engine.estimate import (
     estimate,
     variance,
 )
-from clerestory.engine.grey import channels_of
-from clerestory.engine.launches import matrix_tracer
+from clerestory.engine.matrix_tracers import matrix_tracer
 from clerestory.engine.patches import PatchTable
-from clerestory.engine.points import Points
+from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
-from clerestory.engine.starts import Lanes
+from clerestory.engine.sampler import Points
 from clerestory.engine.upload import on_device
 from clerestory.engine.walk import Target
 from clerestory.engine.work import Tracer, Unit

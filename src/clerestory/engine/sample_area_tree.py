@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Float, Int, Int64
 
 from clerestory.bands import RGB
-from clerestory.engine.points import points
+from clerestory.engine.primary_rays import Lanes, lanes
 from clerestory.engine.sample_area import Slab, follow, lower_slab, start
+from clerestory.engine.sampler import points
 from clerestory.engine.square import disc_from_square, square_from_disc
-from clerestory.engine.starts import Lanes, lanes
 from clerestory.engine.sums import FIXED_POINT
 from clerestory.engine.walk import Target
 from clerestory.errors import DeviceError

@@ -17,10 +17,10 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.scattering import Function
-from clerestory.engine import points as sampling
+from clerestory.engine import sampler
 from clerestory.engine.bsdf_file import Table, forward_table
-from clerestory.engine.points import points
-from clerestory.engine.sky_light import is_sun
+from clerestory.engine.distant_emitters import is_sun
+from clerestory.engine.sampler import points
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
 from clerestory.scene.surface import area_vectors
 
@@ -75,10 +75,10 @@ class Lobes:
         shining = suns[(suns @ normal) * self.side < 0]
         point = points(0, _TRIED)
         u, v = (
-            sampling.coordinate(
+            sampler.coordinate(
                 point, mi.UInt32(0), dr.arange(mi.UInt32, _TRIED), mi.UInt32(0), purpose
             )
-            for purpose in (sampling.DIRECTION_U, sampling.DIRECTION_V)
+            for purpose in (sampler.DIRECTION_U, sampler.DIRECTION_V)
         )
         found = 0.0
         for direction in shining[:MOST]:

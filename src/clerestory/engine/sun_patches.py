@@ -12,9 +12,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.ndimage import binary_dilation, label
 
-from clerestory.engine import points as sampling
-from clerestory.engine.aims import LitScene
-from clerestory.engine.places import Places
+from clerestory.engine import sampler
+from clerestory.engine.next_event_estimation import LitScene
+from clerestory.engine.pilot_paths import Places
 from clerestory.engine.portals import MOST, Rectangles
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.walk import offset, passed
@@ -54,7 +54,7 @@ def _sunlit(lit: LitScene, places: Places) -> float:
     # Share of the places on which a sun shines
     index, seed = dr.arange(mi.UInt32, len(places)), mi.UInt32(1)
     u, v, pick = (
-        sampling.random_number(seed, index, mi.UInt32(number)) for number in range(3)
+        sampler.random_number(seed, index, mi.UInt32(number)) for number in range(3)
     )
     sun, _, _ = lit.sky.aim(pick, u, v)
     start = vectors(mi.Point3f, places.start)
@@ -71,7 +71,7 @@ def _sunbeams(lit: LitScene, places: Places):
     middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) * _WIDENED / 2
     index, seed = dr.arange(mi.UInt32, _SUNBEAMS), mi.UInt32(2)
     a, b, pick, u, v = (
-        sampling.random_number(seed, index, mi.UInt32(number)) for number in range(5)
+        sampler.random_number(seed, index, mi.UInt32(number)) for number in range(5)
     )
     # From all of the sun's disc: patches reach as far as the penumbra
     sun, _, _ = lit.sky.aim(pick, a, b)

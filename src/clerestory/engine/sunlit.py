@@ -36,7 +36,7 @@ class SunJob:
     samples : paths per sensor and sun
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("direct_sun", "prepare_sun")
+    tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_sun")
     batches: ClassVar[int] = BATCHES
 
     scene: Scene
@@ -76,7 +76,7 @@ class PixelSunJob:
     samples : paths per pixel and sun
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("sun_pixels", "prepare_pixel_sun")
+    tracer: ClassVar[tuple[str, str]] = ("direct_sun_pixels", "prepare_pixel_sun")
     batches: ClassVar[int] = 1
 
     scene: Scene

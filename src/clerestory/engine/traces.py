@@ -15,6 +15,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.engine.channels import channels_of
 from clerestory.engine.estimate import (
     Effort,
     Estimate,
@@ -24,7 +25,6 @@ from clerestory.engine.estimate import (
     estimate,
     variance,
 )
-from clerestory.engine.grey import channels_of
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
@@ -44,7 +44,7 @@ class ViewJob(MatrixJob):
     bounces : most gathers; None: no limit
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_view")
+    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_view")
     together: ClassVar[bool] = False
 
     scene: Scene
@@ -70,7 +70,7 @@ class ViewJob(MatrixJob):
 class CoefficientsJob(MatrixJob):
     """From irradiance sensors to the patches of the sky."""
 
-    tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_coefficients")
+    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_coefficients")
     together: ClassVar[bool] = False
 
     scene: Scene
@@ -96,7 +96,7 @@ class CoefficientsJob(MatrixJob):
 class DaylightJob(MatrixJob):
     """From the outer side of a window's patches to the patches of the sky."""
 
-    tracer: ClassVar[tuple[str, str]] = ("launches", "prepare_daylight")
+    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_daylight")
     together: ClassVar[bool] = True
 
     scene: Scene
@@ -128,7 +128,7 @@ class PixelViewJob(MatrixJob):
     direct : whether paths stop at the first surface
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("view_pixels", "prepare_pixel_view")
+    tracer: ClassVar[tuple[str, str]] = ("pixel_view_tracer", "prepare_pixel_view")
     together: ClassVar[bool] = False
 
     scene: Scene

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine import points as sampling
+from clerestory.engine import sampler
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.patches import SkyTable
-from clerestory.engine.points import Points
+from clerestory.engine.sampler import Points
 from clerestory.engine.sums import FIXED_POINT
 
 # A weight is cut into two whole numbers of twenty bits and more, which processors
@@ -166,7 +166,7 @@ def passed(
             blocked = looking & hit.is_valid()
             shape = dr.reinterpret_array(mi.UInt32, hit.shape)
             proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, blocked) != 0
-            role = dr.gather(mi.UInt32, model.lamp_of_shape, shape, blocked)
+            role = dr.gather(mi.UInt32, model.emitter_of_shape, shape, blocked)
             lamp = role > 0
             if dr.hint(illums_pass, mode="scalar"):
                 lamp &= ~dr.gather(mi.Bool, model.lamps.veiled, role - 1, lamp)
@@ -275,15 +275,15 @@ def walk(
         si.sh_frame = mi.Frame3f(si.n)
         si.wi = si.to_local(-ray.d)
         bsdf = si.bsdf()
-        lobe = sampling.coordinate(points, seed, index, vertex, sampling.LOBE)
-        u = sampling.coordinate(points, seed, index, vertex, sampling.DIRECTION_U)
-        v = sampling.coordinate(points, seed, index, vertex, sampling.DIRECTION_V)
+        lobe = sampler.coordinate(points, seed, index, vertex, sampler.LOBE)
+        u = sampler.coordinate(points, seed, index, vertex, sampler.DIRECTION_U)
+        v = sampler.coordinate(points, seed, index, vertex, sampler.DIRECTION_V)
         more = active & (segment < segments)
 
         if dr.hint(to_windows, mode="scalar"):
             # Connect the vertex to points of the windows
-            a = sampling.coordinate(points, seed, index, vertex, sampling.CONNECT_U)
-            b = sampling.coordinate(points, seed, index, vertex, sampling.CONNECT_V)
+            a = sampler.coordinate(points, seed, index, vertex, sampler.CONNECT_U)
+            b = sampler.coordinate(points, seed, index, vertex, sampler.CONNECT_V)
             for number in range(CONNECTIONS):
                 line = connect(model, si.p, *spread(a, b, number))
                 local = si.to_local(line.direction)
@@ -310,7 +310,7 @@ def walk(
 
         # Let weak paths go on only by chance, then with the weight of those that end
         survive = dr.minimum(dr.max(weight) / (start * weak), 1)
-        chance = sampling.random_number(seed, index + points.first, vertex + 0x10000)
+        chance = sampler.random_number(seed, index + points.first, vertex + 0x10000)
         weight = dr.select(survive < 1, weight / survive, weight)
         active &= (chance < survive) & (vertex < _MOST_SEGMENTS)
         vertex += 1

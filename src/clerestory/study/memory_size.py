@@ -6,7 +6,7 @@ way, standard errors come from fewer batches, and results are the same everywher
 
 import warnings
 
-from clerestory.engine.grey import channels_of
+from clerestory.engine.channels import channels_of
 from clerestory.engine.sums import BATCHES
 from clerestory.errors import ClerestoryWarning
 from clerestory.study.config import Study

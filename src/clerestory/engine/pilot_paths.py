@@ -2,7 +2,7 @@
 
 Paths walk diffusely from surface to surface on this side of all windows. Where they
 touch tells where light is gathered: which surfaces sun may fall on (`sun_patches`) and
-from where portals are seen (`guide`).
+from where portals are seen (`path_guiding`).
 """
 
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine import points as sampling
+from clerestory.engine import sampler
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.points import points
+from clerestory.engine.sampler import points
 from clerestory.engine.upload import launching
 from clerestory.engine.walk import offset
 
@@ -58,8 +58,8 @@ def visit(model: LoweredScene, ray: mi.Ray3f) -> Places:
         si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
         normal = dr.mulsign(si.n, -dr.dot(si.n, ray.d))
         u, v = (
-            sampling.coordinate(sequence, seed, index, mi.UInt32(vertex), purpose)
-            for purpose in (sampling.DIRECTION_U, sampling.DIRECTION_V)
+            sampler.coordinate(sequence, seed, index, mi.UInt32(vertex), purpose)
+            for purpose in (sampler.DIRECTION_U, sampler.DIRECTION_V)
         )
         local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
         direction = mi.Frame3f(normal).to_world(local)

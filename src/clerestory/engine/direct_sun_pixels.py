@@ -12,10 +12,10 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine import points as sampling
-from clerestory.engine.direct_sun import Place, SunWindow, on_disc, sunlight
-from clerestory.engine.pixels import PixelRays
-from clerestory.engine.points import points
+from clerestory.engine import sampler
+from clerestory.engine.direct_sun_tracer import Place, SunWindow, on_disc, sunlight
+from clerestory.engine.radiance_tracers import PixelRays
+from clerestory.engine.sampler import points
 from clerestory.engine.sunlit import PixelSunJob
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.walk import offset
@@ -47,15 +47,15 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
         pixel = pair // dr.opaque(mi.UInt32, suns) + first
         sun = pair % dr.opaque(mi.UInt32, suns)
         number = dr.gather(mi.UInt32, on_device(mi.UInt32, unit.columns), sun)
-        stream = sampling.mix(number, dr.opaque(mi.UInt32, job.seed))
+        stream = sampler.mix(number, dr.opaque(mi.UInt32, job.seed))
         key = mi.sample_tea_32(pixel, stream)[0]
 
         def draw(purpose: int, vertex: int = 1):
-            return sampling.coordinate(sequence, key, index, mi.UInt32(vertex), purpose)
+            return sampler.coordinate(sequence, key, index, mi.UInt32(vertex), purpose)
 
-        x, y = draw(sampling.DIRECTION_U, 0), draw(sampling.DIRECTION_V, 0)
+        x, y = draw(sampler.DIRECTION_U, 0), draw(sampler.DIRECTION_V, 0)
         ray, valid = rays.through(pixel, x, y)
-        a, b = draw(sampling.CONNECT_U, 0), draw(sampling.CONNECT_V, 0)
+        a, b = draw(sampler.CONNECT_U, 0), draw(sampler.CONNECT_V, 0)
         places = vectors(mi.Vector3f, job.suns[unit.columns])
         middle = dr.gather(mi.Vector3f, places, sun)
         with launching():

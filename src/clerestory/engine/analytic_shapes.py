@@ -10,7 +10,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.grey import SHINING
+from clerestory.engine.channels import SHINING
 from clerestory.scene.model import (
     BsdfSurface,
     Cone,

@@ -9,11 +9,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from clerestory.engine import points as sampling
-from clerestory.engine.aims import Draw
-from clerestory.engine.look import NOTHING, look
+from clerestory.engine import sampler
+from clerestory.engine.next_event_estimation import Draw
 from clerestory.engine.outgoing import OutgoingJob
-from clerestory.engine.pixels import light_of, segments_of, tracer_of
+from clerestory.engine.path_tracer import NOTHING, look
+from clerestory.engine.radiance_tracers import light_of, segments_of, tracer_of
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.work import Tracer
 
@@ -48,7 +48,7 @@ def prepare_outgoing(job: OutgoingJob) -> Tracer:
         sector, ring = row % sectors, row // sectors % rings
         patch = row // (sectors * rings)
         u, v, pick = (
-            sampling.random_number(draw.seed, draw.index + draw.points.first, purpose)
+            sampler.random_number(draw.seed, draw.index + draw.points.first, purpose)
             for purpose in range(_PLACE, _PLACE + 3)
         )
 
@@ -70,9 +70,9 @@ def prepare_outgoing(job: OutgoingJob) -> Tracer:
         step = 0.5 * dr.pi / mi.Float(rings)
         inner = dr.square(dr.sin(mi.Float(ring) * step))
         outer = dr.square(dr.sin((mi.Float(ring) + 1) * step))
-        share = draw.number(sampling.DIRECTION_U)
+        share = draw.number(sampler.DIRECTION_U)
         sine2 = dr.lerp(inner, outer, share)
-        turn = mi.Float(sector) + draw.number(sampling.DIRECTION_V)
+        turn = mi.Float(sector) + draw.number(sampler.DIRECTION_V)
         turn = turn * (2 * dr.pi / mi.Float(sectors)) - dr.pi
         sine, (s, c) = dr.safe_sqrt(sine2), dr.sincos(turn)
         across, along, normal = (dr.gather(mi.Vector3f, a, patch) for a in axes)

@@ -1,4 +1,4 @@
-"""Cells of a room, by place and by the way a surface faces.
+"""GuidingCells of a room, by place and by the way a surface faces.
 
 What is known of light at a few places, such as which portals are bright, holds for the
 surfaces around them that face alike.
@@ -21,7 +21,7 @@ _FACINGS = 6
 
 
 @dataclass
-class Cells:
+class GuidingCells:
     """A grid, with six cells at each of its places.
 
     Attributes
@@ -38,7 +38,7 @@ class Cells:
     count: int
 
     @classmethod
-    def around(cls, point: Float[np.ndarray, "n 3"]) -> "Cells":
+    def around(cls, point: Float[np.ndarray, "n 3"]) -> "GuidingCells":
         """Return cells around points; without any, one place for everything."""
         if len(point) == 0:
             return cls._of(np.zeros(3), np.ones(3), np.ones(3, dtype=int))
@@ -53,7 +53,7 @@ class Cells:
         low: Float[np.ndarray, "3"],
         size: Float[np.ndarray, "3"],
         shape: Int[np.ndarray, "3"],
-    ) -> "Cells":
+    ) -> "GuidingCells":
         cells = cls(
             mi.Point3f(*low.tolist()),
             mi.Vector3f(*size.tolist()),

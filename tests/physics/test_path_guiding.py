@@ -13,7 +13,7 @@ RADIANCE = 100.0
 
 @pytest.fixture
 def cells(device):
-    return load(device, "cells").Cells
+    return load(device, "guiding_cells").GuidingCells
 
 
 def test_cells_tell_places_and_facings_apart(cells):
@@ -39,7 +39,7 @@ def test_places_in_the_sun_do_not_outvote_those_in_the_shade(device):
     in the sun, ten thousand times as bright, the other. Eight of all glances beside
     thirty of its own give a part (30 + 8/2)/38 of the squares.
     """
-    sizes = load(device, "guide")._sizes
+    sizes = load(device, "path_guiding")._sizes
     glances = np.repeat([[1.0, 0.0], [0.0, 1e4]], 30, axis=0)
     found = sizes(glances, np.repeat([0, 1], 30), 3) ** 2
     assert found[0] == pytest.approx([34 / 38, 4 / 38])

@@ -19,13 +19,13 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.engine import points as sampling
-from clerestory.engine.aims import LitScene, SunAim, sunlit
-from clerestory.engine.cells import Cells
-from clerestory.engine.look import look
-from clerestory.engine.places import Places
-from clerestory.engine.points import points
+from clerestory.engine import sampler
+from clerestory.engine.guiding_cells import GuidingCells
+from clerestory.engine.next_event_estimation import LitScene, SunAim, sunlit
+from clerestory.engine.path_tracer import look
+from clerestory.engine.pilot_paths import Places
 from clerestory.engine.portals import Portals, Rectangles
+from clerestory.engine.sampler import points
 from clerestory.engine.upload import launching, vectors
 
 # Paths go on towards portals at most this often, for each such turn weakens those that
@@ -53,7 +53,7 @@ def guided(
     trial = replace(lit, portals=Portals.unknown(windows + patches))
     if trial.portals.count == 0 or len(places) == 0:
         return trial
-    cells = Cells.around(places.point)
+    cells = GuidingCells.around(places.point)
     point, normal = (
         vectors(kind, values)
         for kind, values in ((mi.Point3f, places.point), (mi.Vector3f, places.normal))
@@ -103,7 +103,7 @@ def _glances(
     place, part = lanes // (every + 1), lanes % (every + 1)
     seed = mi.UInt32(3)
     u, v, pick, x, y = (
-        sampling.random_number(seed, lanes, mi.UInt32(n)) for n in range(5)
+        sampler.random_number(seed, lanes, mi.UInt32(n)) for n in range(5)
     )
     origin = dr.gather(mi.Point3f, vectors(mi.Point3f, places.start), place)
     normal = dr.gather(mi.Vector3f, vectors(mi.Vector3f, places.normal), place)

@@ -9,12 +9,12 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from clerestory.engine import points as sampling
-from clerestory.engine.launches import matrix_tracer
+from clerestory.engine import sampler
 from clerestory.engine.lower import lower
-from clerestory.engine.pixels import PixelRays
-from clerestory.engine.points import Points
-from clerestory.engine.starts import Lanes
+from clerestory.engine.matrix_tracers import matrix_tracer
+from clerestory.engine.primary_rays import Lanes
+from clerestory.engine.radiance_tracers import PixelRays
+from clerestory.engine.sampler import Points
 from clerestory.engine.traces import PixelViewJob
 from clerestory.engine.walk import (
     CONNECTIONS,
@@ -39,8 +39,8 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     limit = (1 << 30) if job.bounces is None else job.bounces + 1
 
     def launch(target: Target, sequence: Points, paths: Lanes, _unit: Unit) -> None:
-        x = _number(sequence, paths, sampling.DIRECTION_U)
-        y = _number(sequence, paths, sampling.DIRECTION_V)
+        x = _number(sequence, paths, sampler.DIRECTION_U)
+        y = _number(sequence, paths, sampler.DIRECTION_V)
         ray, valid = rays.through(paths.number, x, y)
         if job.direct:
             _connect_first(target, sequence, paths, ray, valid)
@@ -56,7 +56,7 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
 
 
 def _number(sequence, paths: Lanes, purpose: int):
-    return sampling.coordinate(sequence, paths.seed, paths.index, mi.UInt32(0), purpose)
+    return sampler.coordinate(sequence, paths.seed, paths.index, mi.UInt32(0), purpose)
 
 
 def _connect_first(target: Target, sequence, paths: Lanes, ray, active) -> None:
@@ -78,8 +78,8 @@ def _connect_first(target: Target, sequence, paths: Lanes, ray, active) -> None:
     si.sh_frame = mi.Frame3f(si.n)
     si.wi = si.to_local(-ray.d)
     bsdf, context = si.bsdf(), mi.BSDFContext()
-    a = _number(sequence, paths, sampling.CONNECT_U)
-    b = _number(sequence, paths, sampling.CONNECT_V)
+    a = _number(sequence, paths, sampler.CONNECT_U)
+    b = _number(sequence, paths, sampler.CONNECT_V)
     for number in range(CONNECTIONS):
         line = connect(model, si.p, *spread(a, b, number))
         value = bsdf.eval(context, si, si.to_local(line.direction), surface)

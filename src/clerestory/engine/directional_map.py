@@ -20,7 +20,7 @@ from clerestory.hemisphere.square import disc_from_square
 Radiance = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, "n 3"]]
 
 
-def dome_directions(edge: int) -> Float[np.ndarray, "n 3"]:
+def map_directions(edge: int) -> Float[np.ndarray, "n 3"]:
     """Unit vectors through the middles of the cells, in the order of the tables."""
     middle = (np.arange(edge) + 0.5) / edge
     a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
@@ -31,12 +31,12 @@ def dome_directions(edge: int) -> Float[np.ndarray, "n 3"]:
     return np.concatenate([up, up * [1, 1, -1]])
 
 
-class Dome:
+class DirectionalMap:
     """One or several tables of radiance over all directions.
 
     Parameters
     ----------
-    values : of each table, RGB for each of `dome_directions(edge)`
+    values : of each table, RGB for each of `map_directions(edge)`
     edge : cells along the edge of a square
     """
 

@@ -1,6 +1,7 @@
 """Radiance along rays: a picture's pixels, or what a sensor gathers.
 
-Paths run against the light. At every vertex suns and lamps are aimed at (see `aims`).
+Paths run against the light. At every vertex suns and emitters are sampled (see
+`next_event_estimation`).
 The path goes on in a direction proposed by the material or by a place where light
 enters the room (`portals`), one sample from both in mixture.
 
@@ -11,9 +12,9 @@ Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation,
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine import materials
-from clerestory.engine import points as sampling
-from clerestory.engine.aims import (
+from clerestory.engine import materials, sampler
+from clerestory.engine.mirrors import is_mirror
+from clerestory.engine.next_event_estimation import (
     Draw,
     LitScene,
     PortalAim,
@@ -30,8 +31,7 @@ from clerestory.engine.aims import (
     sought_sunlight,
     sunlight,
 )
-from clerestory.engine.mirrors import is_mirror
-from clerestory.engine.points import Points
+from clerestory.engine.sampler import Points
 from clerestory.engine.walk import offset
 
 # Paths below this share of their first weight go on only by Russian roulette.
@@ -49,7 +49,7 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
     Returns
     -------
     light : irradiance from what is aimed at directly
-    ray, weight, pdf, sought : how the path goes on, as `look` takes it
+    ray, weight, pdf, sought : how the path goes on, as `path_tracer` takes it
     """
 
     def scatter(direction):
@@ -65,11 +65,11 @@ def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
         light += mirrored_sunlight(lit, vertex, draw, mi.Bool(True))
         if seeks(lit):
             light += sought_sunlight(lit, vertex, sun, draw, mi.Bool(True))
-    u, v = draw.number(sampling.DIRECTION_U), draw.number(sampling.DIRECTION_V)
+    u, v = draw.number(sampler.DIRECTION_U), draw.number(sampler.DIRECTION_V)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     direction = mi.Frame3f(normal).to_world(local)
     if lit.portals.count:
-        aimed = draw.number(sampling.LOBE) < portal.chance
+        aimed = draw.number(sampler.LOBE) < portal.chance
         target = lit.portals.aim(lit.portals.share, position, portal.cell, u, v)
         direction = dr.select(aimed, target, direction)
     value, own = scatter(direction)
@@ -141,7 +141,7 @@ def look(
         # Take what a lamp sends from its front; the eye sees illums as something else
         si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
         shape = dr.reinterpret_array(mi.UInt32, si.shape)
-        role = dr.gather(mi.UInt32, model.lamp_of_shape, shape, met)
+        role = dr.gather(mi.UInt32, model.emitter_of_shape, shape, met)
         at_lamp = met & (role > 0)
         cosine = -dr.dot(ray.d, si.n)
         lamp = role - 1
@@ -191,9 +191,9 @@ def look(
         light += dr.select(near, weight * gained, 0)
 
         # Go on along the material's proposal, or towards a portal
-        chance = draw.number(sampling.LOBE)
-        u = draw.number(sampling.DIRECTION_U)
-        v = draw.number(sampling.DIRECTION_V)
+        chance = draw.number(sampler.LOBE)
+        u = draw.number(sampler.DIRECTION_U)
+        v = draw.number(sampler.DIRECTION_V)
         to_portal = chance < aimed
         lobe = dr.clip((chance - aimed) / (1 - aimed), 0, 0.9999999)
         if dr.hint(lit.portals.count > 0, mode="scalar"):
@@ -243,7 +243,7 @@ def look(
 
         # Let weak paths go on only by chance, then with the weight of those that end
         survive = dr.minimum(dr.max(weight) / (start * _ROULETTE), 1)
-        number = sampling.random_number(seed, index + points.first, vertex + 0x10000)
+        number = sampler.random_number(seed, index + points.first, vertex + 0x10000)
         weight = dr.select(survive < 1, weight / survive, weight)
         active &= (number < survive) & (vertex < _MOST_SEGMENTS)
         vertex += 1

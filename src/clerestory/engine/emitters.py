@@ -12,7 +12,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.dome import Dome, dome_directions
+from clerestory.engine.directional_map import DirectionalMap, map_directions
 from clerestory.engine.upload import on_device, vectors
 from clerestory.errors import InputError
 from clerestory.scene.model import Glow, Illum, Light, Spotlight
@@ -41,7 +41,7 @@ def is_aimed_at(material: Emitter) -> bool:
 
 
 @dataclass
-class Lamps:
+class Emitters:
     """All shining shapes, for kernels.
 
     Attributes
@@ -64,7 +64,7 @@ class Lamps:
     table: mi.UInt32
     shy: mi.Bool
     veiled: mi.Bool
-    patterns: Dome | None
+    patterns: DirectionalMap | None
     corner: mi.Point3f
     edge_u: mi.Vector3f
     edge_v: mi.Vector3f
@@ -73,7 +73,7 @@ class Lamps:
     aimed: mi.Float
 
     @classmethod
-    def of(cls, shining: list[Mesh], origin: Float[np.ndarray, "3"]) -> "Lamps":
+    def of(cls, shining: list[Mesh], origin: Float[np.ndarray, "3"]) -> "Emitters":
         """Return the tables of shining meshes; lamp i is mesh i."""
         radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
         tables, number = [], []
@@ -107,7 +107,7 @@ class Lamps:
             table=on_device(mi.UInt32, number),
             shy=on_device(mi.Bool, [_is_shy(m.material) for m in shining]),
             veiled=on_device(mi.Bool, [isinstance(m.material, Illum) for m in shining]),
-            patterns=Dome(np.array(tables), _EDGE) if tables else None,
+            patterns=DirectionalMap(np.array(tables), _EDGE) if tables else None,
             corner=vectors(mi.Point3f, corner[:, 0]),
             edge_u=vectors(mi.Vector3f, u),
             edge_v=vectors(mi.Vector3f, v),
@@ -165,7 +165,7 @@ def _pattern(mesh: Mesh) -> Float[np.ndarray, "n 3"] | None:
     pattern = material.pattern
     if pattern is None and not isinstance(material, Spotlight):
         return None
-    direction = dome_directions(_EDGE)
+    direction = map_directions(_EDGE)
     value = np.ones_like(direction)
     if pattern is not None:
         normal = np.broadcast_to(_normal(mesh), direction.shape)

@@ -29,7 +29,7 @@ def seen_surface(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
         looking &= hit.is_valid()
         si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, looking)
         shape = dr.reinterpret_array(mi.UInt32, si.shape)
-        lamp = dr.gather(mi.UInt32, model.lamp_of_shape, shape, looking) > 0
+        lamp = dr.gather(mi.UInt32, model.emitter_of_shape, shape, looking) > 0
         proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, looking) != 0
         flags = si.bsdf().flags()
         through = mi.has_flag(flags, mi.BSDFFlags.Null)

@@ -18,12 +18,12 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine import points as sampling
-from clerestory.engine.aims import Draw
+from clerestory.engine import sampler
 from clerestory.engine.bsdf_file import forward_table
 from clerestory.engine.lower import LoweredScene, lower
-from clerestory.engine.peak import PeakTable
-from clerestory.engine.points import Points, points
+from clerestory.engine.next_event_estimation import Draw
+from clerestory.engine.peak_extraction import PeakTable
+from clerestory.engine.sampler import Points, points
 from clerestory.engine.sunlit import BATCHES, SunJob
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.walk import towards
@@ -160,7 +160,7 @@ def _by_window(window: SunWindow, place: Place, sun, draw, active):
     # Connect with a point of the window
     own, inside = window.own, window.inside
     facing = own.to_scene(mi.UInt32(0), mi.Vector3f(0, 0, 1))
-    u, v = draw(sampling.CONNECT_U), draw(sampling.CONNECT_V)
+    u, v = draw(sampler.CONNECT_U), draw(sampler.CONNECT_V)
     point, _, spherical = own.aim(place.point, u, v)
     across = point - place.point
     distance2 = dr.squared_norm(across)
@@ -181,7 +181,7 @@ def _by_lobe(window: SunWindow, place: Place, sun, draw, active):
     # Look back along a direction that the sun's light takes
     own = window.own
     facing = own.to_scene(mi.UInt32(0), mi.Vector3f(0, 0, 1))
-    u, v = draw(sampling.DIRECTION_U), draw(sampling.DIRECTION_V)
+    u, v = draw(sampler.DIRECTION_U), draw(sampler.DIRECTION_V)
     leaving = window.lobe(sun, u, v)
     value, density = window.transmitted(leaving, sun)
     value *= place.receive(-leaving)
@@ -235,8 +235,8 @@ def sunlight_at(
     light = mi.Color3f(0)
     index = mi.UInt32(0)
     while active & (index < sequence.stride):
-        a = sampling.random_number(seed, index, mi.UInt32(1))
-        b = sampling.random_number(seed, index, mi.UInt32(2))
+        a = sampler.random_number(seed, index, mi.UInt32(1))
+        b = sampler.random_number(seed, index, mi.UInt32(2))
         light += sunlight(
             window,
             place,
@@ -267,7 +267,7 @@ def prepare_sun(job: SunJob) -> Tracer:
         )
         sun = pair % dr.opaque(mi.UInt32, suns)
         number = dr.gather(mi.UInt32, on_device(mi.UInt32, unit.columns), sun)
-        stream = sampling.mix(number, dr.opaque(mi.UInt32, job.seed))
+        stream = sampler.mix(number, dr.opaque(mi.UInt32, job.seed))
         key = mi.sample_tea_32(row * BATCHES + lane % BATCHES, stream)[0]
         middle = vectors(mi.Vector3f, job.suns[unit.columns])
         with launching():

@@ -1,7 +1,7 @@
 """Pixels and sensors at one instant, on the device: what traces their units.
 
 Rays come from the middles of pixels and how they change across them, so that any
-view is traced alike; sensors send theirs from `look`.
+view is traced alike; sensors send theirs from `path_tracer`.
 """
 
 from collections.abc import Callable
@@ -13,18 +13,18 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine import points as sampling
-from clerestory.engine.aims import Draw, LitScene
-from clerestory.engine.guide import guided
+from clerestory.engine import sampler
+from clerestory.engine.distant_emitters import DistantEmitters
+from clerestory.engine.first_hit import seen_surface
 from clerestory.engine.lit import IrradianceJob, PictureJob
-from clerestory.engine.look import NOTHING, gather_at_sensor, look
 from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
-from clerestory.engine.places import LOOKING, visit
-from clerestory.engine.points import points
+from clerestory.engine.next_event_estimation import Draw, LitScene
+from clerestory.engine.path_guiding import guided
+from clerestory.engine.path_tracer import NOTHING, gather_at_sensor, look
+from clerestory.engine.pilot_paths import LOOKING, visit
 from clerestory.engine.portals import Portals, window_rectangles
-from clerestory.engine.seen import seen_surface
-from clerestory.engine.sky_light import SkyLight
+from clerestory.engine.sampler import points
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.sun_patches import sun_patches
 from clerestory.engine.upload import launching, on_device, vectors
@@ -48,7 +48,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     def irradiance(draw: Draw, row):
         # The first numbers of the sequence go to the surface, not to the pixel
         x, y = (
-            sampling.random_number(draw.seed, draw.index + draw.points.first, purpose)
+            sampler.random_number(draw.seed, draw.index + draw.points.first, purpose)
             for purpose in (_PIXEL, _PIXEL + 1)
         )
         ray, valid = rays.through(row, x, y)
@@ -64,8 +64,8 @@ def prepare_picture(job: PictureJob) -> Tracer:
     def light(draw: Draw, row):
         ray, valid = rays.through(
             row,
-            draw.number(sampling.DIRECTION_U),
-            draw.number(sampling.DIRECTION_V),
+            draw.number(sampler.DIRECTION_U),
+            draw.number(sampler.DIRECTION_V),
         )
         return look(
             lit, draw.points, ray, draw.seed, draw.index, mi.Color3f(1), mi.Float(0),
@@ -118,7 +118,7 @@ def light_of(
     windows = window_rectangles(scene, origin)
     lit = LitScene(
         model=model,
-        sky=SkyLight.of(scene),
+        sky=DistantEmitters.of(scene),
         portals=Portals.unknown(windows),
         mirrors=Mirrors.of(scene),
         lobes=SunLobes.of(scene),
@@ -133,9 +133,9 @@ def _first_points(count: int):
     # Numbers of the first segments that look for sun: row, and place within it
     index = dr.arange(mi.UInt32, LOOKING)
     sequence, seed = points(0, LOOKING), mi.UInt32(1)
-    purposes = (sampling.LOBE, sampling.DIRECTION_U, sampling.DIRECTION_V)
+    purposes = (sampler.LOBE, sampler.DIRECTION_U, sampler.DIRECTION_V)
     pick, u, v = (
-        sampling.coordinate(sequence, seed, index, mi.UInt32(0), purpose)
+        sampler.coordinate(sequence, seed, index, mi.UInt32(0), purpose)
         for purpose in purposes
     )
     rows = dr.opaque(mi.UInt32, count)

@@ -10,8 +10,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from clerestory.engine import points as sampling
-from clerestory.engine.points import Points
+from clerestory.engine import sampler
+from clerestory.engine.sampler import Points
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.walk import (
     CONNECTIONS,
@@ -93,8 +93,8 @@ def trace_sensors(
 
     if target.sky is None:
         # Connect each sensor to points of the windows
-        a = sampling.coordinate(points, seed, index, first, sampling.CONNECT_U)
-        b = sampling.coordinate(points, seed, index, first, sampling.CONNECT_V)
+        a = sampler.coordinate(points, seed, index, first, sampler.CONNECT_U)
+        b = sampler.coordinate(points, seed, index, first, sampler.CONNECT_V)
         for number in range(CONNECTIONS):
             line = connect(target.model, o, *spread(a, b, number))
             cosine = dr.dot(n, line.direction)
@@ -105,8 +105,8 @@ def trace_sensors(
             target.score(paths.slot, line.column, gain, lit & (dr.max(seen) > 0))
 
     # Leave each sensor in a cosine-distributed direction
-    u = sampling.coordinate(points, seed, index, first, sampling.DIRECTION_U)
-    v = sampling.coordinate(points, seed, index, first, sampling.DIRECTION_V)
+    u = sampler.coordinate(points, seed, index, first, sampler.DIRECTION_U)
+    v = sampler.coordinate(points, seed, index, first, sampler.DIRECTION_V)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     ray = mi.Ray3f(o, mi.Frame3f(n).to_world(local))
     pdf = local.z * dr.inv_pi
@@ -130,10 +130,10 @@ def trace_window_patches(
     """
     seed, index = paths.seed, paths.index
     first = mi.UInt32(0)
-    a = sampling.coordinate(points, seed, index, first, sampling.CONNECT_U)
-    b = sampling.coordinate(points, seed, index, first, sampling.CONNECT_V)
-    u = sampling.coordinate(points, seed, index, first, sampling.DIRECTION_U)
-    v = sampling.coordinate(points, seed, index, first, sampling.DIRECTION_V)
+    a = sampler.coordinate(points, seed, index, first, sampler.CONNECT_U)
+    b = sampler.coordinate(points, seed, index, first, sampler.CONNECT_V)
+    u = sampler.coordinate(points, seed, index, first, sampler.DIRECTION_U)
+    v = sampler.coordinate(points, seed, index, first, sampler.DIRECTION_V)
     o, number = window.sample_point(a, b)
     local = window.tables[0].sample(paths.number, u, v)
     ray = mi.Ray3f(o, -window.to_scene(number, local))

@@ -17,13 +17,13 @@ from clerestory.engine.facade import FacadeJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.origin import middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
-from clerestory.engine.points import Points, points
-from clerestory.engine.starts import (
+from clerestory.engine.primary_rays import (
     Lanes,
     lanes,
     trace_sensors,
     trace_window_patches,
 )
+from clerestory.engine.sampler import Points, points
 from clerestory.engine.traces import CoefficientsJob, DaylightJob, ViewJob
 from clerestory.engine.upload import launching
 from clerestory.engine.walk import Target

@@ -7,7 +7,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.dome import Dome, dome_directions
+from clerestory.engine.directional_map import DirectionalMap, map_directions
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
@@ -24,7 +24,7 @@ def is_sun(source: DistantSource) -> bool:
 
 
 @dataclass
-class SkyLight:
+class DistantEmitters:
     """Everything at infinity, for kernels.
 
     Attributes
@@ -37,7 +37,7 @@ class SkyLight:
     cumulative : share of the irradiance up to and with each
     """
 
-    dome: Dome | None
+    dome: DirectionalMap | None
     suns: int
     direction: mi.Vector3f
     radiance: mi.Color3f
@@ -45,7 +45,7 @@ class SkyLight:
     cumulative: mi.Float
 
     @classmethod
-    def of(cls, scene: Scene) -> "SkyLight":
+    def of(cls, scene: Scene) -> "DistantEmitters":
         """Return the tables of a scene's distant sources."""
         wide = [s for s in scene.distant if not is_sun(s)]
         narrow = [s for s in scene.distant if is_sun(s)]
@@ -126,8 +126,8 @@ def _at_centre(scene: Scene, source: DistantSource) -> Float[np.ndarray, "3"]:
     return material.radiance * material.pattern.value(source.direction[None])[0]
 
 
-def _dome(scene: Scene, sources: list[DistantSource]) -> Dome:
-    direction = dome_directions(_EDGE)
+def _dome(scene: Scene, sources: list[DistantSource]) -> DirectionalMap:
+    direction = map_directions(_EDGE)
     total = np.zeros_like(direction)
     for source in sources:
         material = scene.materials[source.material]
@@ -137,4 +137,4 @@ def _dome(scene: Scene, sources: list[DistantSource]) -> Dome:
         if material.pattern is not None:
             radiance = radiance * material.pattern.value(direction[inside])
         total[inside] += radiance
-    return Dome(total[None], _EDGE)
+    return DirectionalMap(total[None], _EDGE)

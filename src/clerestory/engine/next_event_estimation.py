@@ -14,13 +14,12 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine import materials
-from clerestory.engine import points as sampling
+from clerestory.engine import materials, sampler
+from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.mirrors import Mirrors, reflected
-from clerestory.engine.points import Points
 from clerestory.engine.portals import Portals
-from clerestory.engine.sky_light import SkyLight
+from clerestory.engine.sampler import Points
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.walk import offset, passed, towards
 
@@ -36,7 +35,7 @@ class LitScene:
     """A scene with all that lights it."""
 
     model: LoweredScene
-    sky: SkyLight
+    sky: DistantEmitters
     portals: Portals
     mirrors: Mirrors
     lobes: SunLobes
@@ -53,14 +52,14 @@ class Draw:
 
     def number(self, purpose: int):
         """Return a number of the sequence."""
-        return sampling.coordinate(
+        return sampler.coordinate(
             self.points, self.seed, self.index, self.vertex, purpose
         )
 
     def other(self, purpose: int):
         """Return a hashed number beside the sequence."""
         dimension = self.vertex * 8 + (0x20000 + purpose)
-        return sampling.random_number(
+        return sampler.random_number(
             self.seed, self.index + self.points.first, dimension
         )
 
@@ -174,7 +173,7 @@ class SunAim:
     @classmethod
     def of(cls, lit: LitScene, draw: Draw) -> "SunAim":
         """Return an aim at one of the suns."""
-        u, v = draw.number(sampling.CONNECT_U), draw.number(sampling.CONNECT_V)
+        u, v = draw.number(sampler.CONNECT_U), draw.number(sampler.CONNECT_V)
         pick = draw.other(0) if lit.sky.suns > 1 else mi.Float(0)
         return cls(*lit.sky.aim(pick, u, v))
 
@@ -274,7 +273,7 @@ def is_sought(model: LoweredScene, shape, active):
     matt &= ~mi.has_flag(flags, mi.BSDFFlags.Null)
     matt &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
     layer = dr.gather(mi.Bool, model.layer_of_shape, shape, active)
-    lamp = dr.gather(mi.UInt32, model.lamp_of_shape, shape, active)
+    lamp = dr.gather(mi.UInt32, model.emitter_of_shape, shape, active)
     return active & (depth == 0) & (lamp == 0) & (matt | layer)
 
 
