@@ -4,9 +4,9 @@
     sky radiance      of its patches, a grey distribution times a colour
     suns              direct normal irradiance, at most one sun a step
 
-What receivers get is a weighted sum of channels: luminance for sensors, each channel
-by itself for pictures. The weights are part of the light, so that grey rooms need one
-product instead of three.
+Receivers get a weighted sum of bands: illuminance for sensors, each band by itself for
+pictures. The weights are part of the light, so that grey rooms need one product
+instead of one per band.
 """
 
 from collections.abc import Sequence
@@ -16,17 +16,14 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 from scipy.sparse import csc_array
 
-from clerestory.constants import LUMINANCE_WEIGHTS, LUMINOUS_EFFICACY
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain
+from clerestory.phases.receivers import chain_components, channel_count
 from clerestory.sky.matrix import SkyMatrix
-from clerestory.sky.sky_product import fold, lit_steps, product_blocks
+from clerestory.sky.sky_product import fold
 
-# Weights of the channels in what is received: illuminance [lux], or each by itself
-LUX = LUMINOUS_EFFICACY * np.array([LUMINANCE_WEIGHTS])
-RGB = np.eye(3)
-
-Weights = Float[np.ndarray, "out 3"]
+# Weights of the bands in what is received: those of illuminance, or each by itself
+Weights = Float[np.ndarray, "out band"]
 Layers = Float32[np.ndarray, "layer channel row column"]
 Received = Float32[np.ndarray, "layer out row step"]
 
@@ -51,11 +48,11 @@ class PatchLight:
     def received(self, matrix: Layers) -> Received:
         """Return what a matrix, and each of its error components, receives."""
         if not self.summed:
-            return matrix @ self.values
+            return np.asarray(matrix @ self.values)
         layers, _, rows, _ = matrix.shape
         flat = _side_by_side(matrix, len(self.values)).reshape(layers * rows, -1)
         found = flat @ self.values.reshape(-1, self.values.shape[-1])
-        return found.reshape(layers, 1, rows, -1)
+        return np.asarray(found).reshape(layers, 1, rows, -1)
 
     def spread(
         self, values: Float32[np.ndarray, "channel row column"]
@@ -89,7 +86,7 @@ class SkyLight:
         layers, _, rows, _ = matrix.shape
         shape = layers, rows, len(self.sky.times)
         found = [sky_product(matrix, self.sky, w).reshape(shape) for w in self.weights]
-        return np.stack(found, axis=1)
+        return found[0][:, None] if len(found) == 1 else np.stack(found, axis=1)
 
     def spread(self, values: np.ndarray) -> list[Received]:
         """Return nothing: weather has no statistical error."""
@@ -106,7 +103,9 @@ class SunLight:
     def received(self, matrix: Layers) -> Received:
         """Return what a matrix, and each of its error components, receives."""
         layers, channels, rows, suns = matrix.shape
-        weights = self.weights if channels == 3 else self.weights.sum(1, keepdims=True)
+        weights = self.weights
+        if channels == 1:
+            weights = weights.sum(axis=1, keepdims=True)
         light = np.einsum("oc,lcrs->sorl", weights.astype(np.float32), matrix)
         found = self.normal.astype(np.float32).T @ light.reshape(suns, -1)
         shape = found.shape[0], len(weights), rows, layers
@@ -123,21 +122,18 @@ Light = PatchLight | SkyLight | SunLight
 def sky_product(
     values: Float[np.ndarray, "*batch channel row patch"],
     sky: SkyMatrix,
-    weights: Float[np.ndarray, "3"],
+    weights: Float[np.ndarray, " band"],
 ) -> Float32[np.ndarray, "rows step"]:
-    """Return matrices times a sky in all its steps, channels summed up by weight."""
-    sun_colour = np.broadcast_to(sky.sun_colour[:, None], sky.colour.shape)
+    """Return matrices times a sky in all its steps, bands summed up by weight."""
     patches = values.shape[-1]
-    rows = fold(values, sky.colour, weights).reshape(-1, patches)
-    found = np.zeros((len(rows), len(sky.times)), np.float32)
-    for steps, received in product_blocks(
-        rows,
-        fold(values, sun_colour, weights).reshape(-1, patches),
-        diffuse=sky.diffuse,
-        direct=sky.sun,
-        steps=lit_steps(sky.diffuse, sky.sun),
-    ):
-        found[:, steps] = received
+    tint = np.broadcast_to(sky.colour, (len(weights), patches))
+    sun_tint = np.broadcast_to(sky.sun_colour[:, None], tint.shape)
+    found = np.zeros((values[..., 0, :, 0].size, len(sky.times)), np.float32)
+    if sky.diffuse.any():
+        found = fold(values, tint, weights).reshape(-1, patches) @ sky.diffuse
+    if sky.sun.nnz:
+        rows = fold(values, sun_tint, weights).reshape(-1, patches)
+        found += (sky.sun.T @ np.ascontiguousarray(rows.T)).T
     return found
 
 
@@ -158,7 +154,7 @@ def exiting_light(
     errors : whether error components are carried along
     """
     summed = len(weights) == 1
-    channels = 1 if summed and all(map(_is_grey, chains)) else 3
+    channels = 1 if summed and all(map(_is_grey, chains)) else weights.shape[1]
     each = weights if channels == 1 or not summed else np.diag(weights[0])
     parts = [
         _exiting(chain, sky, state, each, errors=errors)
@@ -179,30 +175,20 @@ def exiting_light(
 def _is_grey(chain: MatrixChain) -> bool:
     # Whether V and T have one channel: all colour is that of D and of the sky
     middle = (factor for factors in chain.factors for factor in factors[:-1])
-    view = chain.receiving[0]
-    views = isinstance(view, TransferMatrix) and len(view.values) == 1
-    views = views or getattr(view, "channels", 3) == 1
-    return views and all(len(factor.values) == 1 for factor in middle)
-
-
-def component_count(chain: MatrixChain) -> int:
-    """Return the largest number of error components of the factors of a state."""
-    return max(
-        (sum(0 if f.components is None else len(f.components) for f in factors))
-        for factors in chain.factors
-    )
+    grey = channel_count(chain.receiving[0]) == 1
+    return grey and all(len(factor.values) == 1 for factor in middle)
 
 
 def _exiting(
     chain: MatrixChain,
     sky: SkyMatrix,
     state: Int[np.ndarray, " step"],
-    weights: Float[np.ndarray, "channel 3"],
+    weights: Float[np.ndarray, "channel band"],
     *,
     errors: bool,
 ) -> Float32[np.ndarray, "layer channel patch step"]:
     # Value and error components; states that share D share its product with the sky
-    layers = 1 + (component_count(chain) if errors else 0)
+    layers = 1 + (chain_components(chain) if errors else 0)
     patches = chain.factors[0][0].rows.size
     found = np.zeros((layers, len(weights), patches, len(state)), np.float32)
     sources: dict[int, list[int]] = {}
@@ -214,7 +200,7 @@ def _exiting(
         arrived = _arriving(daylight, sky.select(steps), weights)
         for number in numbers:
             acts = state[steps] == number
-            light = arrived[..., acts]
+            light = arrived if acts.all() else arrived[..., acts]
             for factor in reversed(chain.factors[number][:-1]):
                 light = _passed(factor, light, errors=errors)
             found[: len(light), :, :, steps[acts]] = light
@@ -229,7 +215,7 @@ def _layers(matrix: TransferMatrix, *, errors: bool) -> Layers:
 
 
 def _arriving(
-    daylight: Layers, sky: SkyMatrix, weights: Float[np.ndarray, "channel 3"]
+    daylight: Layers, sky: SkyMatrix, weights: Float[np.ndarray, "channel band"]
 ) -> Float32[np.ndarray, "layer channel outer step"]:
     # D S, by channel; one channel carries all weights
     layers, _, outer, _ = daylight.shape
@@ -249,6 +235,6 @@ def _passed(
     # A factor times what arrives; its own error components follow those of the light
     found = factor.values.astype(np.float32) @ light
     if factor.components is None or not errors:
-        return found
+        return np.asarray(found)
     own = factor.components.astype(np.float32) @ light[0]
     return np.concatenate([found, own])

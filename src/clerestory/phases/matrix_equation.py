@@ -12,7 +12,7 @@ G. Ward, Building Simulation 2017, eq. (2) and (3).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from jaxtyping import Int
@@ -21,15 +21,23 @@ from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis, sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_fit
 from clerestory.phases.pictures import SunPictures
-from clerestory.phases.stored_views import StoredColumns
+from clerestory.phases.stored_views import Entries, StoredColumns
 from clerestory.sky.matrix import SkyMatrix
 from clerestory.sky.suns import SunMatrix
 
 # Number of the state at each time step, per window group
 States = Sequence[Int[np.ndarray, " time"]]
 
+
+class Readable(Protocol):
+    """A matrix that is read block by block of rows."""
+
+    def read(self, rows: slice) -> Entries:
+        """Return consecutive rows and their error components."""
+
+
 # Matrix of receivers: in memory, in files, or traced for the suns that are asked for
-Receiving = TransferMatrix | StoredColumns | SunPictures
+Receiving = TransferMatrix | Readable | SunPictures
 
 
 @dataclass(frozen=True, eq=False)

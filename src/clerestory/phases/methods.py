@@ -22,7 +22,7 @@ from typing import Literal
 import xarray as xr
 
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.blockwise_product import Progress, illuminance
+from clerestory.phases.illuminance import illuminance
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     Skies,
@@ -31,6 +31,7 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
     window_chain,
 )
+from clerestory.phases.trace import Progress
 from clerestory.sky.matrix import SkyMatrix
 from clerestory.sky.suns import SunMatrix
 
