@@ -14,10 +14,10 @@ import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.resample import tree_from
-from clerestory.bsdf.scattering import FUNCTIONS, ScatteringFunction
+from clerestory.bsdf.scattering_function import FUNCTIONS, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_text import parse_tree
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.hemisphere.klems import klems
 
 PAIRS = 1_000_000

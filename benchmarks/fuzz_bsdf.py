@@ -27,10 +27,10 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.bsdf.analytic import thin_pane
-from clerestory.bsdf.product import Geometry, Product
+from clerestory.bsdf.product_data import Geometry, Product
 from clerestory.bsdf.resample import to_trees
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.klems import from_rings

@@ -24,8 +24,8 @@ import numpy as np
 from clerestory.errors import InputError
 from clerestory.glare.evaluate import evaluate_glare
 from clerestory.image.picture import Picture
+from clerestory.image.picture_files import write_picture
 from clerestory.image.radiance_hdr import read_radiance
-from clerestory.image.write import write_picture
 from clerestory.scene.view import View
 
 LONGEST = 10  # seconds a picture may take before it counts as hanging

@@ -21,15 +21,15 @@ from pathlib import Path
 import numpy as np
 
 import clerestory as cl
-from clerestory.bsdf.product import Geometry
+from clerestory.bsdf.product_data import Geometry
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.finish import reduced
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.mgf_text import mgf_text
-from clerestory.bsdfgen.slats import venetian
+from clerestory.bsdfgen.postprocessing import reduced
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.image.denoise import denoise
-from clerestory.image.display import to_srgb, write_display
-from clerestory.image.human_vision import human_vision
+from clerestory.image.srgb_display import to_srgb, write_display
+from clerestory.image.visibility_matching import human_vision
 from clerestory.phases.render import render
 from clerestory.radiance.bsdf_package import package
 from clerestory.radiance.generated_sky import sky_scene

@@ -28,11 +28,11 @@ from duel import ENVIRONMENT, stamp
 from pyradiance.genbsdf import SamplingBox
 
 import clerestory as cl
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_table import cells
-from clerestory.bsdf.tree_text import parse_tree
-from clerestory.bsdfgen.slats import venetian
-from clerestory.bsdfgen.system import System
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_lookup import cells
+from clerestory.bsdf.tree_parser import parse_tree
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
 from clerestory.radiance.rad_writer import format_rad

@@ -26,14 +26,13 @@ from duel import ENVIRONMENT, stamp
 from evalglare import INDICES, evalglare
 from glare_pictures import KINDS, VIEWS, synthetic_picture
 
-from clerestory.glare.annual import annual_glare
+from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.evaluate import evaluate_glare
+from clerestory.glare.glare_view import GlareView, _glare_view, glare_view
 from clerestory.glare.imageless import imageless_dgp
 from clerestory.glare.result import Glare
-from clerestory.glare.view import GlareView, _glare_view, glare_view
 from clerestory.image.picture import Picture
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.scene.view import View
 
 FISHEYE = View(kind="angular", horizontal=180, vertical=180)

@@ -23,9 +23,9 @@ import numpy as np
 import pywincalc as engine
 from duel import stamp
 
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.errors import ClerestoryWarning
-from clerestory.glazing.read import read_layer
+from clerestory.glazing.layer_files import read_layer
 from clerestory.glazing.stack import StackedLayers, stack_layers
 from clerestory.hemisphere.klems import klems
 

@@ -25,13 +25,13 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from tree_picture import HALF, HEAD, SILL, VIEW, room
 
 import clerestory as cl
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.export import export_bsdf
-from clerestory.gonio.fitted import fit_measurement
+from clerestory.gonio.bsdf_export import export_bsdf
+from clerestory.gonio.fitted_measurement import fit_measurement
 from clerestory.gonio.raster import Raster
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 from clerestory.scene.model import BsdfSurface, Polygon, Scene
 from goniometer import Goniophotometer, film, half_circle
 

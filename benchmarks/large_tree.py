@@ -25,13 +25,13 @@ from tree_picture import DISC_DEG, VIEW, disc, room, window
 
 import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import to_matrices
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_combine import bits_of
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import bits_of
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 
 HALVINGS = 7
 FULL_UNTIL = 4  # halvings down to which no cell is joined with its neighbours
@@ -47,7 +47,7 @@ READ = """
 import re, sys, time
 from pathlib import Path
 import numpy as np
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 
 def memory_mb(kind):
     status = Path("/proc/self/status").read_text()

@@ -24,7 +24,7 @@ from clerestory.phases.picture_series import PicturePhases, pictures_over_time
 from clerestory.phases.pictures import Camera
 from clerestory.phases.three import WindowPhases
 from clerestory.scene.view import View
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
 
 SIZES = (200, 400, 800)
 HOURS = 4400

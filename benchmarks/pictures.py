@@ -21,10 +21,10 @@ from PIL import Image
 
 import clerestory as cl
 from clerestory.image.colour_scale import linear_scale, logarithmic_scale
-from clerestory.image.display import to_srgb
 from clerestory.image.false_colour import false_colour
-from clerestory.image.human_vision import human_vision
-from clerestory.image.tone import filmic, linear
+from clerestory.image.srgb_display import to_srgb
+from clerestory.image.tone_curves import filmic, linear
+from clerestory.image.visibility_matching import human_vision
 from clerestory.phases.render import render
 from clerestory.radiance.generated_sky import sky_scene
 from clerestory.scene.view import solid_angles

@@ -19,7 +19,7 @@ import numpy as np
 
 import clerestory
 from clerestory.image.picture import Picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import write_picture
 from clerestory.report.page import write_report
 
 TESTS = Path(__file__).parents[1] / "tests" / "unit" / "report"

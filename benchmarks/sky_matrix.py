@@ -19,7 +19,7 @@ from duel import ENVIRONMENT, stamp
 # Prints processor seconds, seconds and the most memory [MB] of the call
 _CALL = """
 import resource, sys, time
-from clerestory.sky.read import read_weather
+from clerestory.sky.weather_formats import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
 weather = read_weather(sys.argv[1])
 cpu, start = time.process_time(), time.perf_counter()

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 from duel import stamp
 
-from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.weather_formats import read_weather
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "parity"))
 from gendaylit import likeness

@@ -24,8 +24,8 @@ from duel import stamp
 
 import clerestory as cl
 from clerestory.image.denoise import denoise
-from clerestory.image.display import to_srgb, write_display
-from clerestory.image.tone import filmic, key_luminance
+from clerestory.image.srgb_display import to_srgb, write_display
+from clerestory.image.tone_curves import filmic, key_luminance
 from clerestory.phases.render import render
 from clerestory.radiance.generated_sky import sky_at
 from clerestory.scene.composite import BsdfSurface

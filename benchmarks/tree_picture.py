@@ -33,9 +33,9 @@ from duel import stamp
 import clerestory as cl
 from clerestory.bsdfgen.microlouvre import microlouvre
 from clerestory.bsdfgen.prismatic import prismatic
-from clerestory.bsdfgen.slats import venetian
-from clerestory.bsdfgen.system import System
-from clerestory.hemisphere.square import disc_from_square, square_from_disc
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
 from clerestory.scene.model import BsdfSurface, Polygon, Scene
 
 # Half of the window's width, its lower and upper edge, and how far systems reach on.

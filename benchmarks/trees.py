@@ -27,14 +27,14 @@ import numpy as np
 from duel import stamp
 
 import clerestory as cl
-from clerestory.bsdf.overlap import patches_in_cells
+from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.resample import to_matrices
-from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.branches import incident_part
 from clerestory.bsdfgen.microlouvre import microlouvre
+from clerestory.bsdfgen.morton_codes import incident_part
 from clerestory.bsdfgen.prismatic import prismatic
-from clerestory.bsdfgen.slats import venetian
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
 

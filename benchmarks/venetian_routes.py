@@ -19,10 +19,10 @@ from duel import ENVIRONMENT, stamp
 from pyradiance.genbsdf import SamplingBox
 
 import clerestory as cl
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdfgen.slats import venetian
-from clerestory.bsdfgen.system import System
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.hemisphere.klems import klems
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.report.bsdf_plot import lobe_figure, patch_direction

@@ -8,8 +8,8 @@ import warnings
 from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.errors import InputError
 
 

@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from clerestory.bsdf.analytic import pane_shares, thin_pane
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems

@@ -14,9 +14,9 @@ import numpy as np
 
 import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.catalogue import make_system
+from clerestory.bsdfgen.system_catalogue import make_system
 
 HERE = Path(__file__).parent
 # Name of the file: kind, numbers, basis, samples

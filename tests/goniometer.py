@@ -10,7 +10,7 @@ import numpy as np
 
 from clerestory.gonio.angles import from_degrees, straight_on
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.scattering_measurement import Measurement, Scan
 
 
 def film(incident):

@@ -10,7 +10,7 @@ import pytest
 
 import clerestory
 from clerestory.image.picture import Picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import write_picture
 from clerestory.scene.view import View
 
 REPOSITORY = Path(__file__).parents[1]

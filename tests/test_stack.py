@@ -12,7 +12,7 @@ import pytest
 import clerestory
 
 STACK = (
-    ("errors", "constants"),
+    ("array_types", "errors", "constants"),
     ("files", "directions", "bands"),
     ("hemisphere", "spectra"),
     ("matrix",),

@@ -15,16 +15,16 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.system import System
+from clerestory.bsdfgen.shading_system import System
 from clerestory.engine.primary_rays import lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
 from clerestory.engine.sampler import points
 from clerestory.engine.square import square_from_disc
 from clerestory.engine.walk import FIXED_POINT, Target
 from clerestory.gonio.angles import angle_between, straight_on
-from clerestory.gonio.measurement import Measurement, Scan
 from clerestory.gonio.raster import Raster
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.gonio.scattering_measurement import Measurement, Scan
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 from clerestory.scene.model import Polygon, Scene, Trans
 
 # Fine cells are 2^9 along an axis: 0.35° wide at the normal.

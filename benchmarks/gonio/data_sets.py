@@ -1,6 +1,6 @@
 """Measurements in one plane, for trees of rank 3."""
 
-from clerestory.gonio.read import read_measurement
+from clerestory.gonio.measurement_files import read_measurement
 from goniometer import Goniophotometer, pane, rings
 
 

@@ -9,8 +9,8 @@ import traced_layer as traced
 from clerestory.bsdfgen.microlouvre import microlouvre
 from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.fitted import Fitted, fit_measurement
-from clerestory.gonio.measurement import Measurement
+from clerestory.gonio.fitted_measurement import Fitted, fit_measurement
+from clerestory.gonio.scattering_measurement import Measurement
 from goniometer import (
     Goniophotometer,
     film,

@@ -16,13 +16,18 @@ import pyradiance
 from data_sets import data_sets
 from page import head
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.gonio.export import export_bsdf
-from clerestory.gonio.fit import FitOptions, condense, misplaced_light, total_flux
-from clerestory.gonio.fitted import fit_measurement
-from clerestory.gonio.measurement import Measurement
-from clerestory.gonio.read import read_measurement
+from clerestory.gonio.bsdf_export import export_bsdf
+from clerestory.gonio.fitted_measurement import fit_measurement
+from clerestory.gonio.lobe_fitting import (
+    FitOptions,
+    condense,
+    misplaced_light,
+    total_flux,
+)
+from clerestory.gonio.measurement_files import read_measurement
+from clerestory.gonio.scattering_measurement import Measurement
 from clerestory.gonio.tree_export import to_tree
 from goniometer import write_pabopto
 
@@ -99,7 +104,7 @@ def started():
     """Processor time of Python until our first tree, but for the tree itself [s]."""
     code = (
         "import numpy as np; from clerestory.gonio.tree_export import to_tree;"
-        "from clerestory.gonio.fitted import fit_measurement;"
+        "from clerestory.gonio.fitted_measurement import fit_measurement;"
         "from clerestory.gonio.raster import Raster;"
         "from clerestory.gonio.lobes import norm;"
         f"norm(np.ones(1), np.ones(1)); Raster.of({HALVINGS})"

@@ -17,10 +17,10 @@ from straight_lines import folding, places
 import traced_layer as traced
 from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.fitted import fit_measurement
-from clerestory.gonio.measurement import Measurement
-from clerestory.gonio.more_scans import worth_measuring
-from clerestory.gonio.validation import cross_validate
+from clerestory.gonio.cross_validation import cross_validate
+from clerestory.gonio.fitted_measurement import fit_measurement
+from clerestory.gonio.measurement_planning import worth_measuring
+from clerestory.gonio.scattering_measurement import Measurement
 from goniometer import half_circle
 
 ELSEWHERE = 0.3  # a scan of which others put more light elsewhere flags what is near

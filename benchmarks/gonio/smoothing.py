@@ -5,10 +5,10 @@ from data_sets import data_sets
 from page import head, save
 
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.fit import FitOptions
-from clerestory.gonio.fitted import fit_measurement
-from clerestory.gonio.read import read_measurement
-from clerestory.gonio.validation import cross_validate
+from clerestory.gonio.cross_validation import cross_validate
+from clerestory.gonio.fitted_measurement import fit_measurement
+from clerestory.gonio.lobe_fitting import FitOptions
+from clerestory.gonio.measurement_files import read_measurement
 from clerestory.report.gonio_plots import between_figure, fit_figure
 
 

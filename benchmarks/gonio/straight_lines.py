@@ -3,9 +3,9 @@
 import numpy as np
 
 from clerestory.gonio.angles import angle_between
+from clerestory.gonio.incident_mesh import locate
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.mesh import locate
-from clerestory.gonio.nodes import about_normal, turned
+from clerestory.gonio.network_assembly import about_normal, turned
 from clerestory.gonio.symmetry import fold
 
 

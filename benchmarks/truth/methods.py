@@ -16,7 +16,7 @@ from clerestory.phases.pictures import (
 )
 from clerestory.phases.sun import blackened, sun_coefficients
 from clerestory.phases.three import WindowPhases
-from clerestory.sky.suns import sun_matrix
+from clerestory.sky.sun_matrix import sun_matrix
 from truth.setting import Kind, cameras, demo, pictured, weather
 
 

@@ -6,11 +6,11 @@ from importlib import resources
 import numpy as np
 
 import clerestory as cl
+from clerestory.bsdfgen.extrusion import extruded
 from clerestory.bsdfgen.microlouvre import microlouvre
 from clerestory.bsdfgen.prismatic import prismatic
-from clerestory.bsdfgen.profile import extruded
-from clerestory.bsdfgen.slats import venetian
-from clerestory.bsdfgen.system import System
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.phases.pictures import Camera
 from clerestory.scene.model import Dielectric, Scene
 from clerestory.scene.sensors import Sensors

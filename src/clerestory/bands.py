@@ -130,10 +130,11 @@ def weighted_sum(
 def unnamed_bands(count: int) -> Bands:
     """Return the bands of a file that does not say which they are.
 
-    Three are Radiance's red, green and blue; one is grey.
+    Three are Radiance's red, green and blue; one stands for all three.
     """
-    known = {1: GREY, 3: RGB}
-    return known.get(count) or Bands(tuple(f"band {k + 1}" for k in range(count)))
+    if count in (1, len(RGB)):
+        return RGB
+    return Bands(tuple(f"band {k + 1}" for k in range(count)))
 
 
 def common_bands(parts: Iterable[tuple[Bands, int]]) -> Bands:

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions, Values, Vector
 from clerestory.errors import InputError
 
 
-def unit(vector: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
+def unit(vector: Directions) -> Directions:
     """Vectors scaled to length one.
 
     Raises
@@ -29,9 +30,7 @@ def unit(vector: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]
     return scaled
 
 
-def from_azimuth(
-    azimuth: Float[np.ndarray, "*batch"], altitude: Float[np.ndarray, "*batch"]
-) -> Float[np.ndarray, "*batch 3"]:
+def from_azimuth(azimuth: Values, altitude: Values) -> Directions:
     """Unit vectors towards the given azimuth and altitude [rad].
 
     >>> from_azimuth(np.array(np.pi / 2), np.array(0.0)).round(6).tolist()  # east
@@ -57,9 +56,7 @@ class Frame:
     normal: Float[np.ndarray, "3"]
 
     @classmethod
-    def from_normal_up(
-        cls, normal: Float[np.ndarray, "3"], up: Float[np.ndarray, "3"]
-    ) -> "Frame":
+    def from_normal_up(cls, normal: Vector, up: Vector) -> "Frame":
         """Frame with the given normal whose up lies as near to `up` as it can.
 
         Raises

@@ -9,7 +9,7 @@ from matplotlib.image import imread
 
 from clerestory.bsdf.analytic import clear_air, lambertian
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import to_trees
 from clerestory.hemisphere.klems import klems
 from clerestory.report.bsdf_view import write_view

@@ -8,9 +8,9 @@ import pytest
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Geometry, Product
+from clerestory.bsdf.product_data import Geometry, Product
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.radiance.rad_reader import read_rad

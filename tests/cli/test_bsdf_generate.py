@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 
 FEW = ("--samples", 64, "--quiet")
 SLATS = """

@@ -9,8 +9,7 @@ import xarray as xr
 from PIL import Image
 
 from clerestory.image.picture import Picture
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.scene.view import View
 
 FISHEYE = View(kind="angular", horizontal=180, vertical=180)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 
 GLASS = """{ Units, Wavelength Units } SI Microns
 { Thickness } 4

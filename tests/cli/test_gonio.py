@@ -2,9 +2,9 @@
 
 import pytest
 
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.xml import read_bsdf
-from clerestory.gonio.storage import read_fits
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.gonio.fit_storage import read_fits
 from goniometer import Goniophotometer, pane, rings, write_pabopto
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from clerestory.image.read import read_picture
+from clerestory.image.picture_files import read_picture
 from clerestory.matrix.netcdf import read_netcdf
 
 EYE = "-vta -vp 1.5 1.5 1.2 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180"

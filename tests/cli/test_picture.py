@@ -5,8 +5,7 @@ import pytest
 from PIL import Image
 
 from clerestory.image.picture import Picture
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.scene.view import View
 
 

@@ -5,8 +5,7 @@ import pytest
 from radiance import run
 
 from clerestory.image.picture import Picture
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.matrix.axis import unknown_axis
 from clerestory.matrix.radiance_format import write_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix

@@ -7,9 +7,9 @@ import pytest
 
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.radiance_format import read_matrix
-from clerestory.sky.conditions import daylight_steps
-from clerestory.sky.read import read_weather
+from clerestory.sky.sky_conditions import daylight_steps
 from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.weather_formats import read_weather
 
 MATRIX = "sky matrix two_days.wea --subdivision 1 --format double -o S.smx"
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from clerestory.sky.read import read_weather
+from clerestory.sky.weather_formats import read_weather
 
 DATA = Path(__file__).parents[1] / "data"
 STATION = """\

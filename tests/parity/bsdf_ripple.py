@@ -12,7 +12,7 @@ import re
 import numpy as np
 import pytest
 
-from clerestory.bsdf.scattering import OTHER_SIDE
+from clerestory.bsdf.scattering_function import OTHER_SIDE
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 

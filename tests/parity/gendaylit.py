@@ -14,7 +14,7 @@ import numpy as np
 import pyradiance
 
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.sky.point import PointSky, perez_point
+from clerestory.sky.point_sky import PointSky, perez_point
 from clerestory.sky.weather import Weather
 
 LIBRARY = Path(pyradiance.__file__).parent

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 
 pyradiance = pytest.importorskip("pyradiance")
 RECIPE = Path(__file__).parents[2] / "scripts" / "make_demo_bsdfs.py"

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from bsdf_ripple import angles_deg, directions, is_dropped, library, load, values
 
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_combine import combine
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import combine
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import InputError
 

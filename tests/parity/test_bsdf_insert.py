@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clerestory.bsdf.insert import insert_blocks
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_insertion import insert_blocks
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.matrix.axis import unknown_axis
 from clerestory.matrix.radiance_format import read_matrix, write_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix

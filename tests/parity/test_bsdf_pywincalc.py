@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.insert import insert_blocks
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_insertion import insert_blocks
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 

@@ -10,7 +10,7 @@ from tutorial import Effort, Tutorial
 from tutorial_pair import VIEWS, Many, OurTutorial, Pair, distance, write_tree
 
 import clerestory as cl
-from clerestory.sky.suns import patch_suns
+from clerestory.sky.sun_matrix import patch_suns
 
 QUICK = Effort(runs=6, columns=12, view=3000, daylight=1000)
 WHOLE = Effort(runs=3, columns=32)

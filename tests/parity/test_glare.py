@@ -8,23 +8,22 @@ from evalglare import INDICES, evalglare
 from glare_pictures import KINDS, VIEWS, synthetic_picture
 from radiance import run
 
-from clerestory.glare.adaptation import field_luminances
 from clerestory.glare.brs import brs_glare_index
 from clerestory.glare.cgi import cgi
+from clerestory.glare.cropped_picture import SeenRows
+from clerestory.glare.detection_criteria import SourceRules, Zone
 from clerestory.glare.dgi import dgi
 from clerestory.glare.evaluate import evaluate_glare, eye_of
-from clerestory.glare.fill import SeenRows
+from clerestory.glare.field_luminance import field_luminances
 from clerestory.glare.glarendx import weighted_solid_angle
 from clerestory.glare.imageless import position_of
 from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
-from clerestory.glare.region import band, region_statistics
-from clerestory.glare.rules import SourceRules, Zone
+from clerestory.glare.region_statistics import band, region_statistics
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.ugr import ugr
 from clerestory.glare.vcp import dgr, vcp
 from clerestory.glare.zones import Zones
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.scene.view import View
 
 # Small pictures have few pixels in the merging angle, for both programs

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from wincalc_systems import CLEAR, FOUR_LAYERS, SCATTERING
 
-from clerestory.bsdf.scattering import FUNCTIONS
-from clerestory.glazing import angular
+from clerestory.bsdf.scattering_function import FUNCTIONS
+from clerestory.glazing import angular_dependence
 from clerestory.glazing.diffuser import Diffuser
 from clerestory.glazing.interreflection import pass_through
+from clerestory.glazing.layer_files import read_layer, read_pane
 from clerestory.glazing.pane import grey_pane
-from clerestory.glazing.read import read_layer, read_pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade
 from clerestory.glazing.slat_cell import SlatGeometry
 from clerestory.glazing.stack import stack_layers
@@ -158,9 +158,9 @@ def test_the_wheel_takes_every_coated_pane_for_bronze_glass(
     along = weights @ pane.at(pane.wavelength_nm).transmission_front
     assert (along > 0.645) == (name in ("nfrc_21467", "nfrc_2191"))
     always, never = -1.0, 2.0
-    monkeypatch.setattr(angular, "_CLEAR_ABOVE", always)
+    monkeypatch.setattr(angular_dependence, "_CLEAR_ABOVE", always)
     assert ours() > theirs + 0.002
-    monkeypatch.setattr(angular, "_CLEAR_ABOVE", never)
+    monkeypatch.setattr(angular_dependence, "_CLEAR_ABOVE", never)
     assert ours() == pytest.approx(theirs, abs=BOUND)
     assert ours() == pytest.approx(theirs, rel=1e-3)
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.gap import Gap
 from clerestory.glazing.layer import Glass
+from clerestory.glazing.layer_files import read_layer
 from clerestory.glazing.pane import grey_pane
-from clerestory.glazing.read import read_layer
 from clerestory.glazing.screen import PerforatedScreen
 from clerestory.glazing.slat_cell import SlatGeometry
 from clerestory.glazing.stack import stack_layers

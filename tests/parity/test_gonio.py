@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from radiance import run
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.fit import condense, misplaced_light
-from clerestory.gonio.fitted import fit_measurement
-from clerestory.gonio.measurement import Measurement
-from clerestory.gonio.read import read_measurement
+from clerestory.gonio.fitted_measurement import fit_measurement
+from clerestory.gonio.lobe_fitting import condense, misplaced_light
+from clerestory.gonio.measurement_files import read_measurement
+from clerestory.gonio.scattering_measurement import Measurement
 from clerestory.gonio.tree_export import to_tree
 from goniometer import Goniophotometer, film, pane, rings, write_pabopto
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from radiance import ENVIRONMENT, run
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.formats.mgf import parse_mgf
 from clerestory.radiance.bsdf_package import package
 from clerestory.radiance.rad_reader import read_rad

@@ -6,8 +6,8 @@ from radiance import run
 
 from clerestory.image.arithmetic import crop, reduce, weighted_sum
 from clerestory.image.picture import Picture
+from clerestory.image.picture_files import read_picture
 from clerestory.image.radiance_hdr import write_radiance
-from clerestory.image.read import read_picture
 from clerestory.scene.view import View
 
 FILES = ["raytools_desk_render.hdr", "evalglare_testimage_ISE2003.hdr"]

@@ -8,10 +8,10 @@ import pytest
 pytest.importorskip("pyradiance")
 from gendaymtx import epw_to_wea, gendaymtx
 
-from clerestory.sky.conditions import daylight_steps
-from clerestory.sky.read import read_weather
+from clerestory.sky.sky_conditions import daylight_steps
 from clerestory.sky.sky_matrix import sky_matrix
-from clerestory.sky.suns import sun_matrix
+from clerestory.sky.sun_matrix import sun_matrix
+from clerestory.sky.weather_formats import read_weather
 
 # The weather is random, and one file of the world has light at night
 pytestmark = pytest.mark.filterwarnings("ignore::clerestory.errors.ClerestoryWarning")

@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 pytest.importorskip("pyradiance")
 from gendaymtx import Distance, distance, epw_to_wea, gendaymtx
 
-from clerestory.sky.conditions import sun_over
-from clerestory.sky.read import read_weather
+from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.weather_formats import read_weather
 
 pytestmark = pytest.mark.filterwarnings("ignore::clerestory.errors.ClerestoryWarning")
 

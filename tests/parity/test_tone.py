@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from radiance import run
 
-from clerestory.image.human_vision import human_vision
 from clerestory.image.picture import Picture
+from clerestory.image.picture_files import read_picture
 from clerestory.image.radiance_hdr import write_radiance
-from clerestory.image.read import read_picture
+from clerestory.image.visibility_matching import human_vision
 from clerestory.scene.view import View
 
 FILES = [

@@ -22,7 +22,7 @@ from clerestory.phases.pictures import (
 )
 from clerestory.phases.sun import blackened, sun_coefficients
 from clerestory.phases.three import WindowPhases
-from clerestory.sky.suns import patch_suns
+from clerestory.sky.sun_matrix import patch_suns
 
 VIEWS = ("south", "eastBlinds")
 BOUNCES = 4

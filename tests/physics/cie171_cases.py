@@ -18,7 +18,11 @@ from clerestory.scene.emitter import Light
 from clerestory.scene.model import Plastic, Polygon, Scene, Sphere
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import DistantSource
-from clerestory.sky.distribution import Overcast, cie_general, horizontal_integral
+from clerestory.sky.luminance_distribution import (
+    Overcast,
+    cie_general,
+    horizontal_integral,
+)
 
 WEIGHTS = np.array([0.265, 0.670, 0.065]) * 179
 UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)

@@ -6,9 +6,9 @@ from scipy.stats import chi2
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.resample import tree_from
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.model import BsdfSurface

@@ -27,7 +27,7 @@ from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.sky.sky_matrix import sky_matrix
-from clerestory.sky.suns import sun_matrix
+from clerestory.sky.sun_matrix import sun_matrix
 from clerestory.sky.weather import Weather
 
 SUN_SR = 2 * np.pi * (1 - np.cos(np.radians(0.533 / 2)))

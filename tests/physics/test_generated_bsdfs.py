@@ -5,22 +5,22 @@ import pytest
 
 import clerestory as cl
 from clerestory.bsdf.analytic import pane_shares
-from clerestory.bsdf.overlap import patches_in_cells
+from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.reciprocity import diffuse_share
 from clerestory.bsdf.resample import to_matrices
 from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.branches import incident_part
-from clerestory.bsdfgen.channel import mirrored_channels
 from clerestory.bsdfgen.fabric import fabric
+from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
 from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.mirror import Orbits
-from clerestory.bsdfgen.pane import clear_pane, diffuse_pane
+from clerestory.bsdfgen.mirror_symmetry import Orbits
+from clerestory.bsdfgen.mirrored_channels import mirrored_channels
+from clerestory.bsdfgen.morton_codes import incident_part
 from clerestory.bsdfgen.prismatic import prismatic
-from clerestory.bsdfgen.screen import perforated, woven
-from clerestory.bsdfgen.slats import venetian
+from clerestory.bsdfgen.screen_geometry import perforated, woven
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 from clerestory.scene.model import Metal, Plastic, Polygon, Scene
 
 FUNCTIONS = (

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import clerestory as cl
-from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.fitted import fit_measurement, measured_bsdf
-from clerestory.gonio.layer import read_layer
-from clerestory.gonio.storage import write_fits
+from clerestory.gonio.fit_storage import write_fits
+from clerestory.gonio.fitted_measurement import fit_measurement, measured_bsdf
+from clerestory.gonio.layer_file import read_layer
 from clerestory.phases.render import irradiance
 from clerestory.scene.sensors import Sensors
 from goniometer import Goniophotometer, pane, rings

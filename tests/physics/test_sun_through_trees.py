@@ -5,7 +5,7 @@ import pytest
 from physics_scenes import box
 
 from clerestory.bsdfgen.generate import generate_bsdf
-from clerestory.bsdfgen.slats import venetian
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.engine.device import load
 from clerestory.phases.sun import sun_coefficients
 from clerestory.scene.sensors import Sensors

@@ -11,7 +11,7 @@ import pytest
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
-from clerestory.sky.sun import sun_position
+from clerestory.sky.solar_position import sun_position
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.sunlight_exposure import sunlight

@@ -1,1 +1,1 @@
-"""What a window layer does to light: scattering distributions, read, made, written."""
+"""BSDFs of window layers: Klems matrices and tensor trees, in LBNL's XML format."""

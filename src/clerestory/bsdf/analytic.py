@@ -1,11 +1,11 @@
 """BSDFs with a formula: test oracles, and layers nobody needs to measure."""
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import ExitIncident, Values
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
@@ -113,12 +113,8 @@ def thin_pane(
 
 
 def pane_shares(
-    cosine: Float[np.ndarray, "*batch"],
-    *,
-    transmissivity: float,
-    index: float,
-    panes: int = 1,
-) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch"]]:
+    cosine: Values, *, transmissivity: float, index: float, panes: int = 1
+) -> tuple[Values, Values]:
     """Transmitted and reflected share of unpolarised light that meets clear panes.
 
     Parameters
@@ -162,12 +158,12 @@ def pane_shares(
 def _symmetric(
     name: str,
     *,
-    transmission: Float[np.ndarray, "exit incident"],
-    reflection: Float[np.ndarray, "exit incident"],
+    transmission: ExitIncident,
+    reflection: ExitIncident,
     partition: RingPartition,
 ) -> Bsdf:
     # A layer that does the same to light from both sides
-    tables: dict[Function, Float[np.ndarray, "exit incident"]] = {
+    tables: dict[Function, ExitIncident] = {
         "transmission_front": transmission,
         "transmission_back": transmission,
         "reflection_front": reflection,

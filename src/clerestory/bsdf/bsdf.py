@@ -15,9 +15,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.colour import rgb_from_xyz
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.scattering import (
+from clerestory.array_types import Directions, Points2, Values
+from clerestory.bands import RGB, Bands
+from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_function import (
     OTHER_SIDE,
     TOGETHER,
     Function,
@@ -134,29 +136,36 @@ class Bsdf:
         *,
         partition: RingPartition | None = None,
         window: str | None = None,
+        bands: Bands = RGB,
     ) -> TransferMatrix:
         """Return the matrix T of the three-phase method, E = V·T·D·s.
 
         Each entry is the radiance that leaves into a patch of the room per radiance
         that arrives from a patch outside: the BSDF times the projected solid angle
         of the incident patch. The visible channel is in RGB if the file has CIE X
-        and Z beside it, grey otherwise.
+        and Z beside it, grey otherwise. In other bands than RGB, the file's channels of
+        the names of the bands are taken.
 
         Parameters
         ----------
         partition : patches on both sides; None for those of the file, which for a
             tensor tree are the 145 of Klems
         window : name of the window group it stands in; None fits all
+        bands : spectral bands
 
         Raises
         ------
-        InputError : the layer has no transmission in this channel
+        InputError : the layer has no transmission in this channel, or in one of the
+            bands
         """
-        front = self.function(
-            "transmission_front", channel=channel, partition=partition
-        )
-        factors = front.flux_factors()[None]
-        if channel == "visible" and self.in_colour("transmission_front"):
+        parts = [
+            self.function("transmission_front", channel=name, partition=partition)
+            for name in (bands.names if bands != RGB else (channel,))
+        ]
+        front = parts[0]
+        factors = np.stack([part.flux_factors() for part in parts])
+        in_rgb = bands == RGB and channel == "visible"
+        if in_rgb and self.in_colour("transmission_front"):
             measure = front.incidents.projected_solid_angles()
             xyz = [
                 part.average(front.exits, front.incidents) * measure
@@ -167,6 +176,7 @@ class Bsdf:
             factors,
             window_axis("interior", front.exits, window),
             window_axis("exterior", front.incidents, window),
+            bands=bands,
         )
 
     def direct_hemispherical(
@@ -175,18 +185,14 @@ class Bsdf:
         *,
         channel: str = "visible",
         partition: RingPartition | None = None,
-    ) -> Float[np.ndarray, " incident"]:
+    ) -> Values:
         """Share of the light from each incident patch that is scattered in all."""
         part = self.function(function, channel=channel, partition=partition)
         return part.direct_hemispherical()
 
     def hemispherical(
-        self,
-        incident: Float[np.ndarray, "*batch 3"],
-        *,
-        function: Function,
-        channel: str = "visible",
-    ) -> Float[np.ndarray, "*batch"]:
+        self, incident: Directions, *, function: Function, channel: str = "visible"
+    ) -> Values:
         """Share of the light from each direction that is scattered in all."""
         return self.scattering(function, channel=channel).hemispherical(incident)
 
@@ -232,12 +238,12 @@ class Bsdf:
 
     def sample(
         self,
-        incident: Float[np.ndarray, "*batch 3"],
-        u: Float[np.ndarray, "*batch 2"],
+        incident: Directions,
+        u: Points2,
         *,
         function: Function,
         channel: str = "visible",
-    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+    ) -> tuple[Directions, Values]:
         """Directions into which light leaves, and their probability density [1/sr].
 
         The density is the BSDF times the cosine over the share scattered in all.

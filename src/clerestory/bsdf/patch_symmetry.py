@@ -9,6 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.array_types import ExitIncident, Indices
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.partition import RingPartition
 
@@ -19,9 +20,7 @@ _SECTORS = 8
 _RINGS_TOGETHER = 2
 
 
-def mismatch(
-    one: Float[np.ndarray, "exit incident"], other: Float[np.ndarray, "exit incident"]
-) -> float:
+def mismatch(one: ExitIncident, other: ExitIncident) -> float:
     """Return the share of the light in two tables of flux that goes elsewhere.
 
     >>> mismatch(np.array([[1.0, 1.0]]), np.array([[1.0, 1.2]])).__round__(6)
@@ -54,7 +53,7 @@ def turned_mismatch(part: ScatteringMatrix, turn: Turn) -> float:
     return mismatch(flux, flux[np.ix_(exits, incidents)])
 
 
-def turned_patches(partition: RingPartition, turn: Turn) -> Int[np.ndarray, " patches"]:
+def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
     """Patch at the place to which a turn brings each patch's centre."""
     x, y, z = partition.centres().T
     moved = {
@@ -68,9 +67,9 @@ def turned_patches(partition: RingPartition, turn: Turn) -> Int[np.ndarray, " pa
     return found
 
 
-def flux_table(part: ScatteringMatrix) -> Float[np.ndarray, "exit incident"]:
+def flux_table(part: ScatteringMatrix) -> ExitIncident:
     """Light between patches per radiance of a uniform sky [sr²/sr]."""
-    flux: Float[np.ndarray, "exit incident"] = (
+    flux: ExitIncident = (
         part.exits.projected_solid_angles()[:, None] * part.flux_factors()
     )
     return flux

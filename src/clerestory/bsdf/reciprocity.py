@@ -8,15 +8,15 @@ renumbered (azimuths are counted another way) or when values are divided by a we
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.bsdf.finding import Finding, Severity, graded
+from clerestory.array_types import ExitIncident
 from clerestory.bsdf.patch_symmetry import (
     TURNS,
     reciprocity_mismatch,
     turn_incident,
 )
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.quality_finding import Finding, Severity, graded
+from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
 # Sizes from which a finding is told, matters, and spoils results.
@@ -139,9 +139,7 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
             )
 
 
-def _weights(
-    part: ScatteringMatrix,
-) -> dict[str, Float[np.ndarray, "exit incident"]]:
+def _weights(part: ScatteringMatrix) -> dict[str, ExitIncident]:
     ones = np.ones_like(part.values)
     return {
         "the solid angle of exit patches": part.exits.projected_solid_angles()[:, None]
@@ -152,7 +150,5 @@ def _weights(
     }
 
 
-def _divided(
-    part: ScatteringMatrix, by: Float[np.ndarray, "exit incident"]
-) -> ScatteringMatrix:
+def _divided(part: ScatteringMatrix, by: ExitIncident) -> ScatteringMatrix:
     return ScatteringMatrix(part.values / by, part.exits, part.incidents)

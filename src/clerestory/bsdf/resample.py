@@ -11,14 +11,14 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.overlap import patches_in_cells
-from clerestory.bsdf.reduce import reduce_tree
-from clerestory.bsdf.scattering import OTHER_SIDE, Function, ScatteringFunction
+from clerestory.bsdf.patch_overlap import patches_in_cells
+from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import bits_of, combine
 from clerestory.bsdf.tree_colour import xyz_functions
-from clerestory.bsdf.tree_combine import bits_of, combine
-from clerestory.bsdf.tree_text import branch_order
+from clerestory.bsdf.tree_parser import branch_order
+from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 

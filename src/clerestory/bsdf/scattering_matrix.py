@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from clerestory.bsdf.overlap import opposite_patches, patches_in_patches
-from clerestory.bsdf.scattering import TOGETHER, ScatteringFunction
+from clerestory.array_types import Directions, ExitIncident, Indices, Points2, Values
+from clerestory.bsdf.patch_overlap import opposite_patches, patches_in_patches
+from clerestory.bsdf.scattering_function import TOGETHER, ScatteringFunction
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.hemisphere.patch_table import find_patches
+from clerestory.hemisphere.patch_lookup import find_patches
 
 
 @final
@@ -50,25 +51,19 @@ class ScatteringMatrix(ScatteringFunction):
         if not np.all(np.isfinite(self.values)) or np.any(self.values < 0):
             raise InputError("the BSDF holds negative or infinite values [1/sr]")
 
-    def direct_hemispherical(self) -> Float[np.ndarray, " incident"]:
+    def direct_hemispherical(self) -> Values:
         """Share of the light from each incident patch that is scattered in all."""
         share: Float[np.ndarray, " incident"] = (
             self.exits.projected_solid_angles() @ self.values
         )
         return share
 
-    def flux_factors(self) -> Float[np.ndarray, "exit incident"]:
+    def flux_factors(self) -> ExitIncident:
         """Exit radiance per radiance of each incident patch, as in matrix files."""
-        factors: Float[np.ndarray, "exit incident"] = (
-            self.values * self.incidents.projected_solid_angles()
-        )
+        factors: ExitIncident = self.values * self.incidents.projected_solid_angles()
         return factors
 
-    def evaluate(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
         incident, leaving = np.broadcast_arrays(incident, leaving)
         value = np.empty(incident.shape[:-1])
@@ -81,17 +76,11 @@ class ScatteringMatrix(ScatteringFunction):
             flat[part] = np.take(table, place)
         return value
 
-    def hemispherical(
-        self, incident: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def hemispherical(self, incident: Directions) -> Values:
         """Share of the light from each direction that is scattered in all."""
         return np.asarray(self.direct_hemispherical()[self._enter(incident)])
 
-    def sample(
-        self,
-        incident: Float[np.ndarray, "*batch 3"],
-        u: Float[np.ndarray, "*batch 2"],
-    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+    def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Directions into which light leaves, and their probability density [1/sr].
 
         See `ScatteringFunction.sample`.
@@ -123,20 +112,14 @@ class ScatteringMatrix(ScatteringFunction):
         density = np.where(some, density * leaving[:, 2], 0)
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
-    def resolution(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def resolution(self, incident: Directions, leaving: Directions) -> Values:
         """Projected solid angle of the leaving patch that holds each pair [sr]."""
         leaving, _ = np.broadcast_arrays(leaving, incident)
         patch = find_patches(self.exits, leaving.reshape(-1, 3))
         size = self.exits.projected_solid_angles()[patch]
         return np.asarray(size.reshape(leaving.shape[:-1]))
 
-    def average(
-        self, exits: RingPartition, incidents: RingPartition
-    ) -> Float[np.ndarray, "exit incident"]:
+    def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         if exits.matches(self.exits) and incidents.matches(self.incidents):
             return self.values
@@ -146,7 +129,7 @@ class ScatteringMatrix(ScatteringFunction):
         measure = np.outer(
             exits.projected_solid_angles(), incidents.projected_solid_angles()
         )
-        average: Float[np.ndarray, "exit incident"] = flux.T / measure
+        average: ExitIncident = flux.T / measure
         return average
 
     def extrema(self) -> tuple[float, float]:
@@ -169,8 +152,6 @@ class ScatteringMatrix(ScatteringFunction):
         """Exit and incident patches."""
         return self.exits, self.incidents
 
-    def _enter(
-        self, incident: Float[np.ndarray, "*batch 3"]
-    ) -> Int[np.ndarray, "*batch"]:
+    def _enter(self, incident: Directions) -> Indices:
         patch = find_patches(self.incidents, -np.reshape(incident, (-1, 3)))
         return np.asarray(patch.reshape(np.shape(incident)[:-1]))

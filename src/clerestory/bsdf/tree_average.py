@@ -6,8 +6,9 @@ import numpy as np
 from jaxtyping import Float, Int32
 from scipy import sparse
 
-from clerestory.bsdf.overlap import patches_in_cells
-from clerestory.bsdf.tree_table import Cells, cells
+from clerestory.array_types import ExitIncident
+from clerestory.bsdf.patch_overlap import patches_in_cells
+from clerestory.bsdf.tree_lookup import Cells, cells
 from clerestory.hemisphere.partition import RingPartition
 
 # Steps of azimuth in which rank 3 trees are turned; Klems patches end on halves of one.
@@ -19,20 +20,20 @@ def average_tree(
     rank: Literal[3, 4],
     exits: RingPartition,
     incidents: RingPartition,
-) -> Float[np.ndarray, "exit incident"]:
+) -> ExitIncident:
     """BSDF of a tree averaged over pairs of patches [1/sr]."""
     groups = [group for group in cells(slots, rank) if len(group.value)]
     flux = (_turned_flux if rank == 3 else _flux)(groups, exits, incidents)
     measure = np.outer(
         exits.projected_solid_angles(), incidents.projected_solid_angles()
     )
-    average: Float[np.ndarray, "exit incident"] = flux / measure
+    average: ExitIncident = flux / measure
     return average
 
 
 def _flux(
     groups: list[Cells], exits: RingPartition, incidents: RingPartition
-) -> Float[np.ndarray, "exit incident"]:
+) -> ExitIncident:
     # Cells of each size times their overlap with the patches on both sides
     finest = max(group.level for group in groups)
     leave, enter = patches_in_cells(exits, finest), patches_in_cells(incidents, finest)
@@ -54,7 +55,7 @@ def _flux(
 
 def _turned_flux(
     groups: list[Cells], exits: RingPartition, incidents: RingPartition
-) -> Float[np.ndarray, "exit incident"]:
+) -> ExitIncident:
     # Flux from each incident ring to each step of azimuth of each exit ring
     finest = max(group.level for group in groups)
     steps = RingPartition(

@@ -1,11 +1,11 @@
 """Colour of tensor trees: luminance Y and CIE 1976 u', v' to tristimulus values."""
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.bsdf.scattering import ScatteringFunction
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_combine import combine
+from clerestory.array_types import Values
+from clerestory.bsdf.scattering_function import ScatteringFunction
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import combine
 from clerestory.errors import InputError
 
 
@@ -25,24 +25,14 @@ def xyz_functions(
 
 
 # CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; where v' is 0 light is white.
-def _x(
-    y: Float[np.ndarray, " cells"],
-    u: Float[np.ndarray, " cells"],
-    v: Float[np.ndarray, " cells"],
-) -> Float[np.ndarray, " cells"]:
+def _x(y: Values, u: Values, v: Values) -> Values:
     return np.asarray(y * _over(9 * u, 4 * v))
 
 
-def _z(
-    y: Float[np.ndarray, " cells"],
-    u: Float[np.ndarray, " cells"],
-    v: Float[np.ndarray, " cells"],
-) -> Float[np.ndarray, " cells"]:
+def _z(y: Values, u: Values, v: Values) -> Values:
     return np.asarray(y * _over(12 - 3 * u - 20 * v, 4 * v))
 
 
-def _over(
-    above: Float[np.ndarray, " cells"], below: Float[np.ndarray, " cells"]
-) -> Float[np.ndarray, " cells"]:
+def _over(above: Values, below: Values) -> Values:
     ratio = np.divide(above, below, out=np.ones_like(above), where=below > 0)
     return np.asarray(ratio)

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 from lxml import etree
 
-from clerestory.bsdf.tree_texts import TreeTexts, cut_trees
+from clerestory.array_types import Values
+from clerestory.bsdf.xml_tree_extraction import TreeTexts, cut_trees
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 
@@ -115,9 +115,7 @@ def parse_document(path: str | Path) -> Document:
     return document
 
 
-def read_numbers(
-    element: etree._Element, document: Document
-) -> Float[np.ndarray, " values"]:
+def read_numbers(element: etree._Element, document: Document) -> Values:
     """Numbers of an element, separated by spaces, line ends, tabs or commas.
 
     Raises

@@ -7,7 +7,13 @@ from decimal import Decimal
 
 from lxml import etree
 
-from clerestory.bsdf.product import Detail, Geometry, Product, Spectra, usual_spectra
+from clerestory.bsdf.product_data import (
+    Detail,
+    Geometry,
+    Product,
+    Spectra,
+    usual_spectra,
+)
 from clerestory.bsdf.xml_document import Document
 
 # In whole decimals, so that a length written in millimetres comes back to the last bit.

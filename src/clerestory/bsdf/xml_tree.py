@@ -4,8 +4,8 @@ from typing import Literal
 
 from lxml import etree
 
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_text import parse_tree
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.bsdf.xml_document import Document
 
 # Share of the light that negative values may take away before a file is refused.
@@ -25,10 +25,7 @@ def tree_rank(kind: str) -> Literal[3, 4] | None:
 
 
 def read_tree(
-    block: etree._Element,
-    rank: Literal[3, 4],
-    document: Document,
-    notes: list[str],
+    block: etree._Element, rank: Literal[3, 4], document: Document, notes: list[str]
 ) -> ScatteringTree:
     """Return the tree of one WavelengthDataBlock; what is odd is added to notes.
 

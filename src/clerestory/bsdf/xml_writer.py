@@ -5,15 +5,15 @@ from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 from lxml import etree
 
+from clerestory.array_types import ExitIncident
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Detail, Product, usual_spectra
-from clerestory.bsdf.scattering import ScatteringFunction
+from clerestory.bsdf.product_data import Detail, Product, usual_spectra
+from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_writer import tree_lines
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_formatter import tree_lines
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.hemisphere.partition import RingPartition
@@ -222,7 +222,7 @@ def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
             yield line + "\n"
 
 
-def _format_table(table: Float[np.ndarray, "exit incident"], digits: int | None) -> str:
+def _format_table(table: ExitIncident, digits: int | None) -> str:
     # Zeros, the bulk of a clear pane, take one character
     def write(value: float) -> str:
         text = repr(value) if digits is None else f"{value:.{digits}g}"

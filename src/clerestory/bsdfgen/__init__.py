@@ -1,1 +1,1 @@
-"""Geometry becomes a Bsdf by tracing a sample of it (genBSDF's job)."""
+"""BSDFs of shading systems by tracing their geometry (as Radiance's genBSDF)."""

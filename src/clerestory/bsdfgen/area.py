@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.errors import InputError
 from clerestory.scene.model import Scene
 
@@ -56,9 +57,9 @@ class SampleArea:
         return max(0.0, -float(self.bounds[0, 2]))
 
     @property
-    def size(self) -> Float[np.ndarray, "3"]:
+    def size(self) -> Vector:
         """Width, height and depth of the box [m]."""
-        size: Float[np.ndarray, 3] = self.bounds[1] - self.bounds[0]
+        size: Vector = self.bounds[1] - self.bounds[0]
         return size
 
     def slab(self) -> Float[np.ndarray, "2 3"]:

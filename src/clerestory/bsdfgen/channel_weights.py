@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB
-from clerestory.bsdf.colour import rgb_to_xyz
+from clerestory.bsdf.colorimetry import rgb_to_xyz
 from clerestory.errors import InputError
 
 Weights = tuple[float, float, float]

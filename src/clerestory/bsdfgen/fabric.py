@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from clerestory.bsdf.product import Product
-from clerestory.bsdfgen.paint import Share, bands, share
-from clerestory.bsdfgen.screen import cell, holed_sheet
-from clerestory.bsdfgen.system import System
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.screen_geometry import cell, holed_sheet
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.system_parameters import Share, bands, share
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Trans
 

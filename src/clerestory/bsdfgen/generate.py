@@ -11,17 +11,21 @@ from dataclasses import replace
 from typing import Literal
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Geometry, Product
+from clerestory.bsdf.product_data import Geometry, Product
 from clerestory.bsdfgen.area import SampleArea, area_of
 from clerestory.bsdfgen.channel_weights import VISIBLE, Weights, check_bands
-from clerestory.bsdfgen.check import check_system
 from clerestory.bsdfgen.effort import Progress, TraceEffort
-from clerestory.bsdfgen.finish import one_transmission, reciprocal_with_errors, reduced
-from clerestory.bsdfgen.matrix import trace_matrices
+from clerestory.bsdfgen.geometry_checks import check_system
 from clerestory.bsdfgen.mgf_text import mgf_text
-from clerestory.bsdfgen.request import TraceRequest
-from clerestory.bsdfgen.system import System
-from clerestory.bsdfgen.tree import trace_trees
+from clerestory.bsdfgen.postprocessing import (
+    one_transmission,
+    reciprocal_with_errors,
+    reduced,
+)
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.trace_matrices import trace_matrices
+from clerestory.bsdfgen.trace_request import TraceRequest
+from clerestory.bsdfgen.trace_trees import trace_trees
 from clerestory.engine import device as devices
 from clerestory.engine.device import Device
 from clerestory.errors import ClerestoryWarning, InputError
@@ -107,7 +111,7 @@ def generate_bsdf(
 
     Examples
     --------
-    >>> from clerestory.bsdfgen.pane import diffuse_pane
+    >>> from clerestory.bsdfgen.flat_panes import diffuse_pane
     >>> sheet = diffuse_pane(transmittance=0.4, reflectance=0.3)
     >>> bsdf = generate_bsdf(sheet, basis="quarter", samples=256)
     >>> round(bsdf.diffuse("transmission_front"), 2)

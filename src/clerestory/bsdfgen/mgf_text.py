@@ -9,7 +9,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.colour import rgb_to_xyz
+from clerestory.array_types import Values
+from clerestory.bsdf.colorimetry import rgb_to_xyz
 from clerestory.bsdfgen.area import SampleArea
 from clerestory.errors import InputError
 from clerestory.scene.model import (
@@ -68,7 +69,7 @@ def _word(name: str) -> str:
     return re.sub(r"\W", "_", name, flags=re.ASCII) or "x"
 
 
-def _numbers(values: Sequence[float] | Float[np.ndarray, " n"]) -> str:
+def _numbers(values: Sequence[float] | Values) -> str:
     return " ".join(f"{float(value):.9g}" for value in values)
 
 

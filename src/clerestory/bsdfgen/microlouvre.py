@@ -7,10 +7,10 @@ the horizon and across the bars, from which each bar shades the gap below it.
 import math
 from dataclasses import replace
 
-from clerestory.bsdf.product import Product
-from clerestory.bsdfgen.paint import Share, positive
-from clerestory.bsdfgen.slats import venetian
-from clerestory.bsdfgen.system import System
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.system_parameters import Share, positive
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.errors import InputError
 
 

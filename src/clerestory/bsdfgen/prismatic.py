@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.paint import not_negative, positive
-from clerestory.bsdfgen.profile import extruded
-from clerestory.bsdfgen.system import System
+from clerestory.bsdfgen.extrusion import extruded
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.system_parameters import not_negative, positive
 from clerestory.errors import InputError
 from clerestory.scene.model import Dielectric, Polygon, Scene
 

@@ -1,0 +1,1 @@
+"""Command line of the package: one module for each command or group of commands."""

@@ -5,12 +5,12 @@ from typing import Annotated
 
 import typer
 
-from clerestory.bsdf.comparison import compare as compare_bsdfs
-from clerestory.bsdf.finding import Finding
-from clerestory.bsdf.insert import insert_blocks
-from clerestory.bsdf.plausibility import check as check_bsdf
-from clerestory.bsdf.scattering import Function
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.bsdf_comparison import compare as compare_bsdfs
+from clerestory.bsdf.quality_checks import check as check_bsdf
+from clerestory.bsdf.quality_finding import Finding
+from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.xml_insertion import insert_blocks
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.cli.bsdf_convert import convert, reduce
 from clerestory.cli.bsdf_generate import EXAMPLE, generate
 from clerestory.cli.bsdf_package import package_file

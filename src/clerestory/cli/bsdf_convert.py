@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 import typer
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.reduce import reduce_tree
 from clerestory.bsdf.resample import reciprocal_mean, to_matrices, to_trees
-from clerestory.bsdf.scattering import Function, ScatteringFunction
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.scattering_function import Function, ScatteringFunction
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_reduction import reduce_tree
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.radiance.bsdf_package import package

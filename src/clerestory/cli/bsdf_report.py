@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.comparison import Comparison
-from clerestory.bsdf.finding import Finding, place
-from clerestory.bsdf.scattering import FUNCTIONS, Function
+from clerestory.bsdf.bsdf_comparison import Comparison
+from clerestory.bsdf.quality_finding import Finding, place
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 

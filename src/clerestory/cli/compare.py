@@ -9,23 +9,23 @@ from rich.console import Console
 from rich.table import Table
 
 from clerestory.cli.options import Quiet
-from clerestory.comparison.align import COVERAGE
-from clerestory.comparison.compare import (
-    ABOVE_LUX,
-    Comparison,
-    Rules,
-    compare_series,
-)
-from clerestory.comparison.logger import read_plain
+from clerestory.comparison.comparison_notes import comparison_notes
+from clerestory.comparison.comparison_tables import shares_table, write_tables
+from clerestory.comparison.logger_files import read_plain
 from clerestory.comparison.mapping import (
     read_mapping,
     read_measured_series,
     write_layout_sensors,
 )
-from clerestory.comparison.notes import comparison_notes
 from clerestory.comparison.series import Series
-from clerestory.comparison.simulated import simulated_series
-from clerestory.comparison.tables import shares_table, write_tables
+from clerestory.comparison.series_comparison import (
+    ABOVE_LUX,
+    Comparison,
+    Rules,
+    compare_series,
+)
+from clerestory.comparison.simulated_series import simulated_series
+from clerestory.comparison.time_alignment import COVERAGE
 from clerestory.errors import InputError
 from clerestory.files import make_folder
 from clerestory.report.comparison_page import write_comparison

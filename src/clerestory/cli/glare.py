@@ -24,10 +24,10 @@ from clerestory.cli.options import Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.files import replace_file, write_text
-from clerestory.glare.adaptation import field_luminances
-from clerestory.glare.annual import annual_glare
+from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.evaluate import eye_of
-from clerestory.image.read import read_picture
+from clerestory.glare.field_luminance import field_luminances
+from clerestory.image.picture_files import read_picture
 
 
 def glare(

@@ -8,25 +8,30 @@ import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.glare.check_picture import Colour, check_picture
+from clerestory.glare.cropped_picture import SeenRows, fill_cut
+from clerestory.glare.detection_criteria import (
+    LARGEST_FACTOR,
+    SourceRules,
+    Threshold,
+    Zone,
+)
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.evaluate import eye_of, summarise
 from clerestory.glare.field_of_view import FieldOfView
-from clerestory.glare.fill import SeenRows, fill_cut
+from clerestory.glare.glare_view import GlareView
+from clerestory.glare.index import Background
 from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
 from clerestory.glare.position_index import PositionModel
-from clerestory.glare.region import (
+from clerestory.glare.region_statistics import (
     MASK_LUMINANCE,
     RegionStatistics,
     band,
     region_statistics,
 )
-from clerestory.glare.result import Background, Glare
-from clerestory.glare.rules import LARGEST_FACTOR, SourceRules, Threshold, Zone
+from clerestory.glare.result import Glare
 from clerestory.glare.sources import find_sources, in_zone
-from clerestory.glare.view import GlareView
 from clerestory.glare.zones import Zones
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.radiance.view_text import parse_view, read_view
 from clerestory.scene.view import View
 

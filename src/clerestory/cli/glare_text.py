@@ -4,40 +4,21 @@ import math
 
 import numpy as np
 
-from clerestory.glare.adaptation import FieldLuminances
 from clerestory.glare.dgp import dgp
-from clerestory.glare.region import RegionStatistics
+from clerestory.glare.field_luminance import FieldLuminances
+from clerestory.glare.indices import REPORTED
+from clerestory.glare.region_statistics import RegionStatistics
 from clerestory.glare.result import Glare
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.veiling import veiling_luminance
 
-_SHORT = {
-    "dgp": "dgp",
-    "dgi": "dgi",
-    "ugr": "ugr",
-    "vcp": "vcp",
-    "cgi": "cgi",
-    "Lveil": "veiling_luminance",
-}
-_LONG = {
-    "dgp": "dgp",
-    "av_lum": "average_luminance",
-    "E_v": "illuminance",
-    "lum_backg": "background_luminance",
-    "E_v_dir": "direct_illuminance",
-    "dgi": "dgi",
-    "ugr": "ugr",
-    "vcp": "vcp",
-    "cgi": "cgi",
-    "lum_sources": "source_luminance",
-    "omega_sources": "source_solid_angle",
-    "Lveil": "veiling_luminance",
-    "Lveil_cie": "cie_veiling_luminance",
-    "dgr": "dgr",
-    "ugp": "ugp",
-    "ugr_exp": "experimental_ugr",
-    "dgi_mod": "modified_dgi",
-}
+# Column of evalglare for each quantity
+_SHORT = {q.column: q.name for q in REPORTED if q.column and q.in_short_line}
+_LONG = {q.column: q.name for q in REPORTED if q.column}
+
+# Columns of `FieldLuminances`, and the column that follows them
+_FIELD = ("av_lum_pos", "av_lum_pos2", "med_lum", "med_lum_pos", "med_lum_pos2")
+_AFTER_FIELD = "ugp2"
 _TABLE = (
     "No pixels x-pos y-pos L_s Omega_s Posindx L_b L_t E_v Edir Max_Lum Sigma xdir ydir"
     " zdir Eglare Lveil_cie teta glare_zone r_contrast r_dgp"
@@ -54,11 +35,10 @@ def short_line(result: Glare) -> str:
 def long_line(result: Glare, field: FieldLuminances) -> str:
     """Return the line of all indices that evalglare -d prints."""
     values = result.values()
-    numbers = [values[name] for name in _LONG.values()]
-    numbers += [*field, values["logistic_ugp"]]
-    names = [*_LONG, "av_lum_pos", "av_lum_pos2", "med_lum", "med_lum_pos"]
-    names += ["med_lum_pos2", "ugp2"]
-    return f"{','.join(names)}: {' '.join(f'{number:.6f}' for number in numbers)}"
+    numbers = {column: values[name] for column, name in _LONG.items()}
+    last = {_AFTER_FIELD: numbers.pop(_AFTER_FIELD)}
+    numbers |= dict(zip(_FIELD, field, strict=True)) | last
+    return f"{','.join(numbers)}: {' '.join(f'{x:.6f}' for x in numbers.values())}"
 
 
 def source_lines(result: Glare) -> list[str]:

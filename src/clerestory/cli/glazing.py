@@ -10,20 +10,20 @@ import numpy as np
 import typer
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.cli.options import Quiet, Seed
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.glazing.gap import Gap
+from clerestory.glazing.glazing_system import GlazingSystem, read_system, system_of
 from clerestory.glazing.layer import Glass, Layer
-from clerestory.glazing.read import read_catalogue, read_layer
+from clerestory.glazing.layer_files import read_catalogue, read_layer
+from clerestory.glazing.layer_random_walk import walk_layers
 from clerestory.glazing.stack import StackedLayers, stack_layers
 from clerestory.glazing.standard import Channel
 from clerestory.glazing.standard import standard as standard_named
-from clerestory.glazing.system import GlazingSystem, read_system, system_of
 from clerestory.glazing.thermal import ThermalFigures, thermal_figures
-from clerestory.glazing.walk import walk_layers
 from clerestory.hemisphere.klems import klems
 
 app = typer.Typer(no_args_is_help=True, help="Stack panes, gaps and shades.")

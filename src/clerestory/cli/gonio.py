@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from clerestory.bsdf.plausibility import check as check_bsdf
+from clerestory.bsdf.quality_checks import check as check_bsdf
 from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.cli.gonio_input import direction_of, picture_format, read_files
@@ -33,14 +33,14 @@ from clerestory.cli.options import Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.files import replace_file
+from clerestory.gonio.bsdf_export import Target, export_bsdf
 from clerestory.gonio.coverage import survey
-from clerestory.gonio.energy import conserve_energy
-from clerestory.gonio.export import Target, export_bsdf
-from clerestory.gonio.fit import FitOptions
-from clerestory.gonio.fitted import Fitted, fit_measurement
-from clerestory.gonio.more_scans import worth_measuring
-from clerestory.gonio.storage import read_fits, write_fits
-from clerestory.gonio.validation import smoothing_study
+from clerestory.gonio.cross_validation import smoothing_study
+from clerestory.gonio.energy_conservation import conserve_energy
+from clerestory.gonio.fit_storage import read_fits, write_fits
+from clerestory.gonio.fitted_measurement import Fitted, fit_measurement
+from clerestory.gonio.lobe_fitting import FitOptions
+from clerestory.gonio.measurement_planning import worth_measuring
 from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure
 
 app = typer.Typer(no_args_is_help=True, help="Goniophotometer measurements.")

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.cli.two_angles import two_angles
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.formats.pabopto import Facing
-from clerestory.gonio.measurement import Measurement
-from clerestory.gonio.read import Format, read_measurement
+from clerestory.gonio.measurement_files import Format, read_measurement
+from clerestory.gonio.scattering_measurement import Measurement
 
 _PICTURES = (".png", ".svg", ".pdf")
 

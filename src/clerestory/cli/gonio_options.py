@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.gonio.formats.pabopto import Facing
-from clerestory.gonio.read import Format
+from clerestory.gonio.measurement_files import Format
 from clerestory.gonio.symmetry import Symmetry
 
 Files = Annotated[

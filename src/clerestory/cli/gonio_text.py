@@ -6,9 +6,9 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.gonio.coverage import Coverage
-from clerestory.gonio.fitted import Fitted
-from clerestory.gonio.measurement import Measurement
-from clerestory.gonio.validation import CrossValidation
+from clerestory.gonio.cross_validation import CrossValidation
+from clerestory.gonio.fitted_measurement import Fitted
+from clerestory.gonio.scattering_measurement import Measurement
 
 _TABLE = "{:>7}{:>7}{:>8}{:>7}{:>8}{:>9}{:>7}{:>8}"
 _ERRORS = "{:>7}{:>7}{:>9}{:>9}{:>10}{:>8}{:>8}{:>11}{:>9}"

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.errors import InputError
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import write_picture
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.radiance_format import read_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix

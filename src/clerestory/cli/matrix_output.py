@@ -7,7 +7,7 @@ import numpy as np
 
 from clerestory.matrix.radiance_format import Encoding, write_matrix, write_rows
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
 
 
 def write_any_matrix(
@@ -15,15 +15,16 @@ def write_any_matrix(
 ) -> None:
     """Write a matrix; `.nc` keeps labels and errors, Radiance's format does not.
 
-    Radiance's programs expect three channels, so a grey matrix is written three times.
+    Radiance's programs expect all components, so a single channel is repeated.
     """
     if path.suffix.lower() == ".nc":
         # NetCDF takes long to load, which only its files should wait for
         importlib.import_module("clerestory.matrix.netcdf").write_netcdf(path, matrix)
         return
-    values = np.broadcast_to(matrix.values, (3, *matrix.values.shape[1:]))
-    colour = TransferMatrix(values, matrix.rows, matrix.columns)
-    write_matrix(path, colour, encoding=encoding, command=command)
+    shape = len(matrix.bands), *matrix.values.shape[1:]
+    values = np.broadcast_to(matrix.values, shape)
+    whole = TransferMatrix(values, matrix.rows, matrix.columns, bands=matrix.bands)
+    write_matrix(path, whole, encoding=encoding, command=command)
 
 
 def write_sky(path: Path, sky: SkyMatrix, *, encoding: Encoding, command: str) -> None:
@@ -32,7 +33,7 @@ def write_sky(path: Path, sky: SkyMatrix, *, encoding: Encoding, command: str) -
         dense = sky.to_transfer_matrix()
         write_any_matrix(path, dense, encoding=encoding, command=command)
         return
-    shape = (len(sky.partition), len(sky.times), 3)
+    shape = (len(sky.partition), len(sky.times), len(sky.bands))
     write_rows(path, sky.row_blocks(), shape=shape, encoding=encoding, command=command)
 
 

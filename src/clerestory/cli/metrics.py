@@ -11,11 +11,11 @@ import typer
 import xarray as xr
 
 from clerestory.cli.options import Quiet
-from clerestory.control.direct_sun import operate_by_direct_sun
+from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
 from clerestory.files import write_text
-from clerestory.metrics.autonomy import continuous_autonomy, daylight_autonomy
+from clerestory.metrics.daylight_autonomy import continuous_autonomy, daylight_autonomy
 from clerestory.metrics.en17037 import (
     GLARE_SHARE,
     LEVELS,
@@ -24,22 +24,22 @@ from clerestory.metrics.en17037 import (
     glare_level,
     sunlight_level,
 )
-from clerestory.metrics.exposure import light_exposure
 from clerestory.metrics.honeybee import (
     HoneybeeFolder,
     read_honeybee,
     write_honeybee,
 )
-from clerestory.metrics.hours import occupied_hours
 from clerestory.metrics.leed import simulated_daylight
-from clerestory.metrics.spatial import (
+from clerestory.metrics.light_exposure import light_exposure
+from clerestory.metrics.occupied_hours import occupied_hours
+from clerestory.metrics.spatial_metrics import (
     RoomShare,
     hours_above,
     spatial_autonomy,
     sunlight_exposure,
 )
-from clerestory.metrics.useful import BANDS, useful_illuminance
-from clerestory.sky.read import read_weather
+from clerestory.metrics.useful_illuminance import BANDS, useful_illuminance
+from clerestory.sky.weather_formats import read_weather
 from clerestory.study.results import read_results
 
 _HOURS_A_YEAR = 8760

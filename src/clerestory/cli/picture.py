@@ -13,17 +13,16 @@ from clerestory.image.arithmetic import reduce as reduce_picture
 from clerestory.image.arithmetic import scale, weighted_sum, within_view
 from clerestory.image.colour_scale import ColourScale, linear_scale, logarithmic_scale
 from clerestory.image.denoise import denoise as denoise_picture
-from clerestory.image.display import to_srgb, write_display
 from clerestory.image.exr import write_exr
 from clerestory.image.false_colour import Style, false_colour
-from clerestory.image.human_vision import Screen, human_vision
 from clerestory.image.legend import value_word
 from clerestory.image.picture import Picture
+from clerestory.image.picture_files import read_picture, write_picture
+from clerestory.image.picture_statistics import statistics
 from clerestory.image.radiance_hdr import write_radiance
-from clerestory.image.read import read_picture
-from clerestory.image.statistics import statistics
-from clerestory.image.tone import filmic, linear
-from clerestory.image.write import write_picture
+from clerestory.image.srgb_display import to_srgb, write_display
+from clerestory.image.tone_curves import filmic, linear
+from clerestory.image.visibility_matching import Screen, human_vision
 from clerestory.radiance.view_text import format_view
 
 app = typer.Typer(no_args_is_help=True, help="Pictures: .hdr, .pic and .exr.")

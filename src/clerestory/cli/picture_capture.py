@@ -9,18 +9,7 @@ from clerestory.cli.options import Quiet
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.image.arithmetic import reduce as reduce_picture
-from clerestory.image.capture_calibrate import calibrate as calibrate_picture
-from clerestory.image.capture_exposure import (
-    Exposure,
-    Photograph,
-    read_exposure,
-    read_photograph,
-)
-from clerestory.image.capture_lens import ImageCircle, Lens, Mapping
-from clerestory.image.capture_lens import reproject as reproject_picture
-from clerestory.image.capture_merge import align as align_photographs
-from clerestory.image.capture_merge import merge_bracket
-from clerestory.image.capture_response import (
+from clerestory.image.camera_response import (
     ResponseCurve,
     linear_response,
     read_response,
@@ -28,9 +17,19 @@ from clerestory.image.capture_response import (
     srgb_response,
     write_response,
 )
-from clerestory.image.capture_vignetting import Vignetting, correct_vignetting
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.exposure_bracket import align as align_photographs
+from clerestory.image.exposure_bracket import merge_bracket
+from clerestory.image.fisheye_lens import ImageCircle, Lens, Mapping
+from clerestory.image.fisheye_lens import reproject as reproject_picture
+from clerestory.image.photograph import (
+    Exposure,
+    Photograph,
+    read_exposure,
+    read_photograph,
+)
+from clerestory.image.photometric_calibration import calibrate as calibrate_picture
+from clerestory.image.picture_files import read_picture, write_picture
+from clerestory.image.vignetting import Vignetting, correct_vignetting
 from clerestory.radiance.view_text import parse_view
 from clerestory.scene.view import View
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.matrix.axis import pixel_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 

@@ -27,15 +27,15 @@ from clerestory.cli.sky_options import (
 )
 from clerestory.errors import InputError
 from clerestory.files import write_text
-from clerestory.sky.conditions import daylight_steps
-from clerestory.sky.describe import describe_weather
 from clerestory.sky.gensky import cie_sky
 from clerestory.sky.perez_moment import perez_moment
-from clerestory.sky.point import sky_vector
-from clerestory.sky.read import read_weather
+from clerestory.sky.point_sky import sky_vector
+from clerestory.sky.sky_conditions import daylight_steps
 from clerestory.sky.sky_matrix import sky_matrix
-from clerestory.sky.suns import patch_suns, sun_matrix
-from clerestory.sky.tables import sun_path_table, suns_table
+from clerestory.sky.sun_matrix import patch_suns, sun_matrix
+from clerestory.sky.sun_tables import sun_path_table, suns_table
+from clerestory.sky.weather_formats import read_weather
+from clerestory.sky.weather_summary import describe_weather
 
 app = typer.Typer(no_args_is_help=True, help="Skies and suns of a weather file.")
 

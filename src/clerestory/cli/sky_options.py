@@ -6,13 +6,13 @@ from typing import Annotated
 import typer
 
 from clerestory.errors import InputError
-from clerestory.sky.direct import SUN_DIAMETER_DEG, SunPlacement
-from clerestory.sky.doubts import warn_of_clock
 from clerestory.sky.gensky import CieSky
-from clerestory.sky.period import select_days, select_moment
-from clerestory.sky.read import read_weather
-from clerestory.sky.sun import SunFormula
+from clerestory.sky.quality_checks import warn_of_clock
+from clerestory.sky.solar_position import SunFormula
+from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement
 from clerestory.sky.weather import Weather
+from clerestory.sky.weather_formats import read_weather
+from clerestory.sky.weather_selection import select_days, select_moment
 
 WeatherFile = Annotated[
     Path,

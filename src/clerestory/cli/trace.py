@@ -26,7 +26,7 @@ from clerestory.cli.trace_facade import facade
 from clerestory.cli.trace_options import TraceOptions, spelt_out
 from clerestory.cli.traced import receiver_of, warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
-from clerestory.gonio.layer import read_layer
+from clerestory.gonio.layer_file import read_layer
 from clerestory.phases.pictures import (
     Camera,
     picture_sun_coefficients,
@@ -41,8 +41,8 @@ from clerestory.phases.trace import (
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.sensors import read_sensors
-from clerestory.sky.read import read_weather
-from clerestory.sky.suns import sun_matrix
+from clerestory.sky.sun_matrix import sun_matrix
+from clerestory.sky.weather_formats import read_weather
 
 Direct = Annotated[
     bool,

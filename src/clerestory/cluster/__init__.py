@@ -1,1 +1,1 @@
-"""Units of work on other machines; see `engine.work` for what they are."""
+"""Distributed tracing on a dask.distributed cluster."""

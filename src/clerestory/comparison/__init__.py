@@ -1,0 +1,1 @@
+"""Comparison of measured with simulated time series."""

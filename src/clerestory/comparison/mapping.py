@@ -38,8 +38,13 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from clerestory.comparison.logger import Layout, StandsFor, read_logger, read_plain
-from clerestory.comparison.scan import Axis, GridLayout, ScanTime, read_scan
+from clerestory.comparison.grid_scan import Axis, GridLayout, ScanTime, read_scan
+from clerestory.comparison.logger_files import (
+    Layout,
+    StandsFor,
+    read_logger,
+    read_plain,
+)
 from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text

@@ -12,18 +12,16 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
+from clerestory.glare.indices import INDICES
 
 ILLUMINANCE = "illuminance"
-# Quantities that names tell, with their units
+GLARE = tuple(index.name for index in INDICES)
+# Units of the quantities that are recognised in names
 UNITS = {
     ILLUMINANCE: "lux",
-    "dgp": "",
-    "dgi": "",
-    "ugr": "",
-    "ugp": "",
+    **{index.name: index.unit.removeprefix("1") for index in INDICES},
     "luminance": "cd/m²",
 }
-GLARE = ("dgp", "dgi", "ugr", "ugp")
 
 
 def quantity_of(name: str) -> str:

@@ -1,1 +1,1 @@
-"""Which state the shades are in at each step, by rule."""
+"""Control of shading devices: the state of each window group at each time step."""

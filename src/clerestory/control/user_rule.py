@@ -7,7 +7,7 @@ study, and nothing else is run.
 import importlib.util
 from pathlib import Path
 
-from clerestory.control.rule import Rule
+from clerestory.control.control_rule import Rule
 from clerestory.errors import InputError
 
 

@@ -16,11 +16,11 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.colour import rgb_from_xyz
-from clerestory.bsdf.scattering import FUNCTIONS, OTHER_SIDE, Function
+from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.bsdf.scattering_function import FUNCTIONS, OTHER_SIDE, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.engine.matrix_table import MatrixTable
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.tree_table import TreeTable

@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.radiance.function_pattern import DataPattern, FunctionPattern
 from clerestory.scene.model import (
     BsdfSurface,

@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from clerestory.engine.square import square_from_disc
 from clerestory.engine.upload import on_device
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 
 Radiance = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, "n 3"]]
 

@@ -14,13 +14,13 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.colour import rgb_from_xyz
-from clerestory.bsdf.scattering import Function, ScatteringFunction
+from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.engine.square import square_from_disc
 from clerestory.engine.upload import on_device
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 
 # Directions are looked up on a grid with this many cells along an edge.
 _GRID = 128

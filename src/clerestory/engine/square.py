@@ -1,4 +1,4 @@
-"""Shirley and Chiu's map of `hemisphere.square`, for kernels."""
+"""Shirley and Chiu's map of `hemisphere.shirley_chiu`, for kernels."""
 
 import drjit as dr
 import mitsuba as mi

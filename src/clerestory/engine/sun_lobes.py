@@ -16,7 +16,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.engine import sampler
 from clerestory.engine.bsdf_file import Table, forward_table
 from clerestory.engine.distant_emitters import is_sun

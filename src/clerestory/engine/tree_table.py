@@ -7,7 +7,7 @@ known direction. The walk never enters a quarter without light, and never misses
 with light.
 
 The functions of a layer stand one behind the other in one table of slots, laid out
-as in `bsdf.tree`.
+as in `bsdf.tensor_tree`.
 """
 
 from collections.abc import Sequence
@@ -17,11 +17,11 @@ import mitsuba as mi
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from clerestory.bsdf.colour import rgb_to_xyz
-from clerestory.bsdf.tree import ScatteringTree
+from clerestory.bsdf.colorimetry import rgb_to_xyz
+from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.engine.square import disc_from_square, square_from_disc
 from clerestory.engine.upload import on_device
-from clerestory.hemisphere import square
+from clerestory.hemisphere import shirley_chiu
 
 # Edge of the grid on which the share of light gathered from all sides is tabulated.
 _GRID = 32
@@ -95,7 +95,7 @@ class TreeTable:
             return np.zeros(_GRID * _GRID)
         middle = (np.arange(_GRID) + 0.5) / _GRID
         a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
-        x, y = square.disc_from_square(a, b)
+        x, y = shirley_chiu.disc_from_square(a, b)
         height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
         direction = np.stack([x, y, height], axis=-1)
         tree = read[self.middle]
@@ -307,7 +307,7 @@ def _exchanged(tree: ScatteringTree) -> ScatteringTree:
     radial = (np.arange(edge // 2)[:, None] + grid).ravel() / edge
     square_axis = (np.arange(edge)[:, None] + grid).ravel() / edge
     a, b = np.meshgrid(square_axis, square_axis, indexing="ij")
-    x, y = square.disc_from_square(a.ravel(), b.ravel())
+    x, y = shirley_chiu.disc_from_square(a.ravel(), b.ravel())
     other = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
     value = np.zeros((edge, edge, edge))
     for step, inwards in enumerate(radial):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.colour import rgb_from_xyz
+from clerestory.bsdf.colorimetry import rgb_from_xyz
 from clerestory.errors import InputError
 
 _WAVELENGTHS_NM = np.arange(380, 790, 10)

@@ -1,1 +1,1 @@
-"""Glare sources in pictures and the indices made of them."""
+"""Glare sources in pictures and the glare indices computed from them."""

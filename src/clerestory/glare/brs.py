@@ -1,18 +1,19 @@
-"""Glare index of the Building Research Station, the forerunner of DGI."""
+"""BRS glare index of the Building Research Station, the forerunner of DGI."""
 
 import math
 
+from clerestory.glare.index import without_logarithm
 from clerestory.glare.source_table import GlareSources
 
 
 def brs_glare_index(sources: GlareSources, *, background: float) -> float:
     """BRS glare index: 10 just imperceptible, 16 acceptable, 22 uncomfortable.
 
-    0 without sources, nan without a background. Made for small luminaires.
+    Derived for small luminaires. 0 without sources, NaN without a background.
 
     Parameters
     ----------
-    background : luminance of what is no source [cd/m²]
+    background : mean luminance outside of the sources [cd/m²]
 
     References
     ----------
@@ -21,16 +22,13 @@ def brs_glare_index(sources: GlareSources, *, background: float) -> float:
 
     Examples
     --------
-    >>> lamp = GlareSources.of(
-    ...     luminance=[3000.0], solid_angle=[0.02], position_index=[2.0]
-    ... )
+    >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(brs_glare_index(lamp, background=40.0), 1)
     18.0
     """
-    if not sources.count:
-        return 0.0
-    if background <= 0:
-        return math.nan
+    special = without_logarithm(sources, background)
+    if special is not None:
+        return special
     bright = (sources.luminance / sources.position_index) ** 1.6
     total = float((bright * sources.solid_angle**0.8).sum())
     return 10 * math.log10(0.478 * total / background) if total > 0 else 0.0

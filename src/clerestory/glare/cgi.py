@@ -1,7 +1,8 @@
-"""CIE glare index of Einhorn."""
+"""CIE glare index (CGI) of Einhorn."""
 
 import math
 
+from clerestory.glare.index import GlareIndex, without_logarithm
 from clerestory.glare.source_table import GlareSources
 
 
@@ -10,8 +11,8 @@ def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
 
     Parameters
     ----------
-    illuminance : on the eye, from everything in view [lux]
-    direct : its part that comes from the sources [lux]
+    illuminance : vertical illuminance at the eye [lux]
+    direct : its part from the sources [lux]
 
     References
     ----------
@@ -20,15 +21,25 @@ def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
 
     Examples
     --------
-    >>> lamp = GlareSources.of(
-    ...     luminance=[3000.0], solid_angle=[0.02], position_index=[2.0]
-    ... )
+    >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(cgi(lamp, illuminance=190.0, direct=52.0), 2)
     21.75
     """
-    if not sources.count:
-        return 0.0
-    if illuminance <= 0:
-        return math.nan
+    special = without_logarithm(sources, illuminance)
+    if special is not None:
+        return special
     scale = 2 * (1 + direct / 500) / illuminance
     return 8 * math.log10(scale * float(sources.weight().sum()))
+
+
+CGI = GlareIndex(
+    name="cgi",
+    title="CIE glare index",
+    formula=lambda eye: cgi(
+        eye.sources, illuminance=eye.illuminance, direct=eye.direct_illuminance
+    ),
+    reference="Einhorn 1979; thresholds: Jakubiec and Reinhart 2012",
+    thresholds=(13.0, 22.0, 28.0),
+    column="cgi",
+    in_short_line=True,
+)

@@ -63,7 +63,7 @@ def check_picture(
     colours = np.stack([_primaries(one) for one in palette])
     label, row, column = members
     shown[row, column] = luminance[row, column][:, None] * colours[label % len(palette)]
-    return replace(picture, radiance=shown.astype(np.float32))
+    return replace(picture, radiance=shown.astype(np.float32), bands=RGB)
 
 
 def _primaries(colour: Colour) -> Float[np.ndarray, "3"]:

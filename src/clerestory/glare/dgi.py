@@ -1,10 +1,11 @@
-"""Daylight glare index, in its original form and in Fisekis's."""
+"""Daylight glare index (DGI), original and as modified by Fisekis et al."""
 
 import math
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.glare.index import GlareIndex
 from clerestory.glare.source_table import GlareSources
 
 
@@ -14,13 +15,13 @@ def dgi(
     background: float,
     weighted: Float[np.ndarray, " source"] | None = None,
 ) -> float:
-    """Daylight glare index: 16 just perceptible, 24 just uncomfortable, 28 too much.
+    """Daylight glare index: 16 just perceptible, 24 just uncomfortable, 28 intolerable.
 
     0 without sources.
 
     Parameters
     ----------
-    background : luminance of what is no source [cd/m²]
+    background : mean luminance outside of the sources [cd/m²]
     weighted : solid angle of each source weighted by position over its extent [sr];
         ω/P² if not given
 
@@ -32,9 +33,7 @@ def dgi(
 
     Examples
     --------
-    >>> window = GlareSources.of(
-    ...     luminance=[5000.0], solid_angle=[0.5], position_index=[2.0]
-    ... )
+    >>> window = GlareSources.of(luminance=[5e3], solid_angle=[0.5], position_index=[2])
     >>> round(dgi(window, background=300.0), 1)
     21.4
     """
@@ -42,11 +41,11 @@ def dgi(
 
 
 def modified_dgi(sources: GlareSources, *, average: float) -> float:
-    """DGI with the adaptation of the eye in place of the background.
+    """DGI with the adaptation luminance of the eye in place of the background.
 
     Parameters
     ----------
-    average : luminance of the whole field of view, Ev/π [cd/m²]
+    average : mean luminance of the whole field of view, Ev/π [cd/m²]
 
     References
     ----------
@@ -55,9 +54,7 @@ def modified_dgi(sources: GlareSources, *, average: float) -> float:
 
     Examples
     --------
-    >>> window = GlareSources.of(
-    ...     luminance=[5000.0], solid_angle=[0.5], position_index=[2.0]
-    ... )
+    >>> window = GlareSources.of(luminance=[5e3], solid_angle=[0.5], position_index=[2])
     >>> round(modified_dgi(window, average=800.0), 1)
     21.4
     """
@@ -71,8 +68,26 @@ def _index(
 ) -> float:
     if not sources.count:
         return 0.0
-    seen = sources.guth_solid_angle() if weighted is None else weighted
+    omega = sources.guth_solid_angle() if weighted is None else weighted
     below = adaptation + 0.07 * sources.solid_angle**0.5 * sources.luminance
-    terms = sources.luminance**1.6 * seen**0.8 / below
+    terms = sources.luminance**1.6 * omega**0.8 / below
     total = 0.478 * float(terms.sum())
     return 10 * math.log10(total) if total > 0 else math.nan
+
+
+DGI = GlareIndex(
+    name="dgi",
+    title="daylight glare index",
+    formula=lambda eye: dgi(eye.sources, background=eye.background),
+    reference="Hopkinson 1972; thresholds: Jakubiec and Reinhart 2012",
+    thresholds=(18.0, 24.0, 31.0),
+    column="dgi",
+    in_short_line=True,
+)
+MODIFIED_DGI = GlareIndex(
+    name="modified_dgi",
+    title="daylight glare index modified by Fisekis et al.",
+    formula=lambda eye: modified_dgi(eye.sources, average=eye.illuminance / math.pi),
+    reference="Fisekis et al. 2003, equation 11",
+    column="dgi_mod",
+)

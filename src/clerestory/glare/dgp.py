@@ -1,10 +1,11 @@
-"""Daylight glare probability and its corrections and simplifications."""
+"""Daylight glare probability (DGP), its corrections and its simplified form DGPs."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.glare.index import GlareIndex
 from clerestory.glare.source_table import GlareSources
 
 _Values = Float[np.ndarray, "*shape"]
@@ -15,10 +16,10 @@ _BRIGHT = 1000.0
 
 @dataclass(frozen=True)
 class DgpCoefficients:
-    """Numbers of the equation of DGP.
+    """Coefficients of the equation of DGP.
 
     DGP = c1·Ev^a5 + c2·log10(1 + Σ L^a1·ω^a2 / (Ev^a3·P^a4)) + c3. The defaults are
-    those of evalglare, rounded from the 5.87e-5, 0.0918 and 0.16 of the paper.
+    those of evalglare, rounded from the 5.87e-5, 0.0918 and 0.16 of the publication.
     """
 
     c1: float = 5.87e-5
@@ -41,14 +42,14 @@ def dgp(
     illuminance: float,
     coefficients: DgpCoefficients = EVALGLARE,
 ) -> float:
-    """Daylight glare probability, the share of people disturbed, at most 1.
+    """Daylight glare probability: probability that a person is disturbed, at most 1.
 
-    Fitted to rooms with more than 380 lux at the eye and results above 0.2. With the
-    sources of a picture of the sun alone it is the enhanced simplified DGP.
+    Valid for vertical illuminances above 380 lux and values above 0.2. With the
+    sources of a picture of the direct sun alone it is the enhanced simplified DGP.
 
     Parameters
     ----------
-    illuminance : on the eye, from everything in view [lux]
+    illuminance : vertical illuminance at the eye [lux]
 
     References
     ----------
@@ -58,9 +59,7 @@ def dgp(
 
     Examples
     --------
-    >>> sun = GlareSources.of(
-    ...     luminance=[1e6], solid_angle=[6.8e-5], position_index=[3.0]
-    ... )
+    >>> sun = GlareSources.of(luminance=[1e6], solid_angle=[6.8e-5], position_index=[3])
     >>> round(dgp(sun, illuminance=3000.0), 3)
     0.384
     """
@@ -79,9 +78,9 @@ def dgp(
 
 
 def simplified_dgp(illuminance: _Values) -> _Values:
-    """DGPs: daylight glare probability from the illuminance of the eye alone.
+    """DGPs: daylight glare probability from the vertical illuminance at the eye alone.
 
-    Only where no sun nor its mirror image is seen.
+    Valid only where neither the sun nor its specular reflection is in view.
 
     References
     ----------
@@ -98,7 +97,7 @@ def simplified_dgp(illuminance: _Values) -> _Values:
 
 
 def low_light_correction(illuminance: _Values) -> _Values:
-    """Factor on DGP for dim rooms, 1 from 1000 lux.
+    """Factor on DGP at low vertical illuminance, 1 from 1000 lux.
 
     References
     ----------
@@ -118,7 +117,7 @@ def low_light_correction(illuminance: _Values) -> _Values:
 def age_correction(age: float) -> float:
     """Factor on DGP for the age of the observer [years], 1 at 20.
 
-    Later work found no statistical proof of it; evalglare no longer applies it.
+    Later studies found the effect not significant; evalglare no longer applies it.
 
     References
     ----------
@@ -130,3 +129,21 @@ def age_correction(age: float) -> float:
     (1.0, 1.25)
     """
     return 1 / (1.1 - 0.5 * age / 100)
+
+
+DGP = GlareIndex(
+    name="dgp",
+    title="daylight glare probability",
+    formula=lambda eye: dgp(eye.sources, illuminance=eye.eye_illuminance),
+    reference="Wienold and Christoffersen 2006; thresholds: Wienold 2009",
+    thresholds=(0.35, 0.40, 0.45),
+    column="dgp",
+    in_short_line=True,
+)
+SIMPLIFIED_DGP = GlareIndex(
+    name="simplified_dgp",
+    title="simplified daylight glare probability",
+    formula=lambda eye: float(simplified_dgp(np.array(eye.eye_illuminance))),
+    reference="Wienold 2007; thresholds: as DGP",
+    thresholds=DGP.thresholds,
+)

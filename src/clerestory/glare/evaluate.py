@@ -4,15 +4,16 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
+from clerestory.glare.cropped_picture import SeenRows, fill_cut
+from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
-from clerestory.glare.fill import SeenRows, fill_cut
+from clerestory.glare.glare_view import GlareView, glare_view
+from clerestory.glare.index import Background
+from clerestory.glare.picture_checks import check_picture
 from clerestory.glare.position_index import PositionModel
-from clerestory.glare.result import Background, Glare
-from clerestory.glare.rules import SourceRules
+from clerestory.glare.result import Glare
+from clerestory.glare.source_sums import tabulate
 from clerestory.glare.sources import Members, find_sources, reference_luminance
-from clerestory.glare.summary import tabulate
-from clerestory.glare.suspicion import check_picture
-from clerestory.glare.view import GlareView, glare_view
 from clerestory.glare.zones import Zones, cut_along
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View

@@ -11,13 +11,13 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.errors import ClerestoryWarning, InputError
-from clerestory.glare.merge import merge_sources
-from clerestory.glare.peaks import split_peaks
-from clerestory.glare.rules import SourceRules, Zone
-from clerestory.glare.scan import ScannedPixels, first_scan, scan_order
-from clerestory.glare.search import Neighbourhood
+from clerestory.glare.detection_criteria import SourceRules, Zone
+from clerestory.glare.glare_view import GlareView
+from clerestory.glare.neighbour_search import Neighbourhood
+from clerestory.glare.peak_extraction import split_peaks
+from clerestory.glare.pixel_scan import ScannedPixels, first_scan, scan_order
 from clerestory.glare.smoothing import surrounded
-from clerestory.glare.view import GlareView
+from clerestory.glare.source_merging import merge_sources
 
 _Luminance = Float[np.ndarray, "row column"]
 
@@ -101,7 +101,7 @@ def find_sources(
 
     Examples
     --------
-    >>> from clerestory.glare.view import glare_view
+    >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 160, 160)
     >>> room = np.full((160, 160), 100.0)

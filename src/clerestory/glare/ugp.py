@@ -1,16 +1,17 @@
-"""Unified glare probability of Hirning, fitted in open-plan green buildings."""
+"""Unified glare probability (UGP) of Hirning et al., linear and logistic."""
 
 import math
 
+from clerestory.glare.index import GlareIndex, without_logarithm
 from clerestory.glare.source_table import GlareSources
 
 
 def ugp(sources: GlareSources, *, background: float) -> float:
-    """Unified glare probability, the share of people disturbed; 0 without sources.
+    """Unified glare probability: share of disturbed occupants, 0 without sources.
 
     Parameters
     ----------
-    background : luminance of what is no source [cd/m²]
+    background : mean luminance outside of the sources [cd/m²]
 
     References
     ----------
@@ -19,37 +20,47 @@ def ugp(sources: GlareSources, *, background: float) -> float:
 
     Examples
     --------
-    >>> window = GlareSources.of(
-    ...     luminance=[3000.0], solid_angle=[0.2], position_index=[2.0]
-    ... )
+    >>> window = GlareSources.of(luminance=[3e3], solid_angle=[0.2], position_index=[2])
     >>> round(ugp(window, background=300.0), 3)
     0.669
     """
-    if not sources.count:
-        return 0.0
-    if background <= 0:
-        return math.nan
+    special = without_logarithm(sources, background)
+    if special is not None:
+        return special
     return 0.26 * math.log10(0.25 / background * float(sources.weight().sum()))
 
 
 def logistic_ugp(sources: GlareSources, *, background: float) -> float:
-    """Unified glare probability in its later form, which stays between 0 and 1.
+    """Unified glare probability in logistic form, between 0 and 1.
 
     References
     ----------
-    Hirning, M. B. et al. (2016), as in evalglare's UGP2.
+    Hirning, M. B. et al. (2016), as UGP2 of evalglare.
 
     Examples
     --------
-    >>> window = GlareSources.of(
-    ...     luminance=[3000.0], solid_angle=[0.2], position_index=[2.0]
-    ... )
+    >>> window = GlareSources.of(luminance=[3e3], solid_angle=[0.2], position_index=[2])
     >>> round(logistic_ugp(window, background=300.0), 3)
     0.527
     """
-    if not sources.count:
-        return 0.0
-    if background <= 0:
-        return math.nan
+    special = without_logarithm(sources, background)
+    if special is not None:
+        return special
     ratio = float(sources.weight().sum()) / background
     return float((1 + 2 / 7 * ratio**-0.2) ** -10)
+
+
+UGP = GlareIndex(
+    name="ugp",
+    title="unified glare probability",
+    formula=lambda eye: ugp(eye.sources, background=eye.background),
+    reference="Hirning, Isoardi and Cowling 2014",
+    column="ugp",
+)
+LOGISTIC_UGP = GlareIndex(
+    name="logistic_ugp",
+    title="unified glare probability in logistic form",
+    formula=lambda eye: logistic_ugp(eye.sources, background=eye.background),
+    reference="Hirning et al. 2016",
+    column="ugp2",
+)

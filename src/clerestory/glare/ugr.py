@@ -1,18 +1,19 @@
-"""Unified glare rating of CIE 117, and Fisekis's variant of it."""
+"""Unified glare rating (UGR) of CIE 117, and its variant of Fisekis et al."""
 
 import math
 
+from clerestory.glare.index import GlareIndex, without_logarithm
 from clerestory.glare.source_table import GlareSources
 
 
 def ugr(sources: GlareSources, *, background: float) -> float:
-    """Unified glare rating: 10 imperceptible, 19 a limit for offices, 28 intolerable.
+    """Unified glare rating: 10 imperceptible, 19 the limit in offices, 28 intolerable.
 
-    0 without sources, nan without a background.
+    0 without sources, NaN without a background.
 
     Parameters
     ----------
-    background : luminance of what is no source [cd/m²]
+    background : mean luminance outside of the sources [cd/m²]
 
     References
     ----------
@@ -20,28 +21,25 @@ def ugr(sources: GlareSources, *, background: float) -> float:
 
     Examples
     --------
-    >>> lamp = GlareSources.of(
-    ...     luminance=[3000.0], solid_angle=[0.02], position_index=[2.0]
-    ... )
+    >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(ugr(lamp, background=40.0), 2)
     19.59
     """
-    if not sources.count:
-        return 0.0
-    if background <= 0:
-        return math.nan
+    special = without_logarithm(sources, background)
+    if special is not None:
+        return special
     return 8 * math.log10(0.25 / background * float(sources.weight().sum()))
 
 
 def experimental_ugr(
     sources: GlareSources, *, average: float, background: float
 ) -> float:
-    """UGR with one luminance of each source replaced by that of the whole field.
+    """UGR with one luminance of each source replaced by that of the field of view.
 
     Parameters
     ----------
-    average : luminance of the whole field of view, Ev/π [cd/m²]
-    background : luminance of what is no source [cd/m²]
+    average : mean luminance of the whole field of view, Ev/π [cd/m²]
+    background : mean luminance outside of the sources [cd/m²]
 
     References
     ----------
@@ -50,15 +48,32 @@ def experimental_ugr(
 
     Examples
     --------
-    >>> lamp = GlareSources.of(
-    ...     luminance=[3000.0], solid_angle=[0.02], position_index=[2.0]
-    ... )
+    >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(experimental_ugr(lamp, average=100.0, background=40.0), 2)
     12.59
     """
-    if not sources.count:
-        return 0.0
-    if background <= 0 or average <= 0:
-        return math.nan
-    seen = float((sources.luminance * sources.guth_solid_angle()).sum())
-    return 8 * math.log10(average * seen / background)
+    special = without_logarithm(sources, min(background, average))
+    if special is not None:
+        return special
+    flux = float((sources.luminance * sources.guth_solid_angle()).sum())
+    return 8 * math.log10(average * flux / background)
+
+
+UGR = GlareIndex(
+    name="ugr",
+    title="unified glare rating",
+    formula=lambda eye: ugr(eye.sources, background=eye.background),
+    reference="CIE 117-1995; thresholds: Jakubiec and Reinhart 2012",
+    thresholds=(13.0, 22.0, 28.0),
+    column="ugr",
+    in_short_line=True,
+)
+EXPERIMENTAL_UGR = GlareIndex(
+    name="experimental_ugr",
+    title="unified glare rating with the luminance of the field of view",
+    formula=lambda eye: experimental_ugr(
+        eye.sources, average=eye.illuminance / math.pi, background=eye.cie_background
+    ),
+    reference="Fisekis et al. 2003",
+    column="ugr_exp",
+)

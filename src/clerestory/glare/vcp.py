@@ -1,11 +1,12 @@
-"""Visual comfort probability, and the discomfort glare rating it is made of."""
+"""Visual comfort probability (VCP) and Guth's discomfort glare rating (DGR)."""
 
 import math
 
+from clerestory.glare.index import GlareIndex, without_logarithm
 from clerestory.glare.source_table import GlareSources
 
-# Beyond these ratings nobody, or everybody, is comfortable (evalglare)
-_NOBODY, _EVERYBODY = 750.0, 20.0
+# Ratings above and below which VCP is 0 % and 100 % (evalglare)
+_LARGEST_RATING, _SMALLEST_RATING = 750.0, 20.0
 
 
 def dgr(sources: GlareSources, *, average: float) -> float:
@@ -13,7 +14,7 @@ def dgr(sources: GlareSources, *, average: float) -> float:
 
     Parameters
     ----------
-    average : luminance of the whole field of view [cd/m²]
+    average : mean luminance of the whole field of view [cd/m²]
 
     References
     ----------
@@ -22,16 +23,13 @@ def dgr(sources: GlareSources, *, average: float) -> float:
 
     Examples
     --------
-    >>> lamp = GlareSources.of(
-    ...     luminance=[3000.0], solid_angle=[0.02], position_index=[2.0]
-    ... )
+    >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(dgr(lamp, average=60.0), 1)
     127.3
     """
-    if not sources.count:
-        return 0.0
-    if average <= 0:
-        return math.nan
+    special = without_logarithm(sources, average)
+    if special is not None:
+        return special
     omega = sources.solid_angle
     size = 20.4 * omega + 1.52 * omega**0.2 - 0.075
     each = 0.5 * sources.luminance * size / (sources.position_index * average**0.44)
@@ -40,7 +38,7 @@ def dgr(sources: GlareSources, *, average: float) -> float:
 
 
 def vcp(rating: float) -> float:
-    """Share of people who feel comfortable [%] at a discomfort glare rating.
+    """Visual comfort probability at a discomfort glare rating [%].
 
     Examples
     --------
@@ -49,8 +47,28 @@ def vcp(rating: float) -> float:
     """
     if math.isnan(rating):
         return math.nan
-    if rating > _NOBODY:
+    if rating > _LARGEST_RATING:
         return 0.0
-    if rating < _EVERYBODY:
+    if rating < _SMALLEST_RATING:
         return 100.0
     return 50 + 50 * math.erf((6.374 - 1.3227 * math.log(rating)) / math.sqrt(2))
+
+
+DGR = GlareIndex(
+    name="dgr",
+    title="discomfort glare rating",
+    formula=lambda eye: dgr(eye.sources, average=eye.average),
+    reference="Guth 1963",
+    column="dgr",
+)
+VCP = GlareIndex(
+    name="vcp",
+    title="visual comfort probability",
+    formula=lambda eye: vcp(DGR.formula(eye)),
+    reference="Guth 1963; thresholds: Jakubiec and Reinhart 2012",
+    thresholds=(80.0, 60.0, 40.0),
+    glare_increases=False,
+    unit="%",
+    column="vcp",
+    in_short_line=True,
+)

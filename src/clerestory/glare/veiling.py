@@ -1,8 +1,9 @@
-"""Veiling luminance: disability glare, light scattered in the eye over the task."""
+"""Veiling luminance: disability glare by light scattered in the eye."""
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.glare.index import Quantity
 from clerestory.glare.source_table import GlareSources
 
 # Keeps a source on the line of sight finite, as evalglare does
@@ -10,10 +11,10 @@ _TINY = 1e-16
 
 
 def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
-    """Veiling luminance by each source after Stiles and Holladay [cd/m²].
+    """Veiling luminance of each source after Stiles and Holladay, 10 E/θ² [cd/m²].
 
-    Ten times the illuminance of the eye over the square of the angle in degrees; for
-    young eyes and angles from 1° to 30°.
+    With the illuminance E at the eye and the angle θ in degrees; valid for young
+    observers and angles from 1° to 30°.
 
     References
     ----------
@@ -23,11 +24,9 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
 
     Examples
     --------
+    >>> at = np.radians(10)
     >>> lamp = GlareSources.of(
-    ...     luminance=[1e4],
-    ...     solid_angle=[0.01],
-    ...     position_index=[1.0],
-    ...     sigma=[np.radians(10)],
+    ...     luminance=[1e4], solid_angle=[0.01], position_index=[1], sigma=[at]
     ... )
     >>> veiling_luminance(lamp).round(2).tolist()
     [9.85]
@@ -38,18 +37,33 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
 
 
 def poynter_veiling_luminance(sources: GlareSources) -> float:
-    """Veiling luminance by all sources in the form evalglare prints as Lveil [cd/m²].
+    """Veiling luminance of all sources after Poynter, Lveil of evalglare [cd/m²].
 
     Examples
     --------
+    >>> at = np.radians(10)
     >>> lamp = GlareSources.of(
-    ...     luminance=[1e4],
-    ...     solid_angle=[0.01],
-    ...     position_index=[1.0],
-    ...     sigma=[np.radians(10)],
+    ...     luminance=[1e4], solid_angle=[0.01], position_index=[1], sigma=[at]
     ... )
     >>> round(poynter_veiling_luminance(lamp), 2)
     49.24
     """
-    seen = sources.luminance * np.cos(sources.sigma) * sources.solid_angle
-    return float(5 * (seen / (np.degrees(sources.sigma) + 1e-11)).sum())
+    flux = sources.luminance * np.cos(sources.sigma) * sources.solid_angle
+    return float(5 * (flux / (np.degrees(sources.sigma) + 1e-11)).sum())
+
+
+POYNTER_VEILING_LUMINANCE = Quantity(
+    name="veiling_luminance",
+    title="veiling luminance after Poynter",
+    formula=lambda eye: poynter_veiling_luminance(eye.sources),
+    unit="cd/m2",
+    column="Lveil",
+    in_short_line=True,
+)
+CIE_VEILING_LUMINANCE = Quantity(
+    name="cie_veiling_luminance",
+    title="veiling luminance after Stiles and Holladay",
+    formula=lambda eye: float(veiling_luminance(eye.sources).sum()),
+    unit="cd/m2",
+    column="Lveil_cie",
+)

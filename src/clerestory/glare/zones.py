@@ -6,9 +6,9 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.errors import InputError
-from clerestory.glare.rules import Zone
+from clerestory.glare.detection_criteria import Zone
+from clerestory.glare.glare_view import GlareView
 from clerestory.glare.sources import Members, in_zone
-from clerestory.glare.view import GlareView
 
 
 @dataclass(frozen=True)

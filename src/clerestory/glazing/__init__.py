@@ -1,1 +1,1 @@
-"""A stack of panes, gaps and shades becomes a Bsdf, with thermal figures."""
+"""Layer stacks of panes, gaps and shades: BSDF, U-value and SHGC (as WINDOW)."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import ExitIncident, Values
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering import Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glazing.layer import Layer, mirrored_patches
@@ -86,7 +86,7 @@ class BsdfLayer(Layer):
         return self.bsdf.product.name or self.bsdf.source or "BSDF"
 
     @property
-    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+    def wavelength_nm(self) -> Values:
         """Ends of the solar range, and steps at the ends of the visible one."""
         return two_band_wavelengths()
 
@@ -103,11 +103,7 @@ class BsdfLayer(Layer):
         front, back = (GLASS_EMISSIVITY if e is None else e for e in known)
         return front, back
 
-    def matrices(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        partition: RingPartition,
-    ) -> Optics:
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr], over (wavelength, exit, incident)."""
         visible, solar = (self.band(channel, partition) for channel in _BANDS)
         inside = is_visible(wavelength_nm).astype(bool)[:, None, None]
@@ -121,7 +117,7 @@ class BsdfLayer(Layer):
         """BSDFs [1/sr] of one band, over (exit, incident)."""
         given = self.channel(channel)
 
-        def table(name: Function) -> Float[np.ndarray, "exit incident"]:
+        def table(name: Function) -> ExitIncident:
             if not self.bsdf.has(name, channel=given):
                 return np.zeros((len(partition), len(partition)))
             part = self.bsdf.function(name, channel=given, partition=partition)

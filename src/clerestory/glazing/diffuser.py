@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.glazing.layer import Layer
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
@@ -30,7 +30,7 @@ class Diffuser(Layer):
         return self.material.name
 
     @property
-    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+    def wavelength_nm(self) -> Values:
         """Where the material was measured."""
         return self.material.wavelength_nm
 
@@ -44,11 +44,7 @@ class Diffuser(Layer):
         """Emissivities of the material."""
         return self.material.emissivity_front, self.material.emissivity_back
 
-    def matrices(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        partition: RingPartition,
-    ) -> Optics:
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr], over (wavelength, exit, incident)."""
         covered = np.ones(len(partition))
         return scattered_evenly(self.material.at(wavelength_nm), covered)
@@ -58,7 +54,7 @@ class Diffuser(Layer):
         return Diffuser(self.material.flipped())
 
 
-def scattered_evenly(shares: Optics, covered: Float[np.ndarray, " incident"]) -> Optics:
+def scattered_evenly(shares: Optics, covered: Values) -> Optics:
     """BSDFs [1/sr] of a material that covers some of the area and scatters evenly.
 
     Parameters

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.array_types import Directions, Indices, Values
+from clerestory.bsdf.scattering_function import Function
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.hemisphere.partition import RingPartition
@@ -30,7 +31,7 @@ class Layer(ABC):
 
     @property
     @abstractmethod
-    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+    def wavelength_nm(self) -> Values:
         """Where the layer is known."""
 
     @property
@@ -44,11 +45,7 @@ class Layer(ABC):
         """In the far infrared, of its sides to the sky and to the room, 0…1."""
 
     @abstractmethod
-    def matrices(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        partition: RingPartition,
-    ) -> Optics:
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr], over (wavelength, exit, incident)."""
 
     @abstractmethod
@@ -63,9 +60,7 @@ class Layer(ABC):
         """Shares passed on, over (wavelength, angle); None if light is scattered."""
         return None
 
-    def openness(
-        self, direction: Float[np.ndarray, "direction 3"]
-    ) -> Float[np.ndarray, " direction"]:
+    def openness(self, direction: Directions) -> Values:
         """Share of light along each direction that meets nothing at all.
 
         Parameters
@@ -101,7 +96,7 @@ class Glass(Layer):
         return self.pane.name
 
     @property
-    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+    def wavelength_nm(self) -> Values:
         """Where the pane was measured."""
         return self.pane.wavelength_nm
 
@@ -115,11 +110,7 @@ class Glass(Layer):
         """Emissivities of the pane."""
         return self.pane.emissivity_front, self.pane.emissivity_back
 
-    def matrices(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        partition: RingPartition,
-    ) -> Optics:
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr], over (wavelength, exit, incident)."""
         measure = partition.projected_solid_angles()
         total = self.pane.angular(wavelength_nm, partition.centres()[:, 2])
@@ -163,6 +154,6 @@ def diagonal(
     return matrices
 
 
-def mirrored_patches(partition: RingPartition) -> Int[np.ndarray, " patch"]:
+def mirrored_patches(partition: RingPartition) -> Indices:
     """Patch that each one becomes when left and right change places."""
     return partition.find(partition.centres() * [-1, 1, 1])

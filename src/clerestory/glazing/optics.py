@@ -7,7 +7,8 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import FUNCTIONS, Function
+from clerestory.array_types import Values
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 
 Side = Literal["front", "back"]
 SIDES: tuple[Side, ...] = ("front", "back")
@@ -41,13 +42,11 @@ class Optics:
         return cls(t, t, r, r)
 
     @classmethod
-    def gather(
-        cls, part: Callable[[Function], Float[np.ndarray, "*batch"]]
-    ) -> "Optics":
+    def gather(cls, part: Callable[[Function], Values]) -> "Optics":
         """Return the values that a function gives for each of the four names."""
         return cls(**{name: part(name) for name in FUNCTIONS})
 
-    def of(self, name: Function) -> Float[np.ndarray, "*batch"]:
+    def of(self, name: Function) -> Values:
         """Return one of the four by its name."""
         value: Float[np.ndarray, "*batch"] = getattr(self, name)
         return value
@@ -67,7 +66,7 @@ class Optics:
             self.reflection_front,
         )
 
-    def absorption(self, side: Side) -> Float[np.ndarray, "*batch"]:
+    def absorption(self, side: Side) -> Values:
         """Share of the light from one side that is neither passed nor reflected."""
         if side == "front":
             return np.asarray(1 - self.transmission_front - self.reflection_front)

@@ -10,8 +10,9 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.errors import InputError
-from clerestory.glazing.angular import coated, uncoated
+from clerestory.glazing.angular_dependence import coated, uncoated
 from clerestory.glazing.optics import Optics
 from clerestory.spectra import check_wavelengths
 
@@ -94,7 +95,7 @@ class Pane:
                 f" {self.conductivity:g} W/(m K); both above 0 expected"
             )
 
-    def at(self, wavelength_nm: Float[np.ndarray, " wanted"]) -> Optics:
+    def at(self, wavelength_nm: Values) -> Optics:
         """All light passed on along the normal, direct and diffuse together."""
         total = self.direct.map(lambda share: self._at(share, wavelength_nm))
         if self.diffuse is None:
@@ -102,7 +103,7 @@ class Pane:
         scattered = self.diffuse.map(lambda share: self._at(share, wavelength_nm))
         return Optics.gather(lambda name: total.of(name) + scattered.of(name))
 
-    def haze(self, wavelength_nm: Float[np.ndarray, " wanted"]) -> Optics:
+    def haze(self, wavelength_nm: Values) -> Optics:
         """Scattered share of the light passed on, 0…1; 0 where none is passed on."""
         total = self.at(wavelength_nm)
         if self.diffuse is None:
@@ -194,9 +195,7 @@ def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -
     return two_band_pane(name, solar=shares, visible=shares)
 
 
-def invisible(
-    visible: Float[np.ndarray, "*batch"], solar: Float[np.ndarray, "*batch"]
-) -> Float[np.ndarray, "*batch"]:
+def invisible(visible: Values, solar: Values) -> Values:
     """Property outside the visible range that makes the solar average right.
 
     It is zero where that would take a negative one.
@@ -205,7 +204,7 @@ def invisible(
     return np.asarray(np.maximum(rest, 0))
 
 
-def two_band_wavelengths() -> Float[np.ndarray, " wavelength"]:
+def two_band_wavelengths() -> Values:
     """Ends of the solar range, and steps at the ends of the visible one [nm]."""
     low, high = _VISIBLE_NM
     return np.array(
@@ -213,9 +212,7 @@ def two_band_wavelengths() -> Float[np.ndarray, " wavelength"]:
     )
 
 
-def is_visible(
-    wavelength_nm: Float[np.ndarray, " wavelength"],
-) -> Float[np.ndarray, " wavelength"]:
+def is_visible(wavelength_nm: Values) -> Values:
     """One where a wavelength is visible, 380 to 780 nm, else zero."""
     low, high = _VISIBLE_NM
     return ((wavelength_nm >= low) & (wavelength_nm <= high)).astype(float)

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
+from clerestory.array_types import Mask, Values
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.layer import Layer, diagonal
@@ -49,9 +50,7 @@ class Scatterer:
     mirror: Optics | None
     bsdf: Bsdf | None
 
-    def shares(
-        self, travel: _Directions
-    ) -> tuple[Float[np.ndarray, " walker"], Float[np.ndarray, " walker"]]:
+    def shares(self, travel: _Directions) -> tuple[Values, Values]:
         """Shares of light on one side that are passed on and sent back.
 
         Parameters
@@ -69,10 +68,7 @@ class Scatterer:
         return on + self._open(travel), back
 
     def leave(
-        self,
-        travel: _Directions,
-        passed: Bool[np.ndarray, " walker"],
-        rng: np.random.Generator,
+        self, travel: _Directions, passed: Mask, rng: np.random.Generator
     ) -> _Directions:
         """Directions of travel after the layer.
 
@@ -94,14 +90,12 @@ class Scatterer:
                 leaving[some] = self.bsdf.sample(-travel[some], u, function=name)[0]
         return leaving
 
-    def _scattered(
-        self, travel: _Directions, name: Function
-    ) -> Float[np.ndarray, " walker"]:
+    def _scattered(self, travel: _Directions, name: Function) -> Values:
         if self.bsdf is None or not self.bsdf.has(name):
             return np.zeros(len(travel))
         return self.bsdf.hemispherical(-travel, function=name)
 
-    def _open(self, travel: _Directions) -> Float[np.ndarray, " walker"]:
+    def _open(self, travel: _Directions) -> Values:
         sign = 1.0 if travel[0, 2] > 0 else -1.0
         return self.layer.openness(travel * sign)
 

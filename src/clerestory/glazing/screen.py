@@ -14,7 +14,8 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.array_types import Directions, Values
+from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.glazing.diffuser import scattered_evenly
 from clerestory.glazing.layer import Layer, diagonal
@@ -75,7 +76,7 @@ class PerforatedScreen(Layer):
         return self.material.name
 
     @property
-    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+    def wavelength_nm(self) -> Values:
         """Where the material was measured."""
         return self.material.wavelength_nm
 
@@ -89,9 +90,7 @@ class PerforatedScreen(Layer):
         """Emissivities of the material."""
         return self.material.emissivity_front, self.material.emissivity_back
 
-    def openness(
-        self, direction: Float[np.ndarray, "direction 3"]
-    ) -> Float[np.ndarray, " direction"]:
+    def openness(self, direction: Directions) -> Values:
         """Share of light along each direction that passes through the holes."""
         x, y, z = direction.T
         deep = self.material.thickness
@@ -108,11 +107,7 @@ class PerforatedScreen(Layer):
         hole = np.pi * radius**2 - np.pi / 2 * radius * deep * slope
         return np.where(slope * deep <= 2 * radius, np.maximum(hole, 0) / area, 0)
 
-    def matrices(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        partition: RingPartition,
-    ) -> Optics:
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr], over (wavelength, exit, incident)."""
         free = self.openness(partition.centres())
         even = scattered_evenly(self.material.at(wavelength_nm), 1 - free)
@@ -164,7 +159,7 @@ class WovenShade(Layer):
         return self.material.name
 
     @property
-    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+    def wavelength_nm(self) -> Values:
         """Where the material was measured."""
         return self.material.wavelength_nm
 
@@ -178,9 +173,7 @@ class WovenShade(Layer):
         """Emissivities of the material."""
         return self.material.emissivity_front, self.material.emissivity_back
 
-    def openness(
-        self, direction: Float[np.ndarray, "direction 3"]
-    ) -> Float[np.ndarray, " direction"]:
+    def openness(self, direction: Directions) -> Values:
         """Share of light along each direction that passes between the threads."""
         altitude, azimuth = _altitude_azimuth(direction)
         profile = np.arctan(np.tan(altitude) / np.cos(altitude))
@@ -188,11 +181,7 @@ class WovenShade(Layer):
         free = [np.maximum(1 - gamma / np.cos(a), 0) for a in (azimuth, profile)]
         return np.asarray(free[0] * free[1])
 
-    def matrices(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        partition: RingPartition,
-    ) -> Optics:
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr], over (wavelength, exit, incident)."""
         shares = self.material.at(wavelength_nm)
         free = self.openness(partition.centres())
@@ -246,9 +235,7 @@ class WovenShade(Layer):
         return np.where(reflectance[:, None] > 0, np.maximum(scattered, 0), 0)
 
 
-def _with_openings(
-    even: Optics, free: Float[np.ndarray, " patch"], partition: RingPartition
-) -> Optics:
+def _with_openings(even: Optics, free: Values, partition: RingPartition) -> Optics:
     # What passes the openings goes straight on, from either side
     straight = diagonal((free / partition.projected_solid_angles())[None])
     return Optics(
@@ -259,9 +246,7 @@ def _with_openings(
     )
 
 
-def _altitude_azimuth(
-    direction: Float[np.ndarray, "direction 3"],
-) -> tuple[Float[np.ndarray, " direction"], Float[np.ndarray, " direction"]]:
+def _altitude_azimuth(direction: Directions) -> tuple[Values, Values]:
     # Angles above and beside the normal, without their signs
     x, y, z = direction.T
     return np.arcsin(np.clip(np.abs(y), 0, 1)), np.arctan2(np.abs(x), z)

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from clerestory.array_types import Indices, Points2, Values
 from clerestory.errors import InputError
 
 # Lines per segment and per angle when view factors are counted, and per opening.
@@ -64,7 +65,7 @@ class SlatGeometry:
         if not 1 <= self.segments <= 100:
             raise InputError(f"{self.segments} segments; 1 to 100 expected")
 
-    def polyline(self) -> Float[np.ndarray, "points 2"]:
+    def polyline(self) -> Points2:
         """Points of a slat from the sky to the room, its chord's middle at 0 [m]."""
         if self.curvature_radius:
             radius = self.curvature_radius
@@ -125,7 +126,7 @@ class SlatCell:
         return 2 * self.segments + 1
 
     @property
-    def lengths(self) -> Float[np.ndarray, " face"]:
+    def lengths(self) -> Values:
         """Length of each face [m]."""
         return np.asarray(np.linalg.norm(self.end - self.start, axis=1))
 
@@ -165,12 +166,7 @@ class SlatCell:
             shares[row] = np.bincount(hit, minlength=len(self.start)) / _BEAMS
         return shares
 
-    def _hits(
-        self,
-        origin: Float[np.ndarray, "line 2"],
-        direction: Float[np.ndarray, "line 2"],
-        leaving: int,
-    ) -> Int[np.ndarray, " line"]:
+    def _hits(self, origin: Points2, direction: Points2, leaving: int) -> Indices:
         # Number of the face that each line meets first
         along = self.end - self.start
         away = self.start - origin[:, None]

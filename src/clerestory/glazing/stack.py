@@ -12,9 +12,10 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import ExitIncident, Values
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.scattering import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
@@ -55,7 +56,7 @@ class StackedLayers:
 
     def direct_hemispherical(
         self, function: Function, *, channel: Channel = "visible"
-    ) -> Float[np.ndarray, " incident"]:
+    ) -> Values:
         """Share of the light from each incident patch that is passed on in all."""
         return self.bsdf.direct_hemispherical(function, channel=channel)
 
@@ -65,7 +66,7 @@ class StackedLayers:
 
     def diffuse_absorptance(
         self, *, channel: Channel = "solar", side: Side = "front"
-    ) -> Float[np.ndarray, " layer"]:
+    ) -> Values:
         """Share of light from a uniform hemisphere that each layer keeps."""
         measure = self.partition.projected_solid_angles()
         return np.asarray(self.absorptance[channel, side] @ measure / np.pi)
@@ -202,9 +203,7 @@ def _layer_band(
 
 
 def _passage(
-    layers: Sequence[Layer],
-    wavelength_nm: Float[np.ndarray, " wavelength"],
-    partition: RingPartition,
+    layers: Sequence[Layer], wavelength_nm: Values, partition: RingPartition
 ) -> Passage:
     measure = partition.projected_solid_angles()
     cosine = partition.centres()[:, 2]
@@ -226,7 +225,7 @@ def _passage(
     )
 
 
-def _weighted(passage: Passage, weight: Float[np.ndarray, " wavelength"]) -> Passage:
+def _weighted(passage: Passage, weight: Values) -> Passage:
     return Passage(
         _mean(passage.system, weight),
         np.tensordot(passage.absorbed_front, weight, axes=(1, 0)),
@@ -234,7 +233,7 @@ def _weighted(passage: Passage, weight: Float[np.ndarray, " wavelength"]) -> Pas
     )
 
 
-def _mean(optics: Optics, weight: Float[np.ndarray, " wavelength"]) -> Optics:
+def _mean(optics: Optics, weight: Values) -> Optics:
     return optics.map(lambda share: np.asarray(np.tensordot(weight, share, axes=1)))
 
 
@@ -250,8 +249,6 @@ def _add(one: Optics, other: Optics) -> Optics:
     return Optics.gather(lambda name: one.of(name) + other.of(name))
 
 
-def _bsdf(
-    flux: Float[np.ndarray, "exit incident"], partition: RingPartition
-) -> Float[np.ndarray, "exit incident"]:
+def _bsdf(flux: ExitIncident, partition: RingPartition) -> ExitIncident:
     # Rounding may leave zeros slightly negative
     return np.asarray(np.maximum(flux, 0) / partition.projected_solid_angles()[:, None])

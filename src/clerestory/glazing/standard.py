@@ -16,6 +16,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.errors import InputError
 from clerestory.spectra import Spectrum, interpolation_matrix
 
@@ -56,9 +57,7 @@ class Band:
         """Average of a spectrum over the band."""
         return float(self.weight @ spectrum.at(self.wavelength_nm))
 
-    def weights(
-        self, known_nm: Float[np.ndarray, " known"]
-    ) -> Float[np.ndarray, " known"]:
+    def weights(self, known_nm: Values) -> Values:
         """What values at other wavelengths count, with straight lines between them."""
         return np.asarray(
             self.weight @ interpolation_matrix(known_nm, self.wavelength_nm)

@@ -14,6 +14,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Points2
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.diffuser import Diffuser
@@ -150,5 +151,5 @@ def _calculate(
     )
 
 
-def _pairs(temperatures: list[float]) -> Float[np.ndarray, "layer 2"]:
+def _pairs(temperatures: list[float]) -> Points2:
     return np.array(temperatures).reshape(-1, 2)

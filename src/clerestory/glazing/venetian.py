@@ -18,6 +18,7 @@ from typing import Literal, NamedTuple, final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions, Points2, Values
 from clerestory.glazing.layer import Layer, diagonal
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
@@ -71,7 +72,7 @@ class VenetianBlind(Layer):
         return f"{self.material.name}, slats at {tilt:.0f}°"
 
     @property
-    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+    def wavelength_nm(self) -> Values:
         """Where the material was measured."""
         return self.material.wavelength_nm
 
@@ -85,11 +86,7 @@ class VenetianBlind(Layer):
         """Emissivities of the material."""
         return self.material.emissivity_front, self.material.emissivity_back
 
-    def matrices(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        partition: RingPartition,
-    ) -> Optics:
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr], over (wavelength, exit, incident)."""
         section = self._section(partition)
         measure = partition.projected_solid_angles()
@@ -122,9 +119,7 @@ class VenetianBlind(Layer):
             parts[0] + straight[0], parts[1] + straight[1], parts[2], parts[3]
         )
 
-    def openness(
-        self, direction: Float[np.ndarray, "direction 3"]
-    ) -> Float[np.ndarray, " direction"]:
+    def openness(self, direction: Directions) -> Values:
         """Share of light along each direction that passes between the slats."""
         x, y, z = direction.T
         profile = np.arctan2(x if self.vertical else y, z)
@@ -147,22 +142,18 @@ class VenetianBlind(Layer):
         return self._cell.view_factors()
 
     @cached_property
-    def _passing(
-        self,
-    ) -> tuple[Float[np.ndarray, " angle"], Float[np.ndarray, " angle"]]:
+    def _passing(self) -> tuple[Values, Values]:
         # Share that passes, at profile angles every quarter of a degree
         angle = np.radians(np.linspace(-89.75, 89.75, 719))
         section = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         return angle, self._beams(section, self._cell.sky).straight
 
-    def _section(self, partition: RingPartition) -> Float[np.ndarray, "patch 2"]:
+    def _section(self, partition: RingPartition) -> Points2:
         # Directions of travel in the section, into the room and upwards (or right)
         x, y, z = partition.centres().T
         return np.stack([z, x if self.vertical else y], axis=1)
 
-    def _beams(
-        self, direction: Float[np.ndarray, "direction 2"], opening: int
-    ) -> _Beams:
+    def _beams(self, direction: Points2, opening: int) -> _Beams:
         shares = self._cell.beam(direction, opening=opening)
         other = self._cell.room if opening == self._cell.sky else self._cell.sky
         return _Beams(shares[:, : 2 * self.slats.segments], shares[:, other])
@@ -198,9 +189,7 @@ class VenetianBlind(Layer):
         ]
         return np.concatenate(rows, axis=1)
 
-    def _mean_view(
-        self,
-    ) -> tuple[Float[np.ndarray, " face"], Float[np.ndarray, " face"]]:
+    def _mean_view(self) -> tuple[Values, Values]:
         # Share of each opening's view that each face takes
         count = 2 * self.slats.segments
         return self._view[self._cell.room, :count], self._view[self._cell.sky, :count]

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.errors import ClerestoryError, InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.diffuser import Diffuser

@@ -1,1 +1,1 @@
-"""Measured scattering becomes a Bsdf: goniophotometer files, lobes, mesh, transport."""
+"""BSDFs from goniophotometer measurements: readers, lobe fits, interpolation."""

@@ -3,14 +3,13 @@
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions, Points2, Values
+
 # Farthest from the normal that light is moved, in the disc below the hemisphere.
 _RIM = 0.9999
 
 
-def from_degrees(
-    theta_deg: float | Float[np.ndarray, "*batch"],
-    phi_deg: float | Float[np.ndarray, "*batch"],
-) -> Float[np.ndarray, "*batch 3"]:
+def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directions:
     """Unit vectors at an angle to the normal and an azimuth [°].
 
     The azimuth counts from the right towards up. A negative angle to the normal lies
@@ -27,7 +26,7 @@ def from_degrees(
     )
 
 
-def upright(direction: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
+def upright(direction: Directions) -> Directions:
     """Directions mirrored to the side where z is not negative."""
     return np.concatenate([direction[..., :2], np.abs(direction[..., 2:])], axis=-1)
 
@@ -53,7 +52,7 @@ def angle_table(
     return np.asarray(2 * np.arcsin(np.minimum(np.sqrt(squared_chord) / 2, 1)))
 
 
-def above(disc: Float[np.ndarray, "*batch 2"]) -> Float[np.ndarray, "*batch 3"]:
+def above(disc: Points2) -> Directions:
     """Unit vectors above places in the disc; beyond its rim those just within it.
 
     >>> above(np.array([[0.6, 0.0], [0.0, 3.0]])).round(2).tolist()
@@ -65,8 +64,6 @@ def above(disc: Float[np.ndarray, "*batch 2"]) -> Float[np.ndarray, "*batch 3"]:
     return np.concatenate([flat, height], axis=-1)
 
 
-def straight_on(
-    incident: Float[np.ndarray, "*batch 3"],
-) -> Float[np.ndarray, "*batch 3"]:
+def straight_on(incident: Directions) -> Directions:
     """Where light goes straight on, or where a mirror sends it: both have this x, y."""
     return np.asarray(incident * [-1.0, -1.0, 1.0])

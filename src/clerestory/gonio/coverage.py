@@ -6,12 +6,13 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import cKDTree
 
+from clerestory.array_types import Vector
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.fit import condense, total_flux
+from clerestory.gonio.lobe_fitting import condense, total_flux
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.measurement import SAME_DIRECTION, Measurement, Scan
 from clerestory.gonio.raster import Raster
+from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
 from clerestory.gonio.symmetry import (
     SYMMETRIES,
     Symmetry,
@@ -213,7 +214,7 @@ def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
 def _difference(
     one: Float[np.ndarray, "row column"],
     other: Float[np.ndarray, "row column"],
-    factor: Float[np.ndarray, "3"],
+    factor: Vector,
 ) -> float:
     axes = [axis for axis in (0, 1) if factor[axis] < 0]
     change = np.abs(one - np.flip(other, tuple(axes))).sum() / 2

@@ -13,18 +13,25 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.bsdf.overlap import patches_in_cells
-from clerestory.bsdf.reversed import ReversedFunction
-from clerestory.bsdf.scattering import ScatteringFunction
-from clerestory.bsdf.tree import ScatteringTree
+from clerestory.array_types import (
+    Directions,
+    ExitIncident,
+    Points2,
+    Values,
+    Vector,
+    Vector2,
+)
+from clerestory.bsdf.patch_overlap import patches_in_cells
+from clerestory.bsdf.reciprocal_function import ReversedFunction
+from clerestory.bsdf.scattering_function import ScatteringFunction
+from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.gonio.angles import above, straight_on, upright
-from clerestory.gonio.continuation import with_continuations
-from clerestory.gonio.displacement import displace
-from clerestory.gonio.flux import Flux, flux_surface
+from clerestory.gonio.displacement_interpolation import displace
+from clerestory.gonio.flux_interpolation import Flux, flux_surface
+from clerestory.gonio.incident_mesh import Place, flat_weights, locate
+from clerestory.gonio.lobe_motion import followed
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.mesh import Place, flat_weights, locate
-from clerestory.gonio.network import Network
-from clerestory.gonio.nodes import about_normal, turned
+from clerestory.gonio.network_assembly import about_normal, turned
 from clerestory.gonio.particles import (
     Particles,
     edge_particles,
@@ -32,8 +39,9 @@ from clerestory.gonio.particles import (
 )
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
+from clerestory.gonio.transport_network import Network
 from clerestory.gonio.tree_export import to_tree
-from clerestory.gonio.turning import followed
+from clerestory.gonio.unmatched_lobes import with_continuations
 from clerestory.hemisphere.partition import RingPartition
 
 # Halvings of the grid on which light is gathered for patches; Klems' smallest patch
@@ -60,7 +68,7 @@ class Interpolant(ScatteringFunction):
 
     Examples
     --------
-    >>> from clerestory.gonio.nodes import connect
+    >>> from clerestory.gonio.network_assembly import connect
     >>> def spot(y):
     ...     centre = np.array([[0, -np.sin(y), np.cos(y)]])
     ...     return Lobes(centre, np.ones(1) / 9, np.ones(1))
@@ -109,11 +117,11 @@ class Interpolant(ScatteringFunction):
     def __reduce__(self) -> tuple[type, tuple[Network, Symmetry]]:
         return Interpolant, (self.network, self.symmetry)
 
-    def lobes(self, incident: Float[np.ndarray, "3"]) -> Lobes:
+    def lobes(self, incident: Vector) -> Lobes:
         """Lobes of the light from one direction."""
         return next(self.lobes_of(incident[None]))
 
-    def lobes_of(self, incident: Float[np.ndarray, "directions 3"]) -> Iterator[Lobes]:
+    def lobes_of(self, incident: Directions) -> Iterator[Lobes]:
         """Yield the lobes of the light from each direction."""
         source = upright(np.asarray(incident, dtype=float))
         source = source / np.linalg.norm(source, axis=1, keepdims=True)
@@ -130,11 +138,7 @@ class Interpolant(ScatteringFunction):
         for k, matrix in enumerate(matrices):
             yield turned(self._at(place, k, folded[k], float(total[k])), matrix)
 
-    def evaluate(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
         incident, leaving = np.broadcast_arrays(incident, leaving)
         shape = incident.shape[:-1]
@@ -144,9 +148,7 @@ class Interpolant(ScatteringFunction):
             value[group] = lobes.evaluate(exits[group])
         return value.reshape(shape)
 
-    def hemispherical(
-        self, incident: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def hemispherical(self, incident: Directions) -> Values:
         """Share of the light from each direction that is scattered in all."""
         source = np.reshape(incident, (-1, 3))
         share = np.empty(len(source))
@@ -154,11 +156,7 @@ class Interpolant(ScatteringFunction):
             share[group] = lobes.total
         return share.reshape(np.shape(incident)[:-1])
 
-    def sample(
-        self,
-        incident: Float[np.ndarray, "*batch 3"],
-        u: Float[np.ndarray, "*batch 2"],
-    ) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch"]]:
+    def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Directions into which light leaves, and their probability density [1/sr].
 
         See `ScatteringFunction.sample`.
@@ -172,18 +170,12 @@ class Interpolant(ScatteringFunction):
         shape = np.shape(incident)[:-1]
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
-    def resolution(
-        self,
-        incident: Float[np.ndarray, "*pair 3"],
-        leaving: Float[np.ndarray, "*pair 3"],
-    ) -> Float[np.ndarray, "*pair"]:
+    def resolution(self, incident: Directions, leaving: Directions) -> Values:
         """Projected solid angle of the cell in which samples are alike [sr]."""
         shape = np.broadcast_shapes(np.shape(incident), np.shape(leaving))[:-1]
         return np.full(shape, np.pi * 0.25**_GATHER)
 
-    def average(
-        self, exits: RingPartition, incidents: RingPartition
-    ) -> Float[np.ndarray, "exit incident"]:
+    def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         into = patches_in_cells(exits, _GATHER)
         raster = Raster.of(_GATHER)
@@ -215,9 +207,7 @@ class Interpolant(ScatteringFunction):
     def own_partitions(self) -> None:
         """None: an interpolant is not made of patches."""
 
-    def _at(
-        self, place: Place, k: int, wanted: Float[np.ndarray, "3"], total: float
-    ) -> Lobes:
+    def _at(self, place: Place, k: int, wanted: Vector, total: float) -> Lobes:
         mesh, lobes = self.network.mesh, self._moving.lobes
         number, s, t = int(place.simplex[k]), float(place.s[k]), float(place.t[k])
         on_edge = bool(place.on_edge[k])
@@ -252,7 +242,7 @@ class Interpolant(ScatteringFunction):
             yield order[limits[k] : limits[k + 1]], lobes
 
 
-def _stratified() -> Float[np.ndarray, "samples 2"]:
+def _stratified() -> Points2:
     # Rings of equal flux, azimuths staggered from one to the next
     ring, turn = np.meshgrid(
         np.arange(_PATCH_RINGS), np.arange(_PATCH_AZIMUTHS), indexing="ij"
@@ -262,12 +252,7 @@ def _stratified() -> Float[np.ndarray, "samples 2"]:
     return np.stack([first.ravel(), second.ravel()], axis=-1)
 
 
-def _shifted(
-    lobes: Lobes,
-    found: Float[np.ndarray, "2"],
-    wanted: Float[np.ndarray, "3"],
-    follow: float,
-) -> Lobes:
+def _shifted(lobes: Lobes, found: Vector2, wanted: Vector, follow: float) -> Lobes:
     # Move the centres with the incident direction, in the disc, up to its rim
     turn = (found - wanted[:2]) * follow
     if np.hypot(*turn) < 1e-9:

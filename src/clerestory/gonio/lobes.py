@@ -18,6 +18,7 @@ from jaxtyping import Float
 from scipy import special
 from scipy.interpolate import RectBivariateSpline
 
+from clerestory.array_types import Directions, Values, Vector
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_table
 
@@ -93,18 +94,16 @@ class Lobes:
         return float(self.flux.sum())
 
     @property
-    def half_maximum(self) -> Float[np.ndarray, " lobes"]:
+    def half_maximum(self) -> Values:
         """Angle from the centre at which a lobe has half its peak [rad]."""
         return np.asarray(np.arccos(np.maximum(1 - self.radius**2 * np.log(2), -1)))
 
     @property
-    def peak(self) -> Float[np.ndarray, " lobes"]:
+    def peak(self) -> Values:
         """BSDF of each lobe at its centre [1/sr]."""
         return np.asarray(self.flux / norm(self.centre[:, 2], self.radius))
 
-    def evaluate(
-        self, leaving: Float[np.ndarray, "directions 3"]
-    ) -> Float[np.ndarray, " directions"]:
+    def evaluate(self, leaving: Directions) -> Values:
         """BSDF [1/sr]."""
         peak, value = self.peak, np.zeros(len(leaving))
         step = max(1, _TOGETHER // max(len(self), 1))
@@ -119,14 +118,14 @@ class Lobes:
         """BSDF of each lobe per unit of its flux [1/sr]."""
         return np.asarray(self._shape(leaving) / norm(self.centre[:, 2], self.radius))
 
-    def strongest(self) -> Float[np.ndarray, "3"]:
+    def strongest(self) -> Vector:
         """Direction in which the BSDF is largest."""
         best = np.argsort(self.peak)[-_CANDIDATES:]
         return self.climb(
             self.centre[best[np.argmax(self.evaluate(self.centre[best]))]]
         )
 
-    def climb(self, direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    def climb(self, direction: Vector) -> Vector:
         """Direction of the local maximum uphill of a direction.
 
         Reference: D. Comaniciu, P. Meer, "Mean shift", IEEE Transactions on Pattern
@@ -161,9 +160,7 @@ def angles_among(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
     return table
 
 
-def norm(
-    height: Float[np.ndarray, " lobes"], radius: Float[np.ndarray, " lobes"]
-) -> Float[np.ndarray, " lobes"]:
+def norm(height: Values, radius: Values) -> Values:
     """Integral of exp((cos α − 1)/r²) times the cosine over the hemisphere [sr].
 
     Parameters
@@ -180,9 +177,7 @@ def norm(
     return np.asarray(_flat(elevation, radius) * _curvature().ev(elevation, log_radius))
 
 
-def _flat(
-    elevation: Float[np.ndarray, "*batch"], radius: Float[np.ndarray, "*batch"]
-) -> Float[np.ndarray, "*batch"]:
+def _flat(elevation: Values, radius: Values) -> Values:
     # A plane Gaussian over the horizon: E[max(sin(e + r·x), 0)] to first order in r
     reach = elevation / radius
     above = special.ndtr(reach)
@@ -191,9 +186,7 @@ def _flat(
     return np.asarray(2 * np.pi * radius**2 * mean)
 
 
-def _integral(
-    elevation: Float[np.ndarray, "*batch"], radius: Float[np.ndarray, "*batch"]
-) -> Float[np.ndarray, "*batch"]:
+def _integral(elevation: Values, radius: Values) -> Values:
     # Over rings of equal θ the integral in azimuth is a Bessel function
     centre = np.pi / 2 - elevation[..., None]
     wide = 8 * radius[..., None]

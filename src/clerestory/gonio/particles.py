@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.gonio.transport import Plan
+from clerestory.array_types import Indices, Values
+from clerestory.gonio.optimal_transport import Plan
 
 # Light of a triangle in its smallest particles that is given to the others.
 _SMALL_CHANGE = 2e-3
@@ -69,12 +70,7 @@ def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
 
 
 def _onwards(
-    mine: Int[np.ndarray, " moves"],
-    theirs: Int[np.ndarray, " moves"],
-    flux: Float[np.ndarray, " moves"],
-    plan: Plan,
-    *,
-    own: int,
+    mine: Indices, theirs: Indices, flux: Values, plan: Plan, *, own: int
 ) -> list[Particles]:
     """Light that belongs to one end of the edge A–B, on its way to C.
 
@@ -105,9 +101,7 @@ def _onwards(
     ]
 
 
-def _only_at_c(
-    plan: Plan, other_plan: Plan, mine: Int[np.ndarray, " moves"], *, own: int
-) -> Particles:
+def _only_at_c(plan: Plan, other_plan: Plan, mine: Indices, *, own: int) -> Particles:
     """Light at C that this end does not have, from where its plan continues it to.
 
     At the other end it stands where most of it comes from by the plan from there.
@@ -122,17 +116,12 @@ def _only_at_c(
 
 
 def _ends(
-    own: int,
-    mine: Int[np.ndarray, " particles"],
-    theirs: Int[np.ndarray, " particles"],
-    third: Int[np.ndarray, " particles"] | None,
-) -> tuple[Int[np.ndarray, " particles"] | None, ...]:
+    own: int, mine: Indices, theirs: Indices, third: Indices | None
+) -> tuple[Indices | None, ...]:
     return (theirs, mine, third) if own else (mine, theirs, third)
 
 
-def _particles(
-    corners: tuple[Int[np.ndarray, " particles"] | None, ...], flux: _Light
-) -> Particles:
+def _particles(corners: tuple[Indices | None, ...], flux: _Light) -> Particles:
     size = len(next(iter(flux.values())))
     none = np.full(size, -1)
     table = np.zeros((size, 4))

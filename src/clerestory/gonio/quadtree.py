@@ -9,9 +9,10 @@ measurement.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
-from clerestory.hemisphere.square import square_from_disc
+from clerestory.array_types import Directions, Indices, Mask, Values
+from clerestory.hemisphere.shirley_chiu import square_from_disc
 
 # Halvings down to the smallest cell, 0.3° wide.
 FINEST = 9
@@ -36,7 +37,7 @@ class Cells:
     order: Int[np.ndarray, " points"]
 
     @property
-    def solid_angle(self) -> Float[np.ndarray, " cells"]:
+    def solid_angle(self) -> Values:
         """Solid angle of each cell [sr]."""
         return 2 * np.pi * 0.25**self.level
 
@@ -57,7 +58,7 @@ class Cells:
         )
         return middle
 
-    def count(self) -> Int[np.ndarray, " cells"]:
+    def count(self) -> Indices:
         """Points in each cell."""
         return np.diff(self.first)
 
@@ -91,11 +92,7 @@ class Quadtree:
     True
     """
 
-    def __init__(
-        self,
-        direction: Float[np.ndarray, "points 3"],
-        values: Float[np.ndarray, " points"],
-    ) -> None:
+    def __init__(self, direction: Directions, values: Values) -> None:
         scale = 1 / np.sqrt(1 + direction[:, 2])
         a, b = square_from_disc(direction[:, 0] * scale, direction[:, 1] * scale)
         code = _interleave(_whole(a), _whole(b))
@@ -131,21 +128,19 @@ class Quadtree:
                 high = middle
         return self._leaves(worth, every[low] if low < len(every) else np.inf)
 
-    def _alive(
-        self, worth: list[Float[np.ndarray, " _"]], threshold: float
-    ) -> list[Bool[np.ndarray, " _"]]:
+    def _alive(self, worth: list[Values], threshold: float) -> list[Mask]:
         # Cells all of whose ancestors are halved
         alive = [np.ones(len(self._levels[0].code), dtype=bool)]
         for k, level in enumerate(self._levels[1:]):
             alive.append((alive[k] & (worth[k] >= threshold))[level.parent])
         return alive
 
-    def _size(self, worth: list[Float[np.ndarray, " _"]], threshold: float) -> int:
+    def _size(self, worth: list[Values], threshold: float) -> int:
         alive = self._alive(worth, threshold)
         halved = [a & (w >= threshold) for a, w in zip(alive, worth, strict=True)]
         return sum(int(a.sum() - h.sum()) for a, h in zip(alive, halved, strict=True))
 
-    def _leaves(self, worth: list[Float[np.ndarray, " _"]], threshold: float) -> Cells:
+    def _leaves(self, worth: list[Values], threshold: float) -> Cells:
         level, first = [], []
         for k, alive in enumerate(self._alive(worth, threshold)):
             leaf = alive & ~(worth[k] >= threshold)
@@ -158,11 +153,7 @@ class Quadtree:
 
 
 def _levels(
-    code: Int[np.ndarray, " points"],
-    a: Float[np.ndarray, " points"],
-    b: Float[np.ndarray, " points"],
-    values: Float[np.ndarray, " points"],
-    order: Int[np.ndarray, " points"],
+    code: Indices, a: Values, b: Values, values: Values, order: Indices
 ) -> list[_Level]:
     # Moments of the points about the middle of the square, in their order
     x, y, v = a[order] - 0.5, b[order] - 0.5, values[order]
@@ -206,14 +197,12 @@ def _loss(
     return np.asarray(np.sqrt(left) / np.sqrt(np.maximum(v, 0) + floor))
 
 
-def _whole(coordinate: Float[np.ndarray, " points"]) -> Int[np.ndarray, " points"]:
+def _whole(coordinate: Values) -> Indices:
     wide = 1 << FINEST
     return np.clip((coordinate * wide).astype(np.int64), 0, wide - 1)
 
 
-def _interleave(
-    a: Int[np.ndarray, " points"], b: Int[np.ndarray, " points"]
-) -> Int[np.ndarray, " points"]:
+def _interleave(a: Indices, b: Indices) -> Indices:
     code = np.zeros_like(a)
     for bit in range(FINEST):
         code |= ((a >> bit) & 1) << (2 * bit + 1) | ((b >> bit) & 1) << (2 * bit)

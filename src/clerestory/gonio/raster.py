@@ -14,8 +14,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import sparse
 
+from clerestory.array_types import Directions, Values
 from clerestory.gonio.lobes import Lobes
-from clerestory.hemisphere.square import disc_from_square, square_from_disc
+from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
 
 # The coarsest grid has 2^4 cells along an axis, each 9° wide.
 _COARSEST = 4
@@ -68,7 +69,7 @@ class Raster:
         """Halvings of the finest grid on which lobes are drawn."""
         return _COARSEST + len(self.directions) - 1
 
-    def cells(self, lobes: Lobes) -> Float[np.ndarray, " cells"]:
+    def cells(self, lobes: Lobes) -> Values:
         """BSDF of each cell of the projected square [1/sr], the second axis faster."""
         values = self.gather @ self._drawn(lobes)
         light = values.sum() * np.pi / len(values)
@@ -94,7 +95,7 @@ class Raster:
         density = cells[chosen] * len(cells) / (np.pi * total) * z
         return np.stack([x, y, z], axis=-1), density
 
-    def _drawn(self, lobes: Lobes) -> Float[np.ndarray, " cells"]:
+    def _drawn(self, lobes: Lobes) -> Values:
         # BSDF on the finest grid
         width = np.sqrt(2 * np.pi) * 0.5 ** np.arange(_COARSEST, self.finest + 1)
         grid = np.searchsorted(-_CELLS_PER_RADIUS * width, -lobes.radius, side="left")
@@ -161,9 +162,9 @@ def _draw_near(
 def _with_margin(
     wide: int,
 ) -> tuple[
-    Float[np.ndarray, " cells"],
-    Float[np.ndarray, " cells"],
-    Float[np.ndarray, " cells"],
+    Values,
+    Values,
+    Values,
 ]:
     # Coordinates of a grid within a margin that no lobe reaches
     table = np.zeros((3, wide + 2 * _SIDE, wide + 2 * _SIDE))
@@ -187,9 +188,7 @@ def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]
     return table.ravel()
 
 
-def _square(
-    direction: Float[np.ndarray, "points 3"],
-) -> tuple[Float[np.ndarray, " points"], Float[np.ndarray, " points"]]:
+def _square(direction: Directions) -> tuple[Values, Values]:
     scale = 1 / np.sqrt(1 + direction[:, 2])
     return square_from_disc(direction[:, 0] * scale, direction[:, 1] * scale)
 
@@ -201,7 +200,7 @@ def _raster(halvings: int) -> Raster:
     return Raster(halvings, directions, _gathering(halvings, finest))
 
 
-def _centres(halvings: int) -> Float[np.ndarray, "cells 3"]:
+def _centres(halvings: int) -> Directions:
     wide = 1 << halvings
     middle = (np.arange(wide) + 0.5) / wide
     a, b = np.meshgrid(middle, middle, indexing="ij")

@@ -17,6 +17,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import Directions, Values, Vector2
 from clerestory.errors import InputError
 
 Symmetry = Literal[
@@ -40,12 +41,12 @@ _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
 }
 
 
-def images(symmetry: Symmetry) -> Float[np.ndarray, "images 3"]:
+def images(symmetry: Symmetry) -> Directions:
     """Factors of x, y, z for the images of a direction; the first changes nothing."""
     return np.array([(*signs, 1) for signs in _IMAGES[symmetry]], dtype=float)
 
 
-def deduce_symmetry(incidents: Float[np.ndarray, "directions 3"]) -> Symmetry:
+def deduce_symmetry(incidents: Directions) -> Symmetry:
     """Symmetry that incident directions imply, by the quadrants they cover.
 
     Half a circle may also be measured of a rotational layer, which then must be told.
@@ -83,7 +84,7 @@ def deduce_symmetry(incidents: Float[np.ndarray, "directions 3"]) -> Symmetry:
     )
 
 
-def _on_axes(phi: Float[np.ndarray, " directions"]) -> Symmetry:
+def _on_axes(phi: Values) -> Symmetry:
     # Azimuths of 0, 90, 180 or 270° only
     axes = set((np.round(phi / 90) % 4).astype(int).tolist())
     if {0, 2} <= axes and {1, 3} <= axes:
@@ -94,10 +95,8 @@ def _on_axes(phi: Float[np.ndarray, " directions"]) -> Symmetry:
 
 
 def fold(
-    incident: Float[np.ndarray, "*batch 3"],
-    symmetry: Symmetry,
-    quadrant: Float[np.ndarray, "2"],
-) -> tuple[Float[np.ndarray, "*batch 3"], Float[np.ndarray, "*batch 3"]]:
+    incident: Directions, symmetry: Symmetry, quadrant: Vector2
+) -> tuple[Directions, Directions]:
     """Directions brought to the measured part, and the factors that bring them back.
 
     Parameters
@@ -115,18 +114,14 @@ def fold(
     return incident * factor, factor
 
 
-def measured_quadrant(
-    incidents: Float[np.ndarray, "directions 3"],
-) -> Float[np.ndarray, "2"]:
+def measured_quadrant(incidents: Directions) -> Vector2:
     """Signs of x and y of the quarter or half in which directions lie."""
     middle = incidents[:, :2].sum(axis=0)
     return np.where(middle < -1e-9, -1.0, 1.0)
 
 
 def within(
-    triangles: Float[np.ndarray, "triangles 3 3"],
-    symmetry: Symmetry,
-    quadrant: Float[np.ndarray, "2"],
+    triangles: Float[np.ndarray, "triangles 3 3"], symmetry: Symmetry, quadrant: Vector2
 ) -> Bool[np.ndarray, " triangles"]:
     """Which triangles reach into the measured part."""
     reach = np.max(triangles[:, :, :2] * quadrant, axis=1) > 1e-6

@@ -13,15 +13,16 @@ from typing import Literal, Protocol
 import numpy as np
 from jaxtyping import Float, Int32
 
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_combine import bits_of
-from clerestory.bsdf.tree_text import branch_order
+from clerestory.array_types import Directions
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import bits_of
+from clerestory.bsdf.tree_parser import branch_order
 from clerestory.errors import InputError
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 
 # Halvings at which trees are cut into blocks, counted from the smallest cells.
 _BLOCK = 3
@@ -40,7 +41,7 @@ class Source(Protocol):
     def symmetry(self) -> Symmetry:
         """Symmetry of the layer."""
 
-    def lobes_of(self, incident: Float[np.ndarray, "directions 3"]) -> Iterator[Lobes]:
+    def lobes_of(self, incident: Directions) -> Iterator[Lobes]:
         """Yield the lobes of the light from each direction."""
 
 

@@ -1,1 +1,1 @@
-"""Ways to cut a hemisphere into patches."""
+"""Partitions of the hemisphere by Klems, Tregenza, Reinhart and Shirley–Chiu."""

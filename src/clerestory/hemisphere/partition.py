@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.array_types import Directions, Indices, Points2, Values
 from clerestory.errors import InputError
 
 
@@ -68,7 +69,7 @@ class RingPartition:
         return int(self.count.sum())
 
     @property
-    def first(self) -> Int[np.ndarray, " rings"]:
+    def first(self) -> Indices:
         """Number of the first patch of each ring."""
         first: np.ndarray = np.cumsum(self.count) - self.count
         return first
@@ -81,12 +82,12 @@ class RingPartition:
             and bool(np.allclose(self.theta, other.theta, atol=2e-3))
         )
 
-    def solid_angles(self) -> Float[np.ndarray, " patches"]:
+    def solid_angles(self) -> Values:
         """Solid angle of each patch [sr]; the values sum to 2π."""
         ring = 2 * np.pi * np.abs(np.diff(np.cos(self.theta)))
         return np.repeat(ring / self.count, self.count)
 
-    def projected_solid_angles(self) -> Float[np.ndarray, " patches"]:
+    def projected_solid_angles(self) -> Values:
         """Solid angle of each patch weighted by the cosine to the pole [sr].
 
         A patch of uniform radiance L sends the irradiance ΛL to the plane, with
@@ -95,9 +96,7 @@ class RingPartition:
         ring = np.pi * np.abs(np.diff(np.sin(self.theta) ** 2))
         return np.repeat(ring / self.count, self.count)
 
-    def find(
-        self, direction: Float[np.ndarray, "*batch 3"]
-    ) -> Int[np.ndarray, "*batch"]:
+    def find(self, direction: Directions) -> Indices:
         """Patch that holds each direction; -1 below the rim."""
         x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
         theta = np.arctan2(np.hypot(x, y), z)
@@ -116,7 +115,7 @@ class RingPartition:
         within = np.floor(turn * count + 0.5).astype(int) % count
         return np.where(z > 0, self.first[ring] + within, -1)
 
-    def centres(self) -> Float[np.ndarray, "patches 3"]:
+    def centres(self) -> Directions:
         """Unit vectors through the middle of each patch, in polar angle and azimuth."""
         middle = (self.theta[1:] + self.theta[:-1]) / 2
         middle = np.where(
@@ -124,9 +123,7 @@ class RingPartition:
         )
         return self._directions(np.repeat(middle, self.count), np.zeros(len(self)))
 
-    def sample(
-        self, patch: Int[np.ndarray, "*batch"], u: Float[np.ndarray, "*batch 2"]
-    ) -> Float[np.ndarray, "*batch 3"]:
+    def sample(self, patch: Indices, u: Points2) -> Directions:
         """Directions within the given patches, distributed like the cosine.
 
         Parameters
@@ -140,11 +137,8 @@ class RingPartition:
         return self._directions(theta, u[..., 1] - 0.5, patch)
 
     def _directions(
-        self,
-        theta: Float[np.ndarray, "*batch"],
-        offset: Float[np.ndarray, "*batch"],
-        patch: Int[np.ndarray, "*batch"] | None = None,
-    ) -> Float[np.ndarray, "*batch 3"]:
+        self, theta: Values, offset: Values, patch: Indices | None = None
+    ) -> Directions:
         # Azimuth of a point `offset` patch widths beside the middle of its patch
         if patch is None:
             patch = np.arange(len(self))

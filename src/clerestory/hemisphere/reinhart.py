@@ -10,8 +10,8 @@ C. F. Reinhart, O. Walkenhorst, Energy and Buildings 33 (7), 2001.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
 
+from clerestory.array_types import Directions, Indices, Values
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 
@@ -48,17 +48,15 @@ class SkyPartition:
         """Whether both cut the sky alike."""
         return self.subdivision == other.subdivision
 
-    def find(
-        self, direction: Float[np.ndarray, "*batch 3"]
-    ) -> Int[np.ndarray, "*batch"]:
+    def find(self, direction: Directions) -> Indices:
         """Patch that each direction points to; 0 at and below the horizon."""
         return self.dome.find(direction) + 1
 
-    def solid_angles(self) -> Float[np.ndarray, " patches"]:
+    def solid_angles(self) -> Values:
         """Solid angle of each patch [sr]; 2π for the ground."""
         return np.concatenate([[2 * np.pi], self.dome.solid_angles()])
 
-    def centres(self) -> Float[np.ndarray, "patches 3"]:
+    def centres(self) -> Directions:
         """Unit vectors to the middle of each patch; straight down for the ground."""
         return np.concatenate([[[0.0, 0.0, -1.0]], self.dome.centres()])
 

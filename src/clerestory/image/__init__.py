@@ -1,1 +1,1 @@
-"""Pictures of radiance: files, arithmetic, false colour, tone mapping."""
+"""Radiance pictures: files, arithmetic, false colour, tone mapping, HDR capture."""

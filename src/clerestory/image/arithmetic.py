@@ -161,13 +161,13 @@ def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
             f" {picture.columns} × {picture.rows} expected"
         )
     lines = _average(picture.radiance.reshape(picture.rows, -1), rows)
-    turned = lines.reshape(rows, picture.columns, 3).transpose(1, 0, 2)
+    turned = lines.reshape(rows, picture.columns, -1).transpose(1, 0, 2)
     small = _average(turned.reshape(picture.columns, -1), columns)
     aspect = picture.rows / rows * columns / picture.columns
     return replace(
         picture,
         radiance=np.ascontiguousarray(
-            small.reshape(columns, rows, 3).transpose(1, 0, 2)
+            small.reshape(columns, rows, -1).transpose(1, 0, 2)
         ).astype(np.float32),
         pixel_aspect=picture.pixel_aspect * aspect,
     )

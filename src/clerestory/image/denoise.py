@@ -33,7 +33,7 @@ def denoise(picture: Picture) -> Picture:
         )
     network = importlib.import_module("mitsuba_oidn")
     version = importlib.metadata.version("mitsuba-oidn")
-    values = np.ascontiguousarray(picture.radiance, dtype=np.float32)
+    values = np.ascontiguousarray(picture.rgb, dtype=np.float32)
     smoothed = np.asarray(network.denoise(values, hdr=True), dtype=np.float32)
     line = f"{_MARK} Open Image Denoise by mitsuba-oidn {version}; for the eye only"
     return replace(

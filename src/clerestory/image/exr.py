@@ -135,7 +135,7 @@ def write_exr(picture: Picture, path: str | Path, *, half: bool = False) -> None
     InputError : a value too large for 16 bits
     OutputError : the file cannot be written
     """
-    values = picture.radiance
+    values = picture.rgb
     if half:
         if np.abs(values).max() > _LARGEST_HALF:
             raise InputError(

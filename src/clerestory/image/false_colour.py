@@ -9,10 +9,10 @@ from PIL import Image, ImageDraw
 
 from clerestory.image.arithmetic import within_view
 from clerestory.image.colour_scale import ColourScale
-from clerestory.image.display import to_srgb
-from clerestory.image.human_vision import human_vision
 from clerestory.image.legend import font, legend, text_size, value_word
 from clerestory.image.picture import Picture, photometric, photometric_unit
+from clerestory.image.srgb_display import to_srgb
+from clerestory.image.visibility_matching import human_vision
 
 Style = Literal["fill", "steps", "lines", "bands"]
 Pixels = UInt8[np.ndarray, "row column 3"]

@@ -78,6 +78,18 @@ class Picture:
         """Number of columns."""
         return int(self.radiance.shape[1])
 
+    @property
+    def rgb(self) -> Float32[np.ndarray, "row column 3"]:
+        """Values in red, green and blue.
+
+        Raises
+        ------
+        InputError : the picture holds other bands
+        """
+        if self.bands != RGB:
+            raise InputError(f"a picture in the bands {self.bands}; {RGB} expected")
+        return self.radiance
+
     def luminance(self) -> Float32[np.ndarray, "row column"]:
         """Luminance of every pixel [cd/m²].
 

@@ -104,7 +104,7 @@ def write_radiance(
     ------
     OutputError : the file cannot be written
     """
-    values = picture.radiance
+    values = picture.rgb
     scale = exposure
     if xyz:
         values = values @ np.linalg.inv(xyz_to_rgb()).T.astype(np.float32)

@@ -1,1 +1,1 @@
-"""Matrices that know what their rows and columns stand for."""
+"""Transfer matrices with labelled axes, and their files."""

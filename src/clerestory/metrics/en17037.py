@@ -14,7 +14,7 @@ import xarray as xr
 from jaxtyping import Bool, Float
 
 from clerestory.errors import InputError
-from clerestory.metrics.spatial import RoomShare, area_share, with_error
+from clerestory.metrics.spatial_metrics import RoomShare, area_share, with_error
 
 LEVELS = ("none", "minimum", "medium", "high")
 

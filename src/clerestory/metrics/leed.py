@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
-from clerestory.metrics.spatial import area_share
+from clerestory.metrics.spatial_metrics import area_share
 
 Version = Literal["v4", "v4.1"]
 

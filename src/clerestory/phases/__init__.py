@@ -1,0 +1,1 @@
+"""Matrix methods of annual daylight simulation, from two to six phases."""

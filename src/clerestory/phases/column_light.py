@@ -19,7 +19,7 @@ from scipy.sparse import csc_array
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain
 from clerestory.phases.receivers import chain_components, channel_count
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_product import fold
 
 # Weights of the bands in what is received: those of illuminance, or each by itself

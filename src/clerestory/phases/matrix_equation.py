@@ -22,8 +22,8 @@ from clerestory.matrix.axis import Axis, sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_fit
 from clerestory.phases.pictures import SunPictures
 from clerestory.phases.stored_views import Entries, StoredColumns
-from clerestory.sky.matrix import SkyMatrix
-from clerestory.sky.suns import SunMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
+from clerestory.sky.sun_matrix import SunMatrix
 
 # Number of the state at each time step, per window group
 States = Sequence[Int[np.ndarray, " time"]]

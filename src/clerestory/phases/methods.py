@@ -32,8 +32,8 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.trace import Progress
-from clerestory.sky.matrix import SkyMatrix
-from clerestory.sky.suns import SunMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
+from clerestory.sky.sun_matrix import SunMatrix
 
 MethodName = Literal["2-phase", "3-phase", "4-phase", "5-phase", "6-phase"]
 

@@ -61,7 +61,7 @@ def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Sce
     Examples
     --------
     >>> from clerestory.bsdf.analytic import lambertian
-    >>> from clerestory.bsdf.product import Product
+    >>> from clerestory.bsdf.product_data import Product
     >>> from dataclasses import replace
     >>> cloth = replace(lambertian(0.4, klems()), product=Product(width=2, height=1))
     >>> package(cloth, "cloth").bounds().tolist()

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import InputError
-from clerestory.gonio.layer import read_layer
+from clerestory.gonio.layer_file import read_layer
 from clerestory.radiance.arguments import Arguments, Definition
 from clerestory.radiance.definition import material
 from clerestory.radiance.expansion import Placed, Scope, placed_items

@@ -1,1 +1,1 @@
-"""The report of a study: one HTML page that explains itself, without a network."""
+"""HTML report of a study, in one self-contained file."""

@@ -1,11 +1,11 @@
 """The end of the page: how sure, how computed, and what the words mean."""
 
-from clerestory.metrics.useful import LIMITS_LUX
-from clerestory.report.accuracy import LIT_LUX, error_histogram, error_table
+from clerestory.metrics.useful_illuminance import LIMITS_LUX
 from clerestory.report.content import ReportContent
+from clerestory.report.fact_tables import fact_tables, time_table
 from clerestory.report.headline import target_words
 from clerestory.report.markup import Markup, element
-from clerestory.report.tables import fact_tables, time_table
+from clerestory.report.uncertainty import LIT_LUX, error_histogram, error_table
 
 
 def accuracy_section(content: ReportContent) -> Markup:

@@ -15,18 +15,18 @@ from jaxtyping import Float, UInt16
 
 import clerestory
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.finding import Finding
-from clerestory.bsdf.plausibility import check
-from clerestory.bsdf.scattering import Function, ScatteringFunction
+from clerestory.bsdf.quality_checks import check
+from clerestory.bsdf.quality_finding import Finding
+from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.report.colour import ColourScale
+from clerestory.report.embedded_data import packed
 from clerestory.report.markup import Markup, element, embedded_json, join
-from clerestory.report.offline import asset, content_policy
-from clerestory.report.pixels import packed
+from clerestory.report.page_assets import asset, content_policy
 
 _SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_view.js")
 

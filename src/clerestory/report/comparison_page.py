@@ -11,11 +11,11 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
 
-from clerestory.comparison.compare import Comparison
-from clerestory.comparison.notes import comparison_notes
+from clerestory.comparison.agreement import LIMITS
+from clerestory.comparison.comparison_notes import comparison_notes
+from clerestory.comparison.comparison_tables import shares_table, statistics_table
 from clerestory.comparison.series import ILLUMINANCE, group_of, quantity_of
-from clerestory.comparison.statistics import LIMITS
-from clerestory.comparison.tables import shares_table, statistics_table
+from clerestory.comparison.series_comparison import Comparison
 from clerestory.files import make_folder, replace_file, write_text
 from clerestory.report.comparison_plots import (
     days_figure,
@@ -24,7 +24,7 @@ from clerestory.report.comparison_plots import (
     time_figure,
 )
 from clerestory.report.markup import Markup, element, join
-from clerestory.report.offline import asset, content_policy
+from clerestory.report.page_assets import asset, content_policy
 
 PAGE_FILE = "comparison.html"
 _MOST_SERIES = 9

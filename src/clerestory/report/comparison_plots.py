@@ -8,10 +8,10 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from clerestory.comparison.align import Pairs
-from clerestory.comparison.compare import Comparison
-from clerestory.comparison.series import UNITS, group_of, quantity_of
-from clerestory.comparison.statistics import agreement
+from clerestory.comparison.agreement import agreement
+from clerestory.comparison.series import GLARE, UNITS, group_of, quantity_of
+from clerestory.comparison.series_comparison import Comparison
+from clerestory.comparison.time_alignment import Pairs
 
 # Measured is black; simulations in colours told apart by every eye (Okabe and Ito)
 _MEASURED = "#1b1f24"
@@ -33,7 +33,7 @@ def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure |
         return None
     low = min(min(p.measured.min(), max(p.simulated.min(), 1e-9)) for _, p in panels)
     high = max(max(p.measured.max(), p.simulated.max()) for _, p in panels)
-    wide = high > _WIDE_RANGE * low and quantity not in ("dgp", "dgi")
+    wide = high > _WIDE_RANGE * low and quantity not in GLARE
     ends = np.array([low / 1.2 if wide else 0.0, high * (1.2 if wide else 1.05)])
     size = (4.4 * len(panels) + 0.4, 4.6)
     figure = Figure(figsize=size, layout="constrained")

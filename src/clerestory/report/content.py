@@ -11,15 +11,15 @@ import xarray as xr
 from jaxtyping import Bool, Float
 
 from clerestory.errors import InputError
-from clerestory.report.electric import LampZone
-from clerestory.report.equation import EquationTerms
-from clerestory.report.film import Film
-from clerestory.report.layers import Layer
+from clerestory.report.animation import Film
+from clerestory.report.electric_lighting import LampZone
+from clerestory.report.five_phase_terms import EquationTerms
 from clerestory.report.method_table import MethodComparison
-from clerestory.report.moments import ViewPictures
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.sunlight import Sunlight
 from clerestory.report.view_glare import ViewGlare
+from clerestory.report.view_pictures import ViewPictures
+from clerestory.report.window_layers import Layer
 from clerestory.report.window_states import WindowStates
 
 
@@ -91,7 +91,7 @@ class ReportContent:
     illuminance, standard_error : per sensor and step [lux]
     occupied : steps that count for the metrics
     schedule : the occupied hours in words
-    metrics : of each sensor, as `metrics.summary.sensor_metrics` returns them, and
+    metrics : of each sensor, as `sensor_metrics` returns them, and
         `useful_bands_error` over (band, sensor)
     sensors : where the illuminance was found
     room, windows : the scene; both may be empty

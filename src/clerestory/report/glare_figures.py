@@ -8,16 +8,16 @@ from matplotlib.patches import Patch
 from matplotlib.projections.polar import PolarAxes
 
 from clerestory.errors import InputError
-from clerestory.glare.classes import (
-    CATEGORIES,
+from clerestory.glare.comfort_classes import (
     EXCEEDANCE,
     LIMITS,
-    category,
     exceeded_dgp,
     glare_autonomy,
     protection_level,
 )
-from clerestory.report.heatmap import day_hour_grid
+from clerestory.glare.dgp import DGP
+from clerestory.glare.index import CATEGORIES
+from clerestory.report.heat_map import day_hour_grid
 
 # From calm to alarming, told apart by brightness too
 _COLOURS = ("#dce9f2", "#f6d55c", "#ed7d3a", "#9c1b2f")
@@ -119,7 +119,7 @@ def glare_rosette_figure(
             f"{azimuth.size} azimuths for {dgp.shape[0]} views; as many expected"
         )
     count = len(CATEGORIES)
-    group = category(dgp)
+    group = DGP.category(dgp)
     share = np.stack([(group == i).mean(axis=1) for i in range(count)])
     figure = Figure(figsize=(6.4, 7.0), layout="constrained")
     axes: PolarAxes = figure.add_subplot(projection="polar")  # type: ignore[assignment]

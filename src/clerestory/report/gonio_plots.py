@@ -16,12 +16,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from clerestory.gonio.angles import from_degrees, straight_on
+from clerestory.gonio.cross_validation import CrossValidation
+from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.measurement import Measurement, Scan
-from clerestory.gonio.mesh import Mesh
-from clerestory.gonio.nodes import about_normal, turned
-from clerestory.gonio.validation import CrossValidation
+from clerestory.gonio.network_assembly import about_normal, turned
+from clerestory.gonio.scattering_measurement import Measurement, Scan
 
 _PALETTE = "inferno"
 _DECADES = 4

@@ -1,14 +1,14 @@
 """The top of the page: what was studied, what came out, how sure it is."""
 
-from clerestory.glare.classes import glare_autonomy
-from clerestory.metrics.useful import LIMITS_LUX
-from clerestory.report.accuracy import error_words
+from clerestory.glare.comfort_classes import glare_autonomy
+from clerestory.metrics.useful_illuminance import LIMITS_LUX
 from clerestory.report.content import ReportContent
-from clerestory.report.figure import Figure
 from clerestory.report.markup import Markup, element
+from clerestory.report.metric_maps import MetricMap, metric_maps, useful_share
 from clerestory.report.orientation import orientation
 from clerestory.report.period import hours_in, period_words
-from clerestory.report.summary import MetricMap, metric_maps, useful_share
+from clerestory.report.uncertain_value import Figure
+from clerestory.report.uncertainty import error_words
 
 _METHODS = {
     "2-phase": "Two-phase method: daylight coefficients",

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float
 
-from clerestory.report.figure import number
 from clerestory.report.markup import Markup, element
+from clerestory.report.uncertain_value import number
 from clerestory.study.method_comparison import LEAST_LUX, WITHIN, differences
 
 

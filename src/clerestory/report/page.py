@@ -10,20 +10,20 @@ from string import Template
 
 import clerestory
 from clerestory.files import write_text
-from clerestory.report.adapter import from_results
+from clerestory.report.annual_sections import course_sections
 from clerestory.report.appendix import (
     accuracy_section,
     making_section,
     words_section,
 )
 from clerestory.report.content import ReportContent
-from clerestory.report.course import course_sections
-from clerestory.report.data import page_data
+from clerestory.report.content_from_results import from_results
 from clerestory.report.headline import headline
-from clerestory.report.layers import layers_section
+from clerestory.report.main_sections import plans_section, room_section, year_section
 from clerestory.report.markup import Markup, element, embedded_json, join
-from clerestory.report.offline import asset, content_policy
-from clerestory.report.sections import plans_section, room_section, year_section
+from clerestory.report.page_assets import asset, content_policy
+from clerestory.report.page_data import page_data
+from clerestory.report.window_layers import layers_section
 from clerestory.study.results import Results
 
 _SCRIPTS = (

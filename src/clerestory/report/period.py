@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Bool
 
-from clerestory.report.heatmap import day_hour_grid
+from clerestory.report.heat_map import day_hour_grid
 
 
 def step_minutes(times: np.ndarray) -> float:

@@ -4,9 +4,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from clerestory.report.legend import legend
+from clerestory.report.colour_bar import legend
+from clerestory.report.embedded_data import jpeg
 from clerestory.report.markup import Markup, element
-from clerestory.report.moments import (
+from clerestory.report.period import moment_words
+from clerestory.report.view_pictures import (
     Moment,
     ViewPictures,
     as_luminance,
@@ -15,8 +17,6 @@ from clerestory.report.moments import (
     luminance_scale,
     read_small,
 )
-from clerestory.report.period import moment_words
-from clerestory.report.pixels import jpeg
 
 # Pictures of a view that the page shows: of one or two views, of more; their size
 _MOST, _MOST_OF_MANY = 6, 3

@@ -11,10 +11,10 @@ from jaxtyping import Float, Int
 
 from clerestory.report.colour import ColourScale
 from clerestory.report.content import ReportContent
-from clerestory.report.edges import feature_edges, weld
+from clerestory.report.embedded_data import packed
+from clerestory.report.feature_edges import feature_edges, weld
+from clerestory.report.horizontal_section import horizontal_section, visible_extent
 from clerestory.report.orientation import orientation
-from clerestory.report.pixels import packed
-from clerestory.report.section import horizontal_section, visible_extent
 
 MOST_TRIANGLES = 40_000
 

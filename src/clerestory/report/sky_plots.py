@@ -18,9 +18,9 @@ from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
 from clerestory.files import replace_file
-from clerestory.report.heatmap import day_hour_grid
-from clerestory.sky.point import perez_point
-from clerestory.sky.sun import SunFormula, sun_position
+from clerestory.report.heat_map import day_hour_grid
+from clerestory.sky.point_sky import perez_point
+from clerestory.sky.solar_position import SunFormula, sun_position
 from clerestory.sky.weather import Weather
 
 # Cells of the dome in altitude and azimuth

@@ -7,19 +7,19 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int, UInt8
 
-from clerestory.glare.classes import (
-    CATEGORIES,
+from clerestory.glare.comfort_classes import (
     EXCEEDANCE,
     LIMITS,
-    category,
     exceeded_dgp,
     glare_autonomy,
     protection_level,
 )
-from clerestory.report.day_map import DayMap, day_map, keys
-from clerestory.report.figure import number
+from clerestory.glare.dgp import DGP
+from clerestory.glare.index import CATEGORIES
+from clerestory.report.class_map import DayMap, day_map, keys
 from clerestory.report.markup import Markup, element
 from clerestory.report.period import hours_in, moment_words
+from clerestory.report.uncertain_value import number
 
 # From calm to alarming, told apart by brightness too
 COLOURS = np.array(
@@ -54,7 +54,7 @@ class ViewGlare:
 
     def class_of(self, step: int) -> str:
         """Return the category of glare in a step."""
-        return CATEGORIES[int(category(self.dgp[step : step + 1])[0])]
+        return CATEGORIES[int(DGP.category(self.dgp[step : step + 1])[0])]
 
     def rated(self) -> Float[np.ndarray, " time"]:
         """DGP of each step, 0 in the dark."""
@@ -86,7 +86,7 @@ def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
 def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
     """Return the year of each view as a map of DGP in steps of 0.01."""
     level = np.arange(round(1 / _STEP) + 1) * _STEP
-    group = category(level)
+    group = DGP.category(level)
     texts = tuple(
         f"DGP {x:.2f}, {CATEGORIES[k]}" for x, k in zip(level, group, strict=True)
     )
@@ -104,7 +104,7 @@ def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
 
 def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
     """Colour of DGPs: that of their class, paler for what is far from perceptible."""
-    colours = COLOURS[category(dgp)].astype(float)
+    colours = COLOURS[DGP.category(dgp)].astype(float)
     calm = dgp <= LIMITS[0]
     share = np.clip((dgp[calm] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[:, None]
     colours[calm] = _PALE + share * (COLOURS[0] - _PALE)
@@ -116,8 +116,8 @@ def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
     low = np.round(np.clip(dgp, 0, 1) / _STEP)
     low = np.where(np.isnan(dgp), 0, low).astype(int)
     level = low * _STEP
-    low = low + (category(level) < category(np.nan_to_num(dgp)))
-    low = low - (category(level) > category(np.nan_to_num(dgp)))
+    low = low + (DGP.category(level) < DGP.category(np.nan_to_num(dgp)))
+    low = low - (DGP.category(level) > DGP.category(np.nan_to_num(dgp)))
     return np.asarray(np.where(np.isnan(dgp), -1, low))
 
 
@@ -188,7 +188,7 @@ def _class_table(
     head = ("Occupied hours", *(c.capitalize() for c in CATEGORIES))
     rows = []
     for glare in views:
-        found = category(glare.rated())
+        found = DGP.category(glare.rated())
         cells = [element("th", glare.view, scope="row")]
         for kind in range(len(CATEGORIES)):
             chosen = occupied & (found == kind)
@@ -230,7 +230,7 @@ def worst_steps(
     order = order[rated[order] >= 0]
     _, first = np.unique(times[order].astype("datetime64[D]"), return_index=True)
     worst = order[np.sort(first)]
-    count = int((category(rated[worst]) > 0).sum())
+    count = int((DGP.category(rated[worst]) > 0).sum())
     return np.asarray(worst[: min(max(count, 1), _WORST)])
 
 

@@ -11,10 +11,10 @@ import xarray as xr
 from jaxtyping import Bool, Int, UInt8
 from matplotlib import colormaps
 
-from clerestory.report.day_map import DayMap, day_map, keys
-from clerestory.report.figure import number
+from clerestory.report.class_map import DayMap, day_map, keys
 from clerestory.report.markup import Markup, element
 from clerestory.report.period import hours_in
+from clerestory.report.uncertain_value import number
 from clerestory.study.window_tables import ControlTable
 
 

@@ -1,1 +1,1 @@
-"""The scene as plain values: surfaces, materials, windows, sensors, views."""
+"""Plain values of a scene: surfaces, materials, windows, sensors, views."""

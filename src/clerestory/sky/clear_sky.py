@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
-from clerestory.sky.sun import day_of_year, sun_position
+from clerestory.sky.solar_position import day_of_year, sun_position
 from clerestory.sky.weather import TYPICAL_YEAR, Site, Weather
 
 SOLAR_CONSTANT = 1366.1

@@ -15,9 +15,9 @@ import numpy as np
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_text
-from clerestory.sky.cells import column, number
-from clerestory.sky.moments import moments
-from clerestory.sky.repair import repaired_weather
+from clerestory.sky.gap_filling import repaired_weather
+from clerestory.sky.table_cells import column, number
+from clerestory.sky.time_steps import moments
 from clerestory.sky.weather import Site, Weather
 
 _HEADER_LINES = 8

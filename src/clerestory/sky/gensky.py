@@ -14,14 +14,14 @@ from jaxtyping import Float
 
 from clerestory.constants import GROUND_REFLECTANCE
 from clerestory.errors import InputError
-from clerestory.sky.distribution import (
+from clerestory.sky.luminance_distribution import (
     Distribution,
     Intermediate,
     Overcast,
     cie_general,
     horizontal_integral,
 )
-from clerestory.sky.point import PointSky
+from clerestory.sky.point_sky import PointSky
 
 CieSky = Literal["uniform", "overcast", "intermediate", "clear"]
 

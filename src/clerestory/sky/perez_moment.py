@@ -6,11 +6,11 @@ import numpy as np
 
 from clerestory.constants import GROUND_REFLECTANCE, LUMINOUS_EFFICACY, SKY_COLOUR
 from clerestory.errors import InputError
-from clerestory.sky.conditions import SkyConditions
-from clerestory.sky.photometric import irradiance_of
-from clerestory.sky.point import PointSky, perez_under
+from clerestory.sky.illuminance_conversion import irradiance_of
+from clerestory.sky.point_sky import PointSky, perez_under
+from clerestory.sky.sky_conditions import SkyConditions
 from clerestory.sky.sky_state import sky_state
-from clerestory.sky.sun import SunPosition, day_of_year
+from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.weather import Illuminance
 
 # The day on which the sun is at its mean distance, if none is given

@@ -11,16 +11,17 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Float32
 
-from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
+from clerestory.bands import RGB, Bands
+from clerestory.constants import GROUND_REFLECTANCE
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
-from clerestory.sky.conditions import SkyConditions, Spectrum, sky_conditions
-from clerestory.sky.direct import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
-from clerestory.sky.dome import Quadrature, dome_radiance
-from clerestory.sky.matrix import SkyMatrix, SkyResponse
+from clerestory.sky.patch_radiance import SkyMatrix, SkyResponse, default_colour
 from clerestory.sky.perez import perez_sky
+from clerestory.sky.perez_patches import Quadrature, dome_radiance
+from clerestory.sky.sky_conditions import SkyConditions, Spectrum, sky_conditions
 from clerestory.sky.sky_state import DEFAULT_DEW_POINT_C
-from clerestory.sky.sun import SunFormula
+from clerestory.sky.solar_position import SunFormula
+from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.weather import Weather
 
 __all__ = ["SkyMatrix", "SkyResponse", "sky_matrix"]
@@ -36,12 +37,13 @@ def sky_matrix(
     sun: SunPlacement = "spread",
     sun_diameter_deg: float = SUN_DIAMETER_DEG,
     ground_reflectance: float | Sequence[float] = GROUND_REFLECTANCE,
-    sky_colour: Sequence[float] = SKY_COLOUR,
+    sky_colour: Sequence[float] | None = None,
     rotation_deg: float = 0.0,
     sun_formula: SunFormula = "spa",
     quadrature: Quadrature | None = None,
     dew_point_c: float | None = None,
     spectrum: Spectrum = "visible",
+    bands: Bands = RGB,
 ) -> SkyMatrix:
     """Return the radiance [W/(m²·sr)] of ground and sky patches at every time step.
 
@@ -56,8 +58,8 @@ def sky_matrix(
         it); "sun" alone, without sky and ground
     sun : how the direct sun is put into patches, see `direct.sun_radiance`
     sun_diameter_deg : apparent diameter of the sun if it is put as a "disc"
-    ground_reflectance : one value, or one per channel
-    sky_colour : factor of each channel
+    ground_reflectance : one value, or one per band
+    sky_colour : factor of each band; None takes gendaymtx's in RGB, white in others
     rotation_deg : turns sky and sun counter-clockwise, for scenes whose y axis
         points that much east of north
     sun_formula : "spa", or "radiance" for comparisons with gendaymtx
@@ -67,13 +69,14 @@ def sky_matrix(
     dew_point_c : for all steps; None takes the weather's, or 11 °C
     spectrum : "visible" radiance, luminance over 179 lm/W, or that of the whole
         "solar" spectrum, as the weather has it
+    bands : spectral bands of the sky
 
     Raises
     ------
     InputError : an argument outside its range
     """
     partition = reinhart(subdivision)
-    colour = _colours(partition, ground_reflectance, sky_colour)
+    colour = _colours(partition, ground_reflectance, sky_colour, bands)
     if include not in ("all", "sky", "sun"):
         raise InputError(f"unknown part {include!r}; 'all', 'sky' or 'sun' expected")
     if sun_formula == "radiance":
@@ -103,7 +106,8 @@ def sky_matrix(
         diffuse=diffuse,
         colour=colour,
         sun=added,
-        sun_colour=np.ones(3),
+        sun_colour=np.ones(len(bands)),
+        bands=bands,
         attributes=_provenance(weather)
         | {
             "include": include,
@@ -152,23 +156,27 @@ def _sky_and_ground(
 def _colours(
     partition: SkyPartition,
     ground_reflectance: float | Sequence[float],
-    sky_colour: Sequence[float],
-) -> Float[np.ndarray, "3 patch"]:
-    # Factor of each channel, for the ground and the sky
-    ground = _three("ground reflectance", ground_reflectance, largest=1.0)
-    sky = _three("sky colour", sky_colour, largest=100.0)
+    sky_colour: Sequence[float] | None,
+    bands: Bands,
+) -> Float[np.ndarray, "band patch"]:
+    # Factor of each band, for the ground and the sky
+    if sky_colour is None:
+        sky_colour = default_colour(bands)
+    ground = _per_band("ground reflectance", ground_reflectance, bands, largest=1.0)
+    sky = _per_band("sky colour", sky_colour, bands, largest=100.0)
     dome = np.repeat(sky[:, None], len(partition) - 1, axis=1)
     return np.column_stack([ground, dome])
 
 
-def _three(
-    name: str, value: float | Sequence[float], *, largest: float
-) -> Float[np.ndarray, "3"]:
+def _per_band(
+    name: str, value: float | Sequence[float], bands: Bands, *, largest: float
+) -> Float[np.ndarray, " band"]:
     values = np.asarray(value, dtype=float)
-    if values.shape not in ((), (3,)):
+    if values.shape not in ((), (len(bands),)):
         raise InputError(
-            f"{name} of shape {values.shape}; one or three numbers expected"
+            f"{name} of shape {values.shape}; one number, or one for each of the bands"
+            f" {bands} expected"
         )
     if not np.all((values >= 0) & (values <= largest)):
         raise InputError(f"{name} {values.tolist()}; 0 to {largest:g} expected")
-    return np.broadcast_to(values, 3).copy()
+    return np.broadcast_to(values, len(bands)).copy()

@@ -12,9 +12,9 @@ import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
-from clerestory.sky.cells import column, number
-from clerestory.sky.moments import moments, typical_step
-from clerestory.sky.repair import repaired_weather
+from clerestory.sky.gap_filling import repaired_weather
+from clerestory.sky.table_cells import column, number
+from clerestory.sky.time_steps import moments, typical_step
 from clerestory.sky.weather import Site, Weather
 
 # Columns of the data, from the first (counted from 0) up to the last

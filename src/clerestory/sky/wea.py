@@ -11,12 +11,12 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
-from clerestory.sky.cells import column, number
-from clerestory.sky.closure import Irradiance, split_irradiance
-from clerestory.sky.measurement import Measurement, Quantity, weather_of
-from clerestory.sky.moments import moments, typical_step
-from clerestory.sky.repair import repaired_weather
-from clerestory.sky.sun import sun_position
+from clerestory.sky.gap_filling import repaired_weather
+from clerestory.sky.irradiance_decomposition import Irradiance, split_irradiance
+from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
+from clerestory.sky.solar_position import sun_position
+from clerestory.sky.table_cells import column, number
+from clerestory.sky.time_steps import moments, typical_step
 from clerestory.sky.weather import Site, Weather
 
 _COLUMNS = (

@@ -1,0 +1,1 @@
+"""Studies: a whole annual simulation described by one TOML file."""

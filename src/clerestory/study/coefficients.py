@@ -20,7 +20,7 @@ from clerestory.phases.shaded import States
 from clerestory.phases.trace import daylight_coefficients
 from clerestory.phases.two import two_phase
 from clerestory.scene.model import BsdfSurface, Plastic, Scene
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.study.job import COEFFICIENTS, STATE, Job
 from clerestory.study.window_groups import WindowGroup, WindowState
 

@@ -10,9 +10,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
-from clerestory.metrics.autonomy import TARGET_LUX
-from clerestory.metrics.sunlight import FIRST_DAY, LAST_DAY
-from clerestory.sky.station import MeasuredTable
+from clerestory.metrics.daylight_autonomy import TARGET_LUX
+from clerestory.metrics.en17037_sunlight import FIRST_DAY, LAST_DAY
+from clerestory.sky.station_file import MeasuredTable
 
 
 def _input_file(value: Any, info: Any) -> Any:

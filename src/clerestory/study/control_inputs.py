@@ -11,13 +11,13 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.control.profile import profile_angle
+from clerestory.control.profile_angle import profile_angle
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.metrics.hours import occupied_hours
+from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.phases.shaded import States
-from clerestory.sky.conditions import sun_over
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
+from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.control.choice import Limit, best_states, least_closed
-from clerestory.control.profile import blocking_states
-from clerestory.control.rule import Situation, apply_rule
+from clerestory.control.control_rule import Situation, apply_rule
+from clerestory.control.profile_angle import blocking_states
 from clerestory.control.schedule import held, read_schedule
+from clerestory.control.state_choice import Limit, best_states, least_closed
 from clerestory.control.threshold import staged_states, threshold_states
 from clerestory.control.user_rule import load_rule
 from clerestory.errors import InputError

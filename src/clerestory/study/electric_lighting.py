@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 
 from clerestory.errors import InputError
-from clerestory.metrics.lighting import LightingUse, LightingZone, lighting_use
+from clerestory.metrics.lighting_energy import LightingUse, LightingZone, lighting_use
 from clerestory.study.lighting_tables import LightingTable
 from clerestory.study.luminaire_matrices import Lamps, Zone
 

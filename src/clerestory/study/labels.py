@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
-from clerestory.metrics.hours import occupied_hours
-from clerestory.metrics.spatial import hours_above
-from clerestory.metrics.summary import sensor_metrics
+from clerestory.metrics.occupied_hours import occupied_hours
+from clerestory.metrics.sensor_metrics import sensor_metrics
+from clerestory.metrics.spatial_metrics import hours_above
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing

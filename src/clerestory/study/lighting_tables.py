@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from clerestory.metrics.lighting import Control
+from clerestory.metrics.lighting_energy import Control
 from clerestory.study.config_tables import InputFile, Named, NamedFile, rule_broken
 
 Place = Annotated[list[float], Field(min_length=3, max_length=3)]

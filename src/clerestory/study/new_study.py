@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import make_folder, write_text
 from clerestory.radiance.rad_reader import read_rad
@@ -18,7 +18,7 @@ from clerestory.scene.floor_grid import floor_grid, room_side
 from clerestory.scene.scene_checks import check_scene
 from clerestory.scene.sensors import read_sensors
 from clerestory.scene.window import Window
-from clerestory.sky.read import read_weather
+from clerestory.sky.weather_formats import read_weather
 
 STUDY_FILE, SENSOR_FILE = "study.toml", "workplane.pts"
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Int
 
-from clerestory.control.choice import when_occupied
-from clerestory.control.direct_sun import operate_by_direct_sun
+from clerestory.control.lm83_blinds import operate_by_direct_sun
+from clerestory.control.state_choice import when_occupied
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.control_rules import INSIDE, OUTSIDE, Case
 from clerestory.study.window_groups import WindowGroup

@@ -19,7 +19,7 @@ from clerestory.phases.shaded import ShadedWindow, States
 from clerestory.phases.stored_views import StoredViews
 from clerestory.phases.streamed import Opening, leaving_light, stream_illuminance
 from clerestory.phases.trace import Progress
-from clerestory.sky.matrix import SkyMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.study.job import Display
 from clerestory.study.traced import Skies, Tracing
 

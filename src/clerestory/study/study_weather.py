@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from clerestory.errors import InputError
-from clerestory.metrics.hours import occupied_hours
+from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.sky.clear_sky import clear_sky_weather
-from clerestory.sky.doubts import warn_of_clock
-from clerestory.sky.period import select_days
-from clerestory.sky.read import read_weather
-from clerestory.sky.station import read_with
+from clerestory.sky.quality_checks import warn_of_clock
+from clerestory.sky.station_file import read_with
 from clerestory.sky.weather import Site, Weather
+from clerestory.sky.weather_formats import read_weather
+from clerestory.sky.weather_selection import select_days
 from clerestory.study.config import Study
 from clerestory.study.config_tables import ClearSkyTable, WeatherTable
 

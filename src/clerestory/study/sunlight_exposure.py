@@ -3,11 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from clerestory.metrics.sunlight import hours_of_sun, reference_point
+from clerestory.metrics.en17037_sunlight import hours_of_sun, reference_point
 from clerestory.phases.sunshine import sunshine
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.window import Window
-from clerestory.sky.sun import SunPosition, sun_position
+from clerestory.sky.solar_position import SunPosition, sun_position
 from clerestory.study.config import Study
 from clerestory.study.config_tables import SunlightTable
 from clerestory.study.inputs import Inputs

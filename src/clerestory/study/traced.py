@@ -19,8 +19,8 @@ from clerestory.phases.shaded import (
     shaded_three_phase,
 )
 from clerestory.phases.three import three_phase_sum
-from clerestory.sky.matrix import SkyMatrix
-from clerestory.sky.suns import SunMatrix
+from clerestory.sky.patch_radiance import SkyMatrix
+from clerestory.sky.sun_matrix import SunMatrix
 from clerestory.study.coefficients import TwoPhases
 from clerestory.study.job import Display
 

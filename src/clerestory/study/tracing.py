@@ -19,7 +19,7 @@ from clerestory.phases.streamed import Opening
 from clerestory.phases.sun import blackened, sun_coefficients
 from clerestory.phases.trace import daylight_matrix, view_matrices
 from clerestory.sky.sky_matrix import sky_matrix
-from clerestory.sky.suns import SunMatrix, patch_suns, sun_matrix
+from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.study.coefficients import trace_coefficients
 from clerestory.study.config import Study

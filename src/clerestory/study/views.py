@@ -13,9 +13,9 @@ from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
 from clerestory.files import make_folder
-from clerestory.glare.annual import annual_glare
+from clerestory.glare.annual_glare import annual_glare
 from clerestory.image.picture import Picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import write_picture
 from clerestory.phases.shaded import States
 from clerestory.phases.trace import Progress
 from clerestory.scene.view import View

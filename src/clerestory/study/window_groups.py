@@ -10,7 +10,7 @@ from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import ClerestoryWarning, InputError
-from clerestory.gonio.layer import read_layer
+from clerestory.gonio.layer_file import read_layer
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from clerestory.control.direct_sun import MOST_SENSORS, SUN_LUX
+from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
 from clerestory.study.config_tables import (
     InputFile,
     Named,

@@ -5,7 +5,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 
 WIDTH, SPACING = 25.4, 21.0  # slats tilted by 45°, outer edge down [mm]
 VISIBLE_TRANSMITTANCE = 0.64

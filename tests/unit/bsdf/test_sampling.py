@@ -5,12 +5,12 @@ import pytest
 from scipy.stats import chisquare
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_text import parse_tree
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.hemisphere.klems import klems
-from clerestory.hemisphere.square import disc_from_square, square_from_disc
+from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
 
 COUNT = 30_000  # directions a test
 CELLS, FINE = 10, 50  # cells of the histogram along an axis, points in each

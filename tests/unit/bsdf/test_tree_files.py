@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.colour import rgb_from_xyz
-from clerestory.bsdf.product import Product
-from clerestory.bsdf.reduce import reduce_tree
+from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import reciprocal_mean, to_matrices, to_trees
-from clerestory.bsdf.scattering import FUNCTIONS
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree import ScatteringTree
-from clerestory.bsdf.tree_text import parse_tree
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_parser import parse_tree
+from clerestory.bsdf.tree_reduction import reduce_tree
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.klems import klems

@@ -8,9 +8,9 @@ import pytest
 
 from clerestory.bsdf.analytic import lambertian, thin_pane
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Detail, Geometry, Product, Spectra
+from clerestory.bsdf.product_data import Detail, Geometry, Product, Spectra
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import InputError, OutputError
 from clerestory.hemisphere.klems import klems

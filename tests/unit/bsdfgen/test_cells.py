@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdf.tree_table import look_up
-from clerestory.bsdfgen.branches import incident_part, joined
-from clerestory.bsdfgen.keep_light import SummedLight, keep_light
-from clerestory.bsdfgen.pieces import slots_of, uncut
-from clerestory.bsdfgen.refine import Light, chosen_cells, climbed
+from clerestory.bsdf.tree_lookup import look_up
+from clerestory.bsdfgen.flux_preserving_merge import HemisphericalFlux, preserve_flux
+from clerestory.bsdfgen.morton_codes import incident_part, joined
+from clerestory.bsdfgen.subcells import slots_of, uncut
+from clerestory.bsdfgen.tree_pruning import Light, chosen_cells, climbed
 
 WHOLE = np.array([1.0])
 
@@ -116,9 +116,9 @@ def kept_block(depth, variance, paths=200):
     incident, count, value, noise = steep_block(paths=paths)
     cells = chosen_cells(levels(value, noise, 4, depth), rank=4)
     counted = np.bincount(incident, count) / paths
-    light = SummedLight(counted, np.full(len(counted), variance))
+    light = HemisphericalFlux(counted, np.full(len(counted), variance))
     luminous = cells.value[:, 0]
-    kept = keep_light(whole(cells, depth), luminous, light, rank=4)
+    kept = preserve_flux(whole(cells, depth), luminous, light, rank=4)
     return cells, kept, incident, counted
 
 
@@ -161,7 +161,7 @@ def test_dark_pieces_are_not_cut(rank):
     lit = branch >> (rank - 1) == 0
     pieces = uncut(branch, np.ones(len(branch), int), depth=2)
     share = np.tile([0.05, 0.4], 1 << 2 * (rank - 2) - 1)
-    light = SummedLight(share, np.zeros(len(share)))
-    kept = keep_light(pieces, np.where(lit, 0.2, 0.0), light, rank=rank)
+    light = HemisphericalFlux(share, np.zeros(len(share)))
+    kept = preserve_flux(pieces, np.where(lit, 0.2, 0.0), light, rank=rank)
     assert len(kept[0])
     assert np.all(lit[kept[0].cell])

@@ -10,15 +10,20 @@ from hypothesis import strategies as st
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Geometry
+from clerestory.bsdf.product_data import Geometry
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.catalogue import SYSTEMS, make_system, parse_words, read_system
+from clerestory.bsdfgen.extrusion import arc
 from clerestory.bsdfgen.mgf_text import mgf_text
 from clerestory.bsdfgen.microlouvre import microlouvre
 from clerestory.bsdfgen.prismatic import prismatic
-from clerestory.bsdfgen.profile import arc
-from clerestory.bsdfgen.screen import perforated, woven
-from clerestory.bsdfgen.slats import venetian
+from clerestory.bsdfgen.screen_geometry import perforated, woven
+from clerestory.bsdfgen.system_catalogue import (
+    SYSTEMS,
+    make_system,
+    parse_words,
+    read_system,
+)
+from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.errors import InputError
 from clerestory.formats.mgf import parse_mgf
 from clerestory.hemisphere.klems import klems

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from clerestory.comparison.logger import read_plain
+from clerestory.comparison.logger_files import read_plain
 from clerestory.comparison.mapping import (
     read_mapping,
     read_measured_series,

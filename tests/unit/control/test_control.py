@@ -5,20 +5,25 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clerestory.control.choice import Limit, best_states, least_closed, when_occupied
-from clerestory.control.direct_sun import operate_by_direct_sun
-from clerestory.control.profile import (
+from clerestory.control.control_rule import Situation, apply_rule
+from clerestory.control.lm83_blinds import operate_by_direct_sun
+from clerestory.control.profile_angle import (
     blocking_states,
     cut_off_tilt,
     direct_share,
     profile_angle,
 )
-from clerestory.control.rule import Situation, apply_rule
 from clerestory.control.schedule import (
     StateSchedule,
     picked,
     read_schedule,
     write_schedule,
+)
+from clerestory.control.state_choice import (
+    Limit,
+    best_states,
+    least_closed,
+    when_occupied,
 )
 from clerestory.control.threshold import staged_states, threshold_states
 from clerestory.directions import Frame, from_azimuth

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from clerestory.glare.view import glare_view
+from clerestory.glare.glare_view import glare_view
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 

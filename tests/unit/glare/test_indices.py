@@ -7,14 +7,14 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.glare.cgi import cgi
-from clerestory.glare.classes import (
-    category,
+from clerestory.glare.comfort_classes import (
     exceeded_dgp,
     glare_control_class,
     protection_level,
 )
 from clerestory.glare.dgi import dgi, modified_dgi
 from clerestory.glare.dgp import (
+    DGP,
     PUBLISHED,
     age_correction,
     dgp,
@@ -152,7 +152,7 @@ def test_five_percent_of_the_hours_may_exceed_a_limit():
     assert exceeded_dgp(np.append(hours[1:], 0.9)) == 0.9
     assert protection_level(0.35) == "high"
     assert protection_level(0.451) == "none"
-    assert category(np.array([0.35, 0.36])).tolist() == [0, 1]
+    assert DGP.category(np.array([0.35, 0.36])).tolist() == [0, 1]
 
 
 def test_classes_of_fabrics():

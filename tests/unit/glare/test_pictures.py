@@ -7,10 +7,10 @@ import pytest
 from glare_rooms import FISHEYE, SIZE, eye, picture, room
 
 from clerestory.errors import InputError
-from clerestory.glare.annual import annual_glare, glare_of_steps
+from clerestory.glare.annual_glare import annual_glare, glare_of_steps
 from clerestory.glare.check_picture import check_picture
 from clerestory.glare.evaluate import evaluate_glare
-from clerestory.glare.region import band, region_statistics
+from clerestory.glare.region_statistics import band, region_statistics
 from clerestory.glare.sources import find_sources
 from clerestory.scene.view import View
 

@@ -5,10 +5,10 @@ import pytest
 from glare_rooms import SIZE, eye, room
 
 from clerestory.errors import InputError
-from clerestory.glare.rules import SourceRules, Zone
+from clerestory.glare.detection_criteria import SourceRules, Zone
 from clerestory.glare.smoothing import surrounded
+from clerestory.glare.source_sums import tabulate
 from clerestory.glare.sources import find_sources, threshold_luminance
-from clerestory.glare.summary import tabulate
 from clerestory.glare.zones import Zones, cut_along
 
 # 1° a pixel: 0.1 rad are 5.7 pixels

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.analytic import clear_air, lambertian, pane_shares
-from clerestory.bsdf.scattering import FUNCTIONS
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.scattering_function import FUNCTIONS
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer

@@ -2,7 +2,7 @@
 
 import pytest
 
-from clerestory.gonio.fitted import fit_measurement
+from clerestory.gonio.fitted_measurement import fit_measurement
 from goniometer import Goniophotometer, film, pane, rings
 
 

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.measurement import Measurement, merge_scans
-from clerestory.gonio.read import FORMATS, read_measurement
+from clerestory.gonio.measurement_files import FORMATS, read_measurement
+from clerestory.gonio.scattering_measurement import Measurement, merge_scans
 
 # A scan from θ 30°, φ 20° that leaves at five directions.
 THETA = np.array([0.0, 10, 20, 30, 40])

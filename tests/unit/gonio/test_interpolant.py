@@ -6,17 +6,17 @@ import pytest
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.beam import beam_direction
-from clerestory.gonio.energy import conserve_energy
-from clerestory.gonio.export import export_bsdf
-from clerestory.gonio.fitted import Fitted, fit_measurement, measured_bsdf
+from clerestory.gonio.beam_direction import beam_direction
+from clerestory.gonio.bsdf_export import export_bsdf
+from clerestory.gonio.energy_conservation import conserve_energy
+from clerestory.gonio.fitted_measurement import Fitted, fit_measurement, measured_bsdf
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.nodes import connect
+from clerestory.gonio.network_assembly import connect
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.klems import klems
-from clerestory.hemisphere.square import disc_from_square
+from clerestory.hemisphere.shirley_chiu import disc_from_square
 from clerestory.phases.fingerprint import fingerprint
 from goniometer import Goniophotometer, film, pane, rings
 

@@ -13,7 +13,7 @@ from clerestory.image.arithmetic import (
     within_view,
 )
 from clerestory.image.picture import Picture
-from clerestory.image.statistics import statistics
+from clerestory.image.picture_statistics import statistics
 from clerestory.scene.view import View, solid_angles
 
 KINDS = {

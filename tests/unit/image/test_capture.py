@@ -10,20 +10,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from clerestory.errors import ClerestoryWarning, InputError
-from clerestory.image.capture_calibrate import (
-    calibrate,
-    eye_illuminance,
-    overflow,
-    replace_overflow,
-)
-from clerestory.image.capture_exposure import (
-    Exposure,
-    read_exposure,
-    read_photograph,
-)
-from clerestory.image.capture_lens import ImageCircle, Lens, reproject
-from clerestory.image.capture_merge import merge_bracket
-from clerestory.image.capture_response import (
+from clerestory.image.camera_response import (
     ResponseCurve,
     linear_response,
     read_response,
@@ -31,12 +18,25 @@ from clerestory.image.capture_response import (
     srgb_response,
     write_response,
 )
-from clerestory.image.capture_vignetting import (
+from clerestory.image.exposure_bracket import merge_bracket
+from clerestory.image.fisheye_lens import ImageCircle, Lens, reproject
+from clerestory.image.photograph import (
+    Exposure,
+    read_exposure,
+    read_photograph,
+)
+from clerestory.image.photometric_calibration import (
+    calibrate,
+    eye_illuminance,
+    overflow,
+    replace_overflow,
+)
+from clerestory.image.picture import Picture
+from clerestory.image.vignetting import (
     Vignetting,
     correct_vignetting,
     fit_vignetting,
 )
-from clerestory.image.picture import Picture
 from clerestory.scene.view import View, solid_angles
 
 pytest.importorskip("cv2", reason="OpenCV makes pictures of photographs")

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from clerestory.errors import ClerestoryWarning, InputError, OutputError
 from clerestory.image.picture import Picture
+from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.image.radiance_hdr import write_radiance
-from clerestory.image.read import read_picture
-from clerestory.image.write import write_picture
 from clerestory.scene.view import View
 
 # Mantissa m and exponent e stand for (m + ½)·2^(e − 136)

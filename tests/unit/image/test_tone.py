@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError, OutputError
-from clerestory.image.display import to_srgb, write_display
-from clerestory.image.human_vision import Screen, human_vision, threshold
 from clerestory.image.picture import Picture
-from clerestory.image.tone import filmic, key_luminance, linear
-from clerestory.image.veil import foveal_view, with_veil
+from clerestory.image.srgb_display import to_srgb, write_display
+from clerestory.image.tone_curves import filmic, key_luminance, linear
+from clerestory.image.veiling_glare import foveal_view, with_veil
+from clerestory.image.visibility_matching import Screen, human_vision, threshold
 from clerestory.scene.view import View
 
 

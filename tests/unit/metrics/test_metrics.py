@@ -5,11 +5,15 @@ import pytest
 import xarray as xr
 
 from clerestory.errors import InputError
-from clerestory.metrics.annual import annual_maximum, annual_mean, annual_median
-from clerestory.metrics.autonomy import continuous_autonomy, daylight_autonomy
-from clerestory.metrics.hours import occupied_hours, within_hours
-from clerestory.metrics.summary import sensor_metrics
-from clerestory.metrics.useful import BANDS, useful_illuminance
+from clerestory.metrics.annual_statistics import (
+    annual_maximum,
+    annual_mean,
+    annual_median,
+)
+from clerestory.metrics.daylight_autonomy import continuous_autonomy, daylight_autonomy
+from clerestory.metrics.occupied_hours import occupied_hours, within_hours
+from clerestory.metrics.sensor_metrics import sensor_metrics
+from clerestory.metrics.useful_illuminance import BANDS, useful_illuminance
 
 # Two sensors, five hours; the last hour does not count.
 LUX = xr.DataArray(

@@ -14,10 +14,14 @@ from clerestory.metrics.en17037 import (
     sunlight_level,
     target_factors,
 )
-from clerestory.metrics.exposure import light_exposure
 from clerestory.metrics.leed import clear_sky_illuminance, simulated_daylight
-from clerestory.metrics.lighting import LightingZone, lighting_saving, lighting_use
-from clerestory.metrics.spatial import spatial_autonomy, sunlight_exposure
+from clerestory.metrics.light_exposure import light_exposure
+from clerestory.metrics.lighting_energy import (
+    LightingZone,
+    lighting_saving,
+    lighting_use,
+)
+from clerestory.metrics.spatial_metrics import spatial_autonomy, sunlight_exposure
 
 ALL = np.ones(10, bool)
 

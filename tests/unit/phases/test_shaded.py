@@ -15,7 +15,7 @@ from clerestory.phases.shaded import (
     shaded_three_phase,
 )
 from clerestory.phases.three import three_phase_sum
-from clerestory.sky.suns import SunMatrix
+from clerestory.sky.sun_matrix import SunMatrix
 from phase_matrices import (
     KLEMS,
     LUX,

@@ -14,8 +14,8 @@ from clerestory.phases.shaded import ShadedWindow, shaded_three_phase
 from clerestory.phases.store import MatrixStore
 from clerestory.phases.stored_views import StoredViews
 from clerestory.phases.streamed import Opening, leaving_light, stream_illuminance
-from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.weather_formats import read_weather
 from clerestory.study.demo_study import write_demo
 
 BASIS = klems("quarter")

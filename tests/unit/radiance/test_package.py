@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.analytic import lambertian
-from clerestory.bsdf.product import Geometry, Product
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.product_data import Geometry, Product
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems

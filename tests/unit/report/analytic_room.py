@@ -14,8 +14,8 @@ import json
 import numpy as np
 import xarray as xr
 
-from clerestory.metrics.hours import occupied_hours
-from clerestory.metrics.summary import sensor_metrics
+from clerestory.metrics.occupied_hours import occupied_hours
+from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.study.results import Results
 
 WIDTH, DEPTH, HEIGHT = 6.1, 9.1, 2.7

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from clerestory.image.picture import Picture
-from clerestory.image.write import write_picture
+from clerestory.image.picture_files import write_picture
 from clerestory.scene.view import View
 from clerestory.study.results import Results
 

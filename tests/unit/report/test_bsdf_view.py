@@ -11,7 +11,7 @@ from lxml import html
 
 from clerestory.bsdf.analytic import lambertian, thin_pane
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.product import Product
+from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import to_trees
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems

@@ -13,19 +13,19 @@ from PIL import Image
 
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
-from clerestory.report.adapter import from_results
-from clerestory.report.day_map import DayMap
-from clerestory.report.film import film, film_steps
-from clerestory.report.heatmap import day_hour_grid
-from clerestory.report.moments import (
+from clerestory.report.animation import film, film_steps
+from clerestory.report.class_map import DayMap
+from clerestory.report.content_from_results import from_results
+from clerestory.report.heat_map import day_hour_grid
+from clerestory.report.page import report_page
+from clerestory.report.view_glare import COLOURS, glare_maps, shades, worst_steps
+from clerestory.report.view_pictures import (
     Moment,
     ViewPictures,
     as_luminance,
     exposures,
     luminance_scale,
 )
-from clerestory.report.page import report_page
-from clerestory.report.view_glare import COLOURS, glare_maps, shades, worst_steps
 from clerestory.study.results import Results
 
 MOMENTS = [f"01-03T{hour:02d}:30" for hour in range(7, 18)]

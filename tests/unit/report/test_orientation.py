@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from clerestory.report.adapter import from_results
 from clerestory.report.content import WindowSurface
+from clerestory.report.content_from_results import from_results
 from clerestory.report.orientation import compass, orientation
 
 

@@ -10,7 +10,7 @@ import pytest
 from lxml import html
 
 from clerestory.errors import InputError, OutputError
-from clerestory.report.adapter import from_results
+from clerestory.report.content_from_results import from_results
 from clerestory.report.page import report_page, write_report
 from clerestory.study.results import Results
 

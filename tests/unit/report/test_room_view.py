@@ -5,9 +5,9 @@ import gzip
 
 import numpy as np
 
-from clerestory.report.adapter import from_results
 from clerestory.report.colour import illuminance_scale
-from clerestory.report.edges import feature_edges, weld
+from clerestory.report.content_from_results import from_results
+from clerestory.report.feature_edges import feature_edges, weld
 from clerestory.report.room_view import (
     MOST_TRIANGLES,
     framed_box,

@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from lxml import html
 
-from clerestory.report.accuracy import error_words
-from clerestory.report.adapter import (
+from clerestory.report.content_from_results import (
     from_results,
     place_words,
     run_tables,
     schedule_words,
     study_tables,
 )
-from clerestory.report.figure import Figure
+from clerestory.report.fact_tables import duration, time_table
 from clerestory.report.markup import element, embedded_json
-from clerestory.report.summary import metric_maps
-from clerestory.report.tables import duration, time_table
+from clerestory.report.metric_maps import metric_maps
+from clerestory.report.uncertain_value import Figure
+from clerestory.report.uncertainty import error_words
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,14 @@ import pytest
 from matplotlib.image import imread
 
 from clerestory.report.colour import ColourScale, illuminance_scale
-from clerestory.report.heatmap import day_hour_grid
+from clerestory.report.embedded_data import (
+    code_step,
+    illuminance_codes,
+    packed,
+    picture,
+)
+from clerestory.report.heat_map import day_hour_grid
 from clerestory.report.period import hours_in, period_words
-from clerestory.report.pixels import code_step, illuminance_codes, packed, picture
 
 
 @pytest.mark.parametrize(("minutes", "bins"), [(60, 24), (30, 48), (10, 144), (5, 288)])

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.sky.measured import Columns, read_measured
-from clerestory.sky.photometric import irradiance_of
+from clerestory.sky.csv_measurements import Columns, read_measured
+from clerestory.sky.illuminance_conversion import irradiance_of
 from clerestory.sky.sky_state import sky_state, visible_irradiance
-from clerestory.sky.sun import SunPosition, day_of_year
+from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.weather import Illuminance, Site
 
 SITE = Site(latitude_deg=50.0, longitude_deg=8.5, utc_offset_hours=1.0)

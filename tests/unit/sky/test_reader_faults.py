@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from clerestory.errors import InputError
-from clerestory.sky.read import read_weather
+from clerestory.sky.weather_formats import read_weather
 
 
 def row(hour, direct=300, diffuse=120, *, month=3, day=21, dew=4.5, minute=60):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from clerestory.errors import ClerestoryWarning
-from clerestory.sky.conditions import sun_over
-from clerestory.sky.read import read_weather
+from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.weather_formats import read_weather
 
 
 def row(hour, direct=300, diffuse=120, *, month=3, day=21, dew=4.5, minute=60):

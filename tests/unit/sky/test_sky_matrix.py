@@ -7,13 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from clerestory.bands import unnamed_bands
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning, InputError, MatrixError
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.sky.conditions import sky_conditions
-from clerestory.sky.direct import sun_radiance
+from clerestory.sky.sky_conditions import sky_conditions
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sky_state import sky_state, visible_irradiance
+from clerestory.sky.solar_radiance import sun_radiance
 from clerestory.sky.weather import Weather
 
 GREY = {"sky_colour": (1.0, 1.0, 1.0), "spectrum": "solar"}
@@ -57,6 +58,32 @@ def test_the_ground_reflects_sky_and_sun(spring_day):
     for channel, reflectance in enumerate((0.1, 0.2, 0.4)):
         expected = reflectance * level / np.pi
         np.testing.assert_allclose(sky.values[channel, 0], expected, rtol=1e-5)
+
+
+def test_a_sky_of_nine_bands_is_nine_grey_skies(spring_day):
+    """Each band is the grey sky times its own colour, and its own ground."""
+    nine = unnamed_bands(9)
+    colour = np.linspace(0.5, 1.5, 9)
+    ground = np.linspace(0.1, 0.9, 9)
+    sky = sky_matrix(
+        spring_day,
+        subdivision=1,
+        sky_colour=colour,
+        ground_reflectance=ground,
+        bands=nine,
+    )
+    assert sky.values.shape == (9, 146, len(spring_day.times))
+    assert sky.to_transfer_matrix().bands == nine
+    for band in range(9):
+        grey = sky_matrix(
+            spring_day,
+            subdivision=1,
+            sky_colour=(colour[band],) * 3,
+            ground_reflectance=ground[band],
+        )
+        np.testing.assert_allclose(sky.values[band], grey.values[1], rtol=1e-6)
+    white = sky_matrix(spring_day, subdivision=1, bands=nine)
+    assert (white.colour[:, 1:] == 1).all()
 
 
 def test_illuminance_is_179_times_visible_irradiance(spring_day):
@@ -214,7 +241,10 @@ def test_no_weather_gives_negative_or_undefined_radiance(
         ({"sun": "smeared"}, "'spread', 'patch' or 'disc'"),
         ({"sun": "disc", "sun_diameter_deg": 0.0}, "a diameter up to 30°"),
         ({"ground_reflectance": 1.5}, "0 to 1 expected"),
-        ({"ground_reflectance": (0.1, 0.2)}, "one or three numbers"),
+        (
+            {"ground_reflectance": (0.1, 0.2)},
+            "one number, or one for each of the bands",
+        ),
         ({"sky_colour": (1, 1, -1)}, "0 to 100"),
         ({"sky_colour": float("nan")}, "0 to 100"),
         ({"rotation_deg": float("inf")}, "finite"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from clerestory.sky.station import MeasuredTable
+from clerestory.sky.station_file import MeasuredTable
 from clerestory.study.config import Study
 
 PAGE = (Path(__file__).parents[3] / "docs" / "study-file.md").read_text("utf-8")

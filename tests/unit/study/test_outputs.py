@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from clerestory.errors import InputError
-from clerestory.metrics.summary import sensor_metrics
+from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.study.outputs import write_hourly, write_ill, write_metrics
 from clerestory.study.results import Results, read_results, save_results
 

@@ -9,8 +9,8 @@ import xarray as xr
 
 from clerestory.errors import ClerestoryWarning, InputError, OutputError
 from clerestory.phases.store import MatrixStore
-from clerestory.sky.read import read_weather
 from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job

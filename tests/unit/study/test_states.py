@@ -11,12 +11,12 @@ import pytest
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.control.profile import profile_angle
+from clerestory.control.profile_angle import profile_angle
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
-from clerestory.sky.conditions import sun_over
-from clerestory.sky.read import read_weather
+from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.study_run import run_study

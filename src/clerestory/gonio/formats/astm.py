@@ -20,12 +20,12 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.gonio.formats.columns import scans_of
-from clerestory.gonio.formats.numbers import table
-from clerestory.gonio.measurement import Measurement
+from clerestory.gonio.formats.number_table import table
+from clerestory.gonio.scattering_measurement import Measurement
 
 _ANGLES = 4
 _VARS = re.compile(r"^\s*VARS\s+(.*)$", re.IGNORECASE)

@@ -20,12 +20,13 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.array_types import Directions, Points2, Vector
+from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.gonio.angles import from_degrees, upright
-from clerestory.gonio.formats.numbers import check_angles, number, table
-from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.formats.number_table import check_angles, number, table
+from clerestory.gonio.scattering_measurement import Measurement, Scan
 
 Facing = Literal["room", "sky"]
 
@@ -153,9 +154,7 @@ def _kind(word: str, path: Path, line: int) -> str:
     )
 
 
-def _turn(
-    angles: Float[np.ndarray, "points 2"], up: float, facing: Facing
-) -> Float[np.ndarray, "points 3"]:
+def _turn(angles: Points2, up: float, facing: Facing) -> Directions:
     # From the sample's angles to ours: up at φ = 90°, the normal into the room
     theta, phi = angles.T
     if facing == "sky":
@@ -163,9 +162,7 @@ def _turn(
     return from_degrees(theta, 90 + (phi - up))
 
 
-def _function(
-    source: Float[np.ndarray, "3"], leaving: Float[np.ndarray, "points 3"], path: Path
-) -> Function:
+def _function(source: Vector, leaving: Directions, path: Path) -> Function:
     side = "back" if source[2] > 0 else "front"
     grazing = np.sin(np.radians(_GRAZING_DEG))
     above, below = np.any(leaving[:, 2] > grazing), np.any(leaving[:, 2] < -grazing)

@@ -19,13 +19,14 @@ from pathlib import Path
 
 import numpy as np
 import xlrd
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.array_types import Mask, Values
+from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry
 
 _ROWS = ("azimuth", "incidence", "receive", "rt")
@@ -141,11 +142,7 @@ def _scans(path: Path, empty: Float[np.ndarray, "4 readings"] | None) -> list[Sc
     return scans
 
 
-def _shadowed(
-    azimuth: Float[np.ndarray, " readings"],
-    incidence: float,
-    receive: Float[np.ndarray, " readings"],
-) -> Bool[np.ndarray, " readings"]:
+def _shadowed(azimuth: Values, incidence: float, receive: Values) -> Mask:
     near_plane = np.abs(azimuth) >= 90 - _SHADOW_AZIMUTH
     towards = -np.sign(azimuth) * receive
     return np.asarray(near_plane & (np.abs(towards + incidence) <= _SHADOW_ANGLE))

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.bsdf.scattering import Function
+from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.formats.numbers import check_angles, table
-from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.formats.number_table import check_angles, table
+from clerestory.gonio.scattering_measurement import Measurement, Scan
 
 _MARK = "!!"
 

@@ -20,12 +20,13 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering import Function
+from clerestory.array_types import Values
+from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.gonio.angles import angle_between, from_degrees, straight_on
-from clerestory.gonio.formats.numbers import check_angles, table
-from clerestory.gonio.measurement import Measurement, Scan
+from clerestory.gonio.formats.number_table import check_angles, table
+from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry
 
 _AXES = ("SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial")
@@ -132,7 +133,7 @@ def _choice(
 
 def _axis(
     lines: list[_Line], head: dict[str, tuple[int, list[str]]], key: str, path: Path
-) -> Float[np.ndarray, " axis"]:
+) -> Values:
     if key not in head:
         raise InputError(f"no {key}; a count and a line of angles expected", file=path)
     place, words = head[key]

@@ -16,7 +16,7 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.radiance.cal.library import Native, Surroundings, Values
-from clerestory.sky.distribution import Overcast
+from clerestory.sky.luminance_distribution import Overcast
 
 _DIRECTION = ("Dx", "Dy", "Dz")
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from clerestory.bsdf.xml import read_bsdf
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.files import read_text
 from clerestory.formats.mgf import parse_mgf
 from clerestory.radiance.bsdf_package import package

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.radiance.generators.command_arguments import Words
-from clerestory.sky.sun import sun_position
+from clerestory.sky.solar_position import sun_position
 
 # Standard meridian of time zones [deg west]; the first of a name counts
 _ZONES = {

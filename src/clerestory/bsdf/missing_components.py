@@ -1,0 +1,149 @@
+"""Which functions of a BSDF are there, which are empty, and which are copies."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.patch_symmetry import mismatch
+from clerestory.bsdf.quality_finding import Finding
+from clerestory.bsdf.reciprocity import Tables
+from clerestory.bsdf.scattering_function import Function
+
+# Mismatch between front and back above which a layer is not the same on both sides.
+_ASYMMETRIC = 0.05
+
+
+def check_presence(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
+    """Yield what is missing, all zero, or a copy of something else."""
+    if "visible" not in bsdf.channels:
+        yield Finding(
+            "missing",
+            "warning",
+            0.0,
+            f"no visible channel, only {', '.join(bsdf.channels)}",
+            "file",
+            "daylight cannot be computed from it",
+        )
+    for channel, known in tables.items():
+        yield from _missing(bsdf, channel)
+        yield from _empty(channel, known)
+        yield from _copied_sides(channel, known)
+    yield from _copied_channels(tables)
+
+
+def _missing(bsdf: Bsdf, channel: str) -> Iterator[Finding]:
+    if not bsdf.has("transmission_front", channel=channel):
+        yield Finding(
+            "missing",
+            "warning",
+            0.0,
+            "no transmission",
+            channel,
+            "as a window it lets no daylight in, and matrix products refuse it",
+        )
+    effects: dict[Function, str] = {
+        "reflection_front": "light that the layer throws out is lost",
+        "reflection_back": "the window is black to light inside the room",
+    }
+    for name, effect in effects.items():
+        if not bsdf.has(name, channel=channel):
+            yield Finding(
+                "missing",
+                "info",
+                0.0,
+                f"no {name.replace('_', ' ')}",
+                channel,
+                effect,
+            )
+
+
+def _empty(channel: str, tables: Tables) -> Iterator[Finding]:
+    full = {name for name, part in tables.items() if np.any(part.values)}
+    for name in tables.keys() - full:
+        other = name.replace("front", "back") if "front" in name else ""
+        other = other or name.replace("back", "front")
+        transmits = name.startswith("transmission")
+        # A transmission of one side only breaks reciprocity; a clear layer is black
+        matters = transmits and other in full
+        yield Finding(
+            "empty",
+            "error" if matters else "info",
+            0.0,
+            f"all values are zero{', while those of the other side are not' * matters}",
+            f"{channel} {name.replace('_', ' ')}",
+            "programs that read this side find an opaque layer"
+            if transmits
+            else "the layer reflects nothing on this side",
+        )
+
+
+def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
+    sides = mismatch_of_sides(tables)
+    pairs: tuple[tuple[Function, Function], ...] = (
+        ("transmission_front", "transmission_back"),
+        ("reflection_front", "reflection_back"),
+    )
+    for front, back in pairs:
+        one, other = tables.get(front), tables.get(back)
+        if one is None or other is None or not np.any(one.values):
+            continue
+        if not np.array_equal(one.values, other.values):
+            continue
+        kind = front.removesuffix("_front")
+        # A copied transmission must be its own reverse; a copied reflection needs a
+        # layer that passes light alike from both sides
+        doubt = sides["reverse" if kind == "transmission" else "passing"]
+        yield Finding(
+            "copy",
+            "warning" if doubt > _ASYMMETRIC else "info",
+            doubt,
+            f"back equals front to the last digit, but the sides of the layer differ by"
+            f" {doubt:.1%}"
+            if doubt > _ASYMMETRIC
+            else "back equals front to the last digit",
+            f"{channel} {kind}",
+            "one side is not this layer's"
+            if doubt > _ASYMMETRIC
+            else "none for a layer with equal sides",
+        )
+
+
+def mismatch_of_sides(tables: Tables) -> dict[str, float]:
+    """How unlike the two sides of a layer are, judged by its transmission.
+
+    "reverse": of the front and its own reverse; "passing": of the shares that front
+    and back pass. Both are 0 where the transmission is unknown.
+    """
+    front = tables.get("transmission_front")
+    back = tables.get("transmission_back")
+    reverse = passing = 0.0
+    if front is not None and front.exits.matches(front.incidents):
+        weight = front.exits.projected_solid_angles()
+        even = weight[:, None] * weight
+        reverse = mismatch(front.values * even, front.reciprocal().values * even)
+    if front is not None and back is not None:
+        shares = [part.direct_hemispherical() for part in (front, back)]
+        if len(shares[0]) == len(shares[1]):
+            passing = mismatch(shares[0][None], shares[1][None])
+    return {"reverse": reverse, "passing": passing}
+
+
+def _copied_channels(tables: Mapping[str, Tables]) -> Iterator[Finding]:
+    first, *others = tables
+    for channel in others:
+        pairs = [
+            (tables[first][name].values, part.values)
+            for name, part in tables[channel].items()
+            if name in tables[first]
+        ]
+        filled = any(np.any(a) for a, _ in pairs)
+        if filled and all(np.array_equal(a, b) for a, b in pairs):
+            yield Finding(
+                "copy",
+                "info",
+                0.0,
+                f"{channel} equals {first} to the last digit",
+                "all functions",
+                "heat gains are those of a layer without colour",
+            )

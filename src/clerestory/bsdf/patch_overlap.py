@@ -1,0 +1,111 @@
+"""How much of each patch of one partition lies in each cell of another.
+
+On the unit square of Shirley and Chiu's map rings are squares about the middle and
+azimuths are straight lines from it. So overlaps are sums over thin strips, within
+which the lengths are known: the sums over patches and over cells are exact, and flux
+that moves from one partition to another is neither lost nor made.
+"""
+
+import numpy as np
+from scipy import sparse
+
+from clerestory.array_types import Directions, Indices, Values
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.hemisphere.shirley_chiu import disc_from_square
+
+# Strips between two neighbouring limits, of cells or of rings.
+_STRIPS = 8
+
+# A quarter of the square lies on each side of its middle; its axis as (x, y) and the
+# one across, which follows growing azimuth.
+_QUARTERS = (
+    ((1, 0), (0, 1)),
+    ((0, 1), (-1, 0)),
+    ((-1, 0), (0, -1)),
+    ((0, -1), (1, 0)),
+)
+
+
+def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_array:
+    """Overlap of patches and cells of the unit square [sr], (patch, cell).
+
+    Parameters
+    ----------
+    halvings : the cells are 2^halvings along each axis, the second running faster
+
+    >>> from clerestory.hemisphere.klems import klems
+    >>> quarter = klems("quarter")
+    >>> overlap = patches_in_cells(quarter, 3)
+    >>> overlap.shape
+    (41, 64)
+    >>> bool(np.allclose(overlap.sum(axis=1), quarter.projected_solid_angles()))
+    True
+    """
+    wide = 1 << halvings
+    lines = 2 * np.arange(wide + 1) / wide - 1
+    limits = np.unique([*np.abs(lines), 0.0, 1.0, *np.sin(partition.theta)])
+    part = (np.arange(_STRIPS) + 0.5) / _STRIPS
+    width = np.diff(limits)
+    along = (limits[:-1, None] + width[:, None] * part).ravel()
+    width = np.repeat(width / _STRIPS, _STRIPS)
+    azimuth = _azimuth_limits(partition)
+    shape = len(partition), wide**2
+    overlap = sparse.csr_array(shape)
+    for quarter, (axis, side) in enumerate(_QUARTERS):
+        # Cut each strip where it crosses a line of cells or a limit in azimuth
+        turn = np.remainder(azimuth - quarter * np.pi / 2 + np.pi, 2 * np.pi) - np.pi
+        slope = np.concatenate(
+            [[-1.0, 1.0], turn[np.abs(turn) < np.pi / 4] * 4 / np.pi]
+        )
+        cuts = np.concatenate(
+            [np.tile(lines, (len(along), 1)), np.outer(along, slope)], axis=1
+        )
+        cuts = np.sort(np.clip(cuts, -along[:, None], along[:, None]), axis=1)
+        length = np.diff(cuts, axis=1)
+        strip, piece = np.nonzero(length > 0)
+        across = (cuts[strip, piece] + cuts[strip, piece + 1]) / 2
+        a, b = (0.5 + 0.5 * (axis[i] * along[strip] + side[i] * across) for i in (0, 1))
+        cell = np.minimum(np.stack([a, b]) * wide, wide - 1).astype(int)
+        area = np.pi / 4 * width[strip] * length[strip, piece]
+        place = partition.find(_directions(a, b)), cell[0] * wide + cell[1]
+        overlap = overlap + sparse.csr_array((area, place), shape=shape)
+    return overlap
+
+
+def patches_in_patches(old: RingPartition, new: RingPartition) -> sparse.csr_array:
+    """Overlap of the patches of two partitions [sr], (old, new)."""
+    ring = np.unique(np.sin([*old.theta, *new.theta]) ** 2)
+    turn = np.unique([*_azimuth_limits(old), *_azimuth_limits(new)])
+    turn = np.append(turn, turn[0] + 2 * np.pi)
+    radius = np.sqrt((ring[:-1] + ring[1:]) / 2)[:, None]
+    phi = (turn[:-1] + turn[1:]) / 2
+    middle = np.stack(
+        [
+            radius * np.cos(phi),
+            radius * np.sin(phi),
+            np.broadcast_to(np.sqrt(1 - radius**2), (len(radius), len(phi))),
+        ],
+        axis=-1,
+    )
+    measure = np.outer(np.diff(ring) / 2, np.diff(turn))
+    place = old.find(middle).ravel(), new.find(middle).ravel()
+    return sparse.csr_array((measure.ravel(), place), shape=(len(old), len(new)))
+
+
+def opposite_patches(partition: RingPartition) -> Indices:
+    """Patch on the other side of the pole, half a turn away, for each patch."""
+    return partition.find(partition.centres() * [-1, -1, 1])
+
+
+def _azimuth_limits(partition: RingPartition) -> Values:
+    # Angles from +x towards +y, of all rings [rad]
+    turns = [(np.arange(n) + 0.5) / n for n in np.unique(partition.count)]
+    angle = 2 * np.pi * np.concatenate(turns)
+    if partition.azimuth == "compass":
+        angle = np.pi / 2 - angle
+    return np.unique(np.remainder(angle, 2 * np.pi))
+
+
+def _directions(a: Values, b: Values) -> Directions:
+    x, y = disc_from_square(a, b)
+    return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 1e-300))], axis=-1)

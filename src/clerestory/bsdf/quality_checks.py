@@ -1,0 +1,219 @@
+"""Whether a BSDF can be true: energy, reciprocity, order, labels, copies, gaps.
+
+Physics sets two rules, Helmholtz reciprocity and the energy balance. A file that
+breaks them is noisy, or its numbers are not what its labels say. Which of the two
+it is shows in what would repair it: every doubt here has a measured size.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Literal
+
+import numpy as np
+
+from clerestory.array_types import Values
+from clerestory.bsdf.angle_basis_check import check_labels
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.missing_components import check_presence
+from clerestory.bsdf.patch_symmetry import turned_mismatch
+from clerestory.bsdf.quality_finding import Finding, graded, place
+from clerestory.bsdf.reciprocity import (
+    Tables,
+    check_reciprocity,
+    check_scaling,
+    check_sides,
+)
+from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+
+# Sizes from which a finding is told, matters, and spoils results.
+_ENERGY = (0.001, 0.01, 0.05)
+
+# Sums of bare values of a direction that look like shares of flux.
+_LIKE_SHARES = (0.3, 1.01)
+
+# Ratio of light from above to light from below that reads as upside down.
+_FROM_ABOVE = 1.5
+
+# Mismatch below which a layer counts as symmetric or isotropic.
+_ALIKE = 0.025
+
+_Side = Literal["front", "back"]
+_SIDES: tuple[_Side, _Side] = ("front", "back")
+
+
+def check(bsdf: Bsdf) -> tuple[Finding, ...]:
+    """Return what is doubtful about a BSDF, the gravest first.
+
+    Findings of severity "error" spoil results, "warning" are doubts to look into,
+    "info" tells what the layer is. Tensor trees are judged by their averages over
+    the 145 patches of Klems.
+
+    Examples
+    --------
+    >>> from clerestory.bsdf.analytic import lambertian
+    >>> from clerestory.hemisphere.klems import klems
+    >>> [f.severity for f in check(lambertian(0.5, klems("full"))) if f.matters]
+    []
+    """
+    tables: dict[str, Tables] = {channel: {} for channel in bsdf.channels}
+    for channel, name in bsdf.functions:
+        tables[channel][name] = bsdf.function(name, channel=channel)
+    findings = [*check_presence(bsdf, tables), *check_labels(bsdf)]
+    for channel, known in tables.items():
+        filled = {name: part for name, part in known.items() if np.any(part.values)}
+        for one in _CHECKS:
+            findings += one(channel, filled)
+    rank = {"error": 0, "warning": 1, "info": 2}
+    return tuple(sorted(findings, key=lambda finding: rank[finding.severity]))
+
+
+def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
+    for side in _SIDES:
+        share, part = _scattered(tables, side, reflection_of=side)
+        if part is None:
+            continue
+        worst = int(np.argmax(share))
+        excess = float(share[worst]) - 1
+        severity = graded(excess, _ENERGY)
+        if severity is None:
+            continue
+        # Would the reflection of the other side have fitted?
+        other: _Side = "back" if side == "front" else "front"
+        swapped, _ = _scattered(tables, side, reflection_of=other)
+        fits = (
+            excess > _ENERGY[1]
+            and f"reflection_{other}" in tables
+            and swapped.max() < 1 + _ENERGY[0]
+        )
+        advice = (
+            f"; with the reflection of the {other} it would be"
+            f" {swapped.max():.3f}: front and back are swapped in one of them"
+            if fits
+            else ""
+        )
+        yield Finding(
+            "order" if fits else "energy",
+            severity,
+            excess,
+            f"{share[worst]:.4f} times the arriving light leaves the layer{advice}",
+            f"{channel} {side}, {place(part.incidents, worst)}",
+            f"rooms get up to {excess:.1%} too much light from there; interreflections"
+            " may not fade",
+        )
+
+
+def _scattered(
+    tables: Tables, side: _Side, *, reflection_of: _Side
+) -> tuple[Values, ScatteringMatrix | None]:
+    # Share of light scattered in all, on the patches of one of the functions
+    transmission: dict[_Side, Function] = {
+        "front": "transmission_front",
+        "back": "transmission_back",
+    }
+    reflection: dict[_Side, Function] = {
+        "front": "reflection_front",
+        "back": "reflection_back",
+    }
+    names = (transmission[side], reflection[reflection_of])
+    parts = [tables[name] for name in names if name in tables]
+    alike = parts and all(p.incidents.matches(parts[0].incidents) for p in parts)
+    if not alike:
+        return np.zeros(1), None
+    shares = [part.direct_hemispherical() for part in parts]
+    return np.sum(shares, axis=0), parts[0]
+
+
+def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
+    # A layer blacker than any is likelier to hold shares of flux
+    for side in _SIDES:
+        share, dark = _scattered(tables, side, reflection_of=side)
+        if dark is None:
+            continue
+        sums = sum(
+            part.values.sum(axis=0)
+            for name, part in tables.items()
+            if name.endswith(side) and part.values.shape == dark.values.shape
+        )
+        if _LIKE_SHARES[0] < np.max(sums) < _LIKE_SHARES[1]:
+            yield Finding(
+                "scaling",
+                "warning",
+                float(share.max()),
+                f"at most {share.max():.2%} of the light leaves the layer, but the bare"
+                f" values of a direction add up to {np.max(sums):.3f}",
+                f"{channel} {side}",
+                "if the values are shares of flux instead of 1/sr, light is about"
+                f" {1 / _mean_size(dark):.0f} times too weak",
+            )
+
+
+def _mean_size(part: ScatteringMatrix) -> float:
+    # Mean projected solid angle of an exit patch [sr]
+    return float(part.exits.projected_solid_angles().mean())
+
+
+def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
+    front = tables.get("transmission_front")
+    if front is None and "transmission_back" in tables:
+        front = tables["transmission_back"].reciprocal()
+    if front is None:
+        return
+    above, below = from_above_and_below(front)
+    if above > _FROM_ABOVE * below:
+        yield Finding(
+            "order",
+            "warning",
+            above / max(below, 1e-9),
+            f"{above:.3f} of the light from above passes, {below:.3f} of the light from"
+            " below",
+            f"{channel} transmission front, 30° to 70° off the normal",
+            "right for louvres that guide light in; for a shading blind front and back"
+            " are swapped, or it hangs upside down, and shade turns into sun",
+        )
+
+
+def from_above_and_below(front: ScatteringMatrix) -> tuple[float, float]:
+    """Share of light that passes, of what falls from above and rises from below."""
+    _, y, z = front.incidents.centres().T
+    slant = (z < np.cos(np.radians(30))) & (z > np.cos(np.radians(70)))
+    share = front.direct_hemispherical()
+    # Light through a patch goes on along its centre: from above, downwards
+    groups = (slant & (y < -0.35), slant & (y > 0.35))
+    above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
+    return above, below
+
+
+def _shape(channel: str, tables: Tables) -> Iterator[Finding]:
+    for name, part in tables.items():
+        sides = turned_mismatch(part, "left and right")
+        quarter = turned_mismatch(part, "a quarter turn")
+        isotropic = max(sides, quarter) < _ALIKE
+        if isotropic:
+            what = "the layer looks alike at every azimuth"
+        elif sides < _ALIKE:
+            what = "left and right mirror each other"
+        else:
+            what = f"left and right differ by {sides:.0%}, a quarter turn {quarter:.0%}"
+        yield Finding(
+            "isotropy" if isotropic else "symmetry",
+            "info",
+            quarter if isotropic else sides,
+            what,
+            f"{channel} {name.replace('_', ' ')}",
+            "none"
+            if isotropic
+            else "the up vector of the window matters, and its left and right"
+            if sides >= _ALIKE
+            else "the up vector of the window matters",
+        )
+
+
+_CHECKS: tuple[Callable[[str, Tables], Iterator[Finding]], ...] = (
+    _energy,
+    check_reciprocity,
+    check_sides,
+    check_scaling,
+    _darkness,
+    _up_and_down,
+    _shape,
+)

@@ -1,0 +1,122 @@
+"""A scattering function seen from its other side, where no table can say the same.
+
+A rank 3 tree in reverse is no rank 3 tree: its cells are squares around the leaving
+direction and rings around the incident one. Values are exact; light is summed and
+sampled over a grid of leaving directions finer than the cells.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Directions, ExitIncident, Points2, Values, Vector
+from clerestory.bsdf.patch_overlap import opposite_patches
+from clerestory.bsdf.scattering_function import ScatteringFunction
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.hemisphere.shirley_chiu import disc_from_square
+
+# Halvings of the grid: two more than those of the function, within limits.
+_FINER, _COARSEST, _FINEST = 2, 8, 10
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class ReversedFunction(ScatteringFunction):
+    """Another function with incident and leaving directions exchanged.
+
+    Attributes
+    ----------
+    forward : the other function
+    halvings : 2^halvings of its smallest cells lie along the unit square's edge
+    """
+
+    forward: ScatteringFunction
+    halvings: int
+
+    def evaluate(self, incident: Directions, leaving: Directions) -> Values:
+        """BSDF [1/sr] for pairs of directions."""
+        return self.forward.evaluate(leaving, incident)
+
+    def hemispherical(self, incident: Directions) -> Values:
+        """Share of the light from each direction that is scattered in all."""
+        each = np.reshape(incident, (-1, 3))
+        grid = self._grid()
+        share = [np.pi * self._over(direction, grid).mean() for direction in each]
+        return np.reshape(np.array(share), np.shape(incident)[:-1])
+
+    def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
+        """Directions into which light leaves, and their probability density [1/sr].
+
+        The density is that of the grid, see the head of this module.
+        """
+        shape = np.shape(incident)[:-1]
+        each, which = np.unique(
+            np.reshape(incident, (-1, 3)), axis=0, return_inverse=True
+        )
+        which, u = which.ravel(), np.reshape(u, (-1, 2))
+        leaving, density = np.empty((len(u), 3)), np.empty(len(u))
+        grid = self._grid()
+        for number, direction in enumerate(each):
+            of = which == number
+            value = self._over(direction, grid)
+            leaving[of], density[of] = _choose(value, u[of])
+        return leaving.reshape(*shape, 3), density.reshape(shape)
+
+    def resolution(self, incident: Directions, leaving: Directions) -> Values:
+        """Projected solid angle of the cell that holds each pair [sr]."""
+        return self.forward.resolution(leaving, incident)
+
+    def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
+        """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
+        table = self.forward.average(incidents, exits)
+        opposite = np.ix_(opposite_patches(incidents), opposite_patches(exits))
+        return np.ascontiguousarray(table[opposite].T)
+
+    def extrema(self) -> tuple[float, float]:
+        """Smallest and largest value [1/sr]."""
+        return self.forward.extrema()
+
+    def reciprocal(self) -> ScatteringFunction:
+        """Return the function itself."""
+        return self.forward
+
+    def tabulated(self) -> ScatteringFunction:
+        """Return the other function as a table, seen from its other side."""
+        return self.forward.tabulated().reciprocal()
+
+    def own_partitions(self) -> None:
+        """None: the function is not made of patches."""
+
+    def _grid(self) -> Directions:
+        # Directions through the middle of equal cells, those of a row together
+        edge = 1 << min(max(self.halvings + _FINER, _COARSEST), _FINEST)
+        middle = (np.arange(edge) + 0.5) / edge
+        a, b = np.meshgrid(middle, middle, indexing="ij")
+        return _direction(a.ravel(), b.ravel())
+
+    def _over(self, incident: Vector, grid: Directions) -> Values:
+        return self.evaluate(np.broadcast_to(incident, grid.shape), grid)
+
+
+def _direction(a: Values, b: Values) -> Directions:
+    x, y = disc_from_square(a, b)
+    return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
+
+
+def _choose(
+    value: Float[np.ndarray, " cells"], u: Float[np.ndarray, "samples 2"]
+) -> tuple[Float[np.ndarray, "samples 3"], Float[np.ndarray, " samples"]]:
+    # Directions within grid cells chosen in proportion to their values
+    running = np.concatenate([[0.0], np.cumsum(value)])
+    total = float(running[-1])
+    if total == 0:
+        return np.broadcast_to([0.0, 0.0, 1.0], (len(u), 3)), np.zeros(len(u))
+    target = u[:, 0] * total
+    cell = np.searchsorted(running, target, side="right") - 1
+    cell = np.minimum(cell, len(value) - 1)
+    edge = round(len(value) ** 0.5)
+    rest = np.clip((target - running[cell]) / value[cell], 0, 1 - 1e-12)
+    leaving = _direction((cell // edge + rest) / edge, (cell % edge + u[:, 1]) / edge)
+    return leaving, value[cell] * len(value) / (np.pi * total) * leaving[:, 2]

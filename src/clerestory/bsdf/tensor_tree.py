@@ -1,0 +1,282 @@
+"""Tensor trees: BSDFs whose resolution follows the data, cell by cell.
+
+A direction is a point of the unit square, over the disc below the hemisphere, by
+Shirley and Chiu's map. A rank 4 tree halves both coordinates of the incident and of
+the leaving direction again and again, wherever the values differ. A rank 3 tree is
+of a layer that looks alike at every azimuth: its first coordinate is half the
+distance from the rim of the incident direction's disc point, and leaving directions
+are turned with it. These are the conventions of Radiance's bsdf_t.c.
+
+The tree is one array of 32-bit slots. A slot that is not negative holds a value, the
+bits of a float; a negative one is the complement of the place where its 2^rank
+branches stand, dimension i being bit i of the branch. The root is slot 0.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, final
+
+import numpy as np
+from jaxtyping import Float, Int32, Int64
+
+from clerestory.array_types import Directions, ExitIncident, Points2, Values
+from clerestory.bsdf.reciprocal_function import ReversedFunction
+from clerestory.bsdf.scattering_function import TOGETHER, ScatteringFunction
+from clerestory.bsdf.tree_average import average_tree
+from clerestory.bsdf.tree_lookup import (
+    Slices,
+    cells,
+    dense_top,
+    look_up,
+    slices,
+    values_at,
+)
+from clerestory.bsdf.tree_parser import DEEPEST
+from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
+
+# Radiance keeps normal incidence this far off the unused half of a rank 3 tree.
+_OFF_MIDDLE = 1e-6
+
+# Cells that are held at once while light is summed over them.
+_MOST_CELLS = 1 << 22
+
+_Pairs = Float[np.ndarray, " pairs"]
+_Places = Int32[np.ndarray, " pairs"]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class ScatteringTree(ScatteringFunction):
+    """One scattering function of a layer as a tensor tree, in one channel.
+
+    Attributes
+    ----------
+    slots : values and branches, see the head of this module
+    rank : 3 if every azimuth is alike, 4 otherwise
+    depth : halvings of a coordinate down to the smallest cell
+    standard_error : of each cell [1/sr] on the same cells, where the values were
+        estimated; else None
+
+    Raises
+    ------
+    InputError : the slots do not make a tree
+
+    Examples
+    --------
+    >>> even = ScatteringTree(np.array([0.25], dtype=np.float32).view(np.int32), 4, 0)
+    >>> round(float(even.hemispherical(np.array([0.0, 0.0, -1.0]))), 4)  # π/4
+    0.7854
+    """
+
+    slots: Int32[np.ndarray, " slots"]
+    rank: Literal[3, 4]
+    depth: int
+    standard_error: "ScatteringTree | None" = None
+
+    def __post_init__(self) -> None:
+        if self.rank not in (3, 4) or not 0 <= self.depth <= DEEPEST:
+            raise InputError(
+                f"tensor tree of rank {self.rank} and depth {self.depth}; rank 3 or 4"
+                f" and 0 to {DEEPEST} halvings expected"
+            )
+        inner = np.flatnonzero(self.slots < 0)
+        block = ~self.slots[inner]
+        if (
+            not len(self.slots)
+            or np.any(block <= inner)
+            or np.any(block > len(self.slots) - (1 << self.rank))
+        ):
+            raise InputError(
+                "a branch of a tensor tree points outside its table; slots that point"
+                " forward expected"
+            )
+        if not np.all(np.isfinite(self.slots[self.slots >= 0].view(np.float32))):
+            raise InputError("a tensor tree holds values that are not finite [1/sr]")
+
+    def evaluate(self, incident: Directions, leaving: Directions) -> Values:
+        """BSDF [1/sr] for pairs of directions."""
+        return self._over_pairs(
+            lambda place: values_at(self.slots, self._top, place, depth=self.depth),
+            incident,
+            leaving,
+        )
+
+    def resolution(self, incident: Directions, leaving: Directions) -> Values:
+        """Projected solid angle of the leaving cell that holds each pair [sr]."""
+        return self._over_pairs(
+            lambda place: (
+                np.pi * 0.25 ** look_up(self.slots, place, depth=self.depth)[1]
+            ),
+            incident,
+            leaving,
+        )
+
+    def hemispherical(self, incident: Directions) -> Values:
+        """Share of the light from each direction that is scattered in all."""
+        x, y, _ = _components(incident)
+        place, which = np.unique(
+            np.stack(self._incident_place(x, y)), axis=1, return_inverse=True
+        )
+        share = np.empty(place.shape[1])
+        for part in self._groups(place.shape[1]):
+            found = slices(self.slots, place[:, part], depth=self.depth)
+            light = found.value * found.size.astype(float) ** 2
+            share[part] = np.pi * np.bincount(
+                found.owner, light, minlength=len(share[part])
+            )
+        return share[which.ravel()].reshape(np.shape(incident)[:-1])
+
+    def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
+        """Directions into which light leaves, and their probability density [1/sr].
+
+        See `ScatteringFunction.sample`.
+        """
+        x, y, _ = _components(incident)
+        u = np.reshape(u, (-1, 2))
+        place, which = np.unique(
+            np.stack(self._incident_place(x, y)), axis=1, return_inverse=True
+        )
+        which = which.ravel()
+        leaving, density = np.empty((len(x), 3)), np.empty(len(x))
+        for part in self._groups(place.shape[1]):
+            of = np.flatnonzero((which >= part.start) & (which < part.stop))
+            found = slices(self.slots, place[:, part], depth=self.depth)
+            point, density[of] = _choose(found, which[of] - part.start, u[of])
+            disc = disc_from_square(*point)
+            if self.rank == 3:
+                disc = _turn(disc, *_azimuth(x[of], y[of]))
+            height = np.sqrt(np.maximum(1 - disc[0] ** 2 - disc[1] ** 2, 0))
+            leaving[of] = np.stack([*disc, height], axis=-1)
+        nothing = density == 0
+        leaving[nothing] = [0, 0, 1]
+        density *= leaving[:, 2]
+        shape = np.shape(incident)[:-1]
+        return leaving.reshape(*shape, 3), density.reshape(shape)
+
+    def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
+        """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
+        return average_tree(self.slots, self.rank, exits, incidents)
+
+    def extrema(self) -> tuple[float, float]:
+        """Smallest and largest value [1/sr]."""
+        least, most = np.inf, -np.inf
+        for level, place, value in cells(self.slots, self.rank):
+            if self.rank == 3 and level:
+                # The second half of the first dimension is never used
+                value = value[place[0] < 1 << (level - 1)]
+            if len(value):
+                least, most = min(least, value.min()), max(most, value.max())
+        return float(least), float(most)
+
+    def reciprocal(self) -> ScatteringFunction:
+        """Return the function with incident and leaving directions exchanged."""
+        if self.rank == 3:
+            return ReversedFunction(self, halvings=self.depth)
+        # Opposite directions have complementary bits: branches change places
+        bits = (np.arange(16)[:, None] >> np.array([2, 3, 0, 1])) & 1
+        branch = (1 - bits) @ (1 << np.arange(4))
+        slots = self.slots.copy()
+        slots[1:] = self.slots[1:].reshape(-1, 16)[:, branch].ravel()
+        return ScatteringTree(slots, 4, self.depth)
+
+    def tabulated(self) -> "ScatteringTree":
+        """Return the function itself."""
+        return self
+
+    def own_partitions(self) -> None:
+        """None: a tree is not made of patches."""
+
+    @cached_property
+    def _top(self) -> tuple[int, Int32[np.ndarray, " tops"]]:
+        return dense_top(self.slots, self.rank, self.depth)
+
+    def _over_pairs(
+        self,
+        read: Callable[[tuple[_Places, ...]], _Pairs],
+        incident: Directions,
+        leaving: Directions,
+    ) -> Values:
+        incident, leaving = np.broadcast_arrays(incident, leaving)
+        shape = incident.shape[:-1]
+        incident, leaving = incident.reshape(-1, 3), leaving.reshape(-1, 3)
+        result = np.empty(len(incident))
+        for start in range(0, len(result), TOGETHER):
+            part = slice(start, start + TOGETHER)
+            x, y = incident[part, 0], incident[part, 1]
+            place = self._incident_place(x, y), self._exit_place(leaving[part], x, y)
+            result[part] = read((*place[0], *place[1]))
+        return result.reshape(shape)
+
+    def _incident_place(self, x: _Pairs, y: _Pairs) -> tuple[_Places, ...]:
+        if self.rank == 4:
+            return cells_from_disc(-x, -y, halvings=self.depth)
+        inwards = 0.5 - _OFF_MIDDLE - 0.5 * np.sqrt(x * x + y * y)
+        place = (inwards * (1 << self.depth)).astype(np.int32)
+        return (np.clip(place, 0, (1 << self.depth) - 1, out=place),)
+
+    def _exit_place(
+        self, leaving: Directions, x: _Pairs, y: _Pairs
+    ) -> tuple[_Places, _Places]:
+        disc = leaving[:, 0], leaving[:, 1]
+        if self.rank == 3:
+            cosine, sine = _azimuth(x, y)
+            disc = _turn(disc, cosine, -sine)
+        return cells_from_disc(*disc, halvings=self.depth)
+
+    def _groups(self, count: int) -> list[slice]:
+        # Incident places whose cells fit the memory together, were they all smallest
+        together = max(1, _MOST_CELLS >> 2 * self.depth)
+        return [
+            slice(start, min(start + together, count))
+            for start in range(0, count, together)
+        ]
+
+
+def _components(direction: Directions) -> tuple[_Pairs, _Pairs, _Pairs]:
+    x, y, z = np.reshape(np.asarray(direction, dtype=float), (-1, 3)).T
+    return x, y, z
+
+
+def _azimuth(x: _Pairs, y: _Pairs) -> tuple[_Pairs, _Pairs]:
+    # Cosine and sine of the azimuth in which light from (x, y) goes straight on
+    radius = np.sqrt(x * x + y * y)
+    upright = np.flatnonzero(radius == 0)
+    radius[upright] = 1.0
+    cosine, sine = -x / radius, -y / radius
+    cosine[upright] = -1.0
+    return cosine, sine
+
+
+def _turn(
+    disc: tuple[_Pairs, _Pairs], cosine: _Pairs, sine: _Pairs
+) -> tuple[_Pairs, _Pairs]:
+    x, y = disc
+    return cosine * x - sine * y, sine * x + cosine * y
+
+
+def _choose(
+    found: Slices,
+    owner: Int64[np.ndarray, " samples"],
+    u: Float[np.ndarray, "samples 2"],
+) -> tuple[Float[np.ndarray, "2 samples"], Float[np.ndarray, " samples"]]:
+    # Points of the square distributed like the values of the owner's cells, and their
+    # density over projected solid angle
+    light = found.value * found.size.astype(float) ** 2
+    running = np.concatenate([[0.0], np.cumsum(light)])
+    owners = np.arange(int(found.owner[-1]) + 2)
+    start = np.searchsorted(found.owner, owners)
+    before, total = running[start[:-1]], np.diff(running[start])
+    target = before[owner] + u[:, 0] * total[owner]
+    cell = np.searchsorted(running, target, side="right") - 1
+    cell = np.clip(cell, start[owner], start[owner + 1] - 1)
+
+    # The rest of the first number places the point within the cell
+    rest = (target - running[cell]) / np.where(light[cell] > 0, light[cell], 1)
+    within = np.stack([np.clip(rest, 0, 1 - 1e-12), u[:, 1]])
+    point = found.corner[:, cell] + found.size[cell] * within
+    some = total[owner] > 0
+    density = found.value[cell] / np.where(some, np.pi * total[owner], 1)
+    return point, np.where(some, density, 0)

@@ -1,0 +1,61 @@
+"""Tensor trees whose cells come from the cells of several others."""
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float, Float32, Int32
+
+from clerestory.array_types import Values
+from clerestory.bsdf.tensor_tree import ScatteringTree
+
+_Values = Float32[np.ndarray, " cells"]
+
+
+def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> ScatteringTree:
+    """Return the tree of an operation on the values of trees, cell by cell.
+
+    Its cells are as small as the smallest of the trees in each place.
+
+    Parameters
+    ----------
+    operation : from one array of values per tree to values that are not negative
+    trees : one or more, of one rank
+
+    >>> def constant(value):
+    ...     slots = np.array([value], dtype=np.float32).view(np.int32)
+    ...     return ScatteringTree(slots, 4, 0)
+    >>> combine(np.add, constant(1.0), constant(2.0)).extrema()
+    (3.0, 3.0)
+    """
+    rank = trees[0].rank
+    step = np.arange(1 << rank, dtype=np.int32)
+    codes = [tree.slots[:1] for tree in trees]
+    regions: list[Int32[np.ndarray, " slots"]] = []
+    size, level = 1, -1
+    while len(codes[0]):
+        level += 1
+        inner = np.any([code < 0 for code in codes], axis=0)
+        region = np.empty(len(inner), dtype=np.int32)
+        values: list[_Values] = [code[~inner].view(np.float32) for code in codes]
+        region[~inner] = bits_of(operation(*values))
+        count = int(inner.sum())
+        region[inner] = ~(size + (np.arange(count, dtype=np.int64) << rank))
+        regions.append(region)
+        size += count << rank
+
+        # Step down; a tree that ends here keeps its value in all branches
+        below = []
+        for code, tree in zip(codes, trees, strict=True):
+            of = code[inner, None]
+            place = np.where(of < 0, ~of + step, 0)
+            below.append(np.where(of < 0, tree.slots[place], of).ravel())
+        codes = below
+    return ScatteringTree(np.concatenate(regions), rank, level)
+
+
+def bits_of(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
+    """Slots that hold values; what is below zero becomes zero."""
+    single: Float32[np.ndarray, " cells"] = np.abs(np.maximum(value, 0)).astype(
+        np.float32
+    )
+    return single.view(np.int32)

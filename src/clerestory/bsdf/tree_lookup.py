@@ -1,0 +1,197 @@
+"""Look-ups in the flat table of a tensor tree, see `clerestory.bsdf.tensor_tree`.
+
+Places are whole numbers of the finest cells along each dimension, from 0 to
+2^depth − 1. Their bits, from the highest, name the branch to take on each level.
+"""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float32, Int, Int32, Int64
+
+from clerestory.array_types import Indices
+
+# Bits of a path that `dense_top` looks at in one step: 65,536 cells at most.
+_TOP_BITS = 16
+
+
+class Cells(NamedTuple):
+    """Cells of one size in a tree.
+
+    Attributes
+    ----------
+    level : halvings of each coordinate
+    place : numbers along each dimension, from 0 to 2^level − 1
+    value : BSDF [1/sr]
+    """
+
+    level: int
+    place: Int64[np.ndarray, "rank cells"]
+    value: Float32[np.ndarray, " cells"]
+
+
+class Slices(NamedTuple):
+    """Leaving cells for fixed incident places, in the order of their owners.
+
+    Attributes
+    ----------
+    owner : number of the incident place
+    corner : lower corner in the unit square
+    size : edge in the unit square
+    value : BSDF [1/sr]
+    """
+
+    owner: Int64[np.ndarray, " cells"]
+    corner: Float32[np.ndarray, "2 cells"]
+    size: Float32[np.ndarray, " cells"]
+    value: Float32[np.ndarray, " cells"]
+
+
+def look_up(
+    slots: Int32[np.ndarray, " slots"],
+    place: tuple[Int32[np.ndarray, " pairs"], ...],
+    *,
+    depth: int,
+) -> tuple[Float32[np.ndarray, " pairs"], Int32[np.ndarray, " pairs"]]:
+    """Values at places, and the level of the cells that hold them.
+
+    Parameters
+    ----------
+    place : whole numbers along each of the tree's dimensions
+    """
+    rank = len(place)
+    path = _path(place, depth)
+    code = np.full(len(path), slots[0], dtype=np.int32)
+    level = np.zeros(len(path), dtype=np.int32)
+    for height in reversed(range(depth)):
+        inner = code < 0
+        if not inner.any():
+            break
+        # Step down; where a value is reached, whatever is read is not looked at
+        branch = (path >> rank * height).astype(np.int32) & ((1 << rank) - 1)
+        below = np.take(slots, ~code + branch, mode="clip")
+        np.copyto(code, below, where=inner)
+        level += inner
+    return code.view(np.float32), level
+
+
+def dense_top(
+    slots: Int32[np.ndarray, " slots"], rank: int, depth: int
+) -> tuple[int, Int32[np.ndarray, " tops"]]:
+    """Halvings of the coarse levels, and the slot of each of their cells.
+
+    These levels are joined into one, so that a look-up takes them in a single step. A
+    cell within a coarser one has its value.
+    """
+    halvings = min(depth, _TOP_BITS // rank)
+    top = slots[:1]
+    branches = np.arange(1 << rank, dtype=np.int32)
+    for _ in range(halvings):
+        code = np.repeat(top, 1 << rank)
+        inner = np.flatnonzero(code < 0)
+        code[inner] = slots[~code[inner] + np.resize(branches, len(code))[inner]]
+        top = code
+    return halvings, top
+
+
+def values_at(
+    slots: Int32[np.ndarray, " slots"],
+    top: tuple[int, Int32[np.ndarray, " tops"]],
+    place: tuple[Int32[np.ndarray, " pairs"], ...],
+    *,
+    depth: int,
+) -> Float32[np.ndarray, " pairs"]:
+    """Values at places, as from `look_up`, in fewer steps.
+
+    Parameters
+    ----------
+    top : from `dense_top`
+    place : whole numbers along each of the tree's dimensions
+    """
+    rank, (halvings, codes) = len(place), top
+    path = _path(place, depth)
+    code = np.take(codes, path >> rank * (depth - halvings))
+    for height in reversed(range(depth - halvings)):
+        inner = np.flatnonzero(code < 0)
+        if not len(inner):
+            break
+        branch = (path[inner] >> rank * height).astype(np.int32) & ((1 << rank) - 1)
+        code[inner] = np.take(slots, ~code[inner] + branch)
+    return code.view(np.float32)
+
+
+def cells(slots: Int32[np.ndarray, " slots"], rank: int) -> Iterator[Cells]:
+    """Cells of a whole tree, one group per size."""
+    code, place, level = slots[:1], np.zeros((rank, 1), dtype=np.int64), 0
+    bits = (np.arange(1 << rank) >> np.arange(rank)[:, None]) & 1
+    while len(code):
+        inner = code < 0
+        yield Cells(level, place[:, ~inner], code[~inner].view(np.float32))
+        below = ~code[inner, None] + np.arange(1 << rank, dtype=np.int32)
+        code = slots[below.ravel()]
+        place = (2 * place[:, inner, None] + bits[:, None]).reshape(rank, -1)
+        level += 1
+
+
+def slices(
+    slots: Int32[np.ndarray, " slots"],
+    incident: Int[np.ndarray, "fixed places"],
+    *,
+    depth: int,
+) -> Slices:
+    """Leaving cells for each of the incident places, which fix the first dimensions."""
+    fixed, count = incident.shape
+    owner = np.arange(count)
+    code = np.full(count, slots[0], dtype=np.int32)
+    corner, size = np.zeros((2, count), dtype=np.float32), 1.0
+    found: list[Slices] = []
+    halves = np.array([[0, 1, 0, 1], [0, 0, 1, 1]], dtype=np.float32)
+    for height in reversed(range(-1, depth)):
+        inner = code < 0
+        done = ~inner
+        edge = np.full(int(done.sum()), size, dtype=np.float32)
+        value = code[done].view(np.float32)
+        found.append(Slices(owner[done], corner[:, done], edge, value))
+        if not inner.any():
+            break
+
+        # Take the branches of the incident place in all four quarters of the square
+        owner, size = owner[inner], size / 2
+        bits = (incident[:, owner] >> height) & 1
+        branch = bits.T @ (1 << np.arange(fixed))
+        below = (~code[inner] + branch)[:, None] + (np.arange(4) << fixed)
+        code = slots[below.ravel()]
+        corner = corner[:, inner, None] + np.float32(size) * halves[:, None]
+        corner, owner = corner.reshape(2, -1), np.repeat(owner, 4)
+    order = np.argsort(np.concatenate([part.owner for part in found]), kind="stable")
+    return Slices(
+        np.concatenate([part.owner for part in found])[order],
+        np.concatenate([part.corner for part in found], axis=1)[:, order],
+        np.concatenate([part.size for part in found])[order],
+        np.concatenate([part.value for part in found])[order],
+    )
+
+
+def _path(
+    place: tuple[Int32[np.ndarray, " pairs"], ...], depth: int
+) -> Int[np.ndarray, " pairs"]:
+    # Branches on all levels, the coarsest in the highest bits
+    rank = len(place)
+    spread = _spread(rank, depth)
+    path: Int[np.ndarray, " pairs"] = spread[place[0]]
+    for dimension in range(1, rank):
+        path = path | (spread[place[dimension]] << dimension)
+    return path
+
+
+@lru_cache(maxsize=16)
+def _spread(rank: int, depth: int) -> Indices:
+    # Bits of each number set `rank` apart
+    number = np.arange(1 << depth, dtype=np.int64)
+    apart: Int64[np.ndarray, " places"] = np.zeros_like(number)
+    for bit in range(depth):
+        apart |= ((number >> bit) & 1) << rank * bit
+    narrow: Int[np.ndarray, " places"] = apart.astype(np.int32)
+    return narrow if rank * depth < 31 else apart

@@ -1,0 +1,243 @@
+"""Text of a tensor tree to a flat table, in a few passes over bytes.
+
+A tree in a file is either `{ branch branch … }`, one branch for each half of each
+of its dimensions (dimension i is bit i of the branch's number), or `{ value … }`, a
+grid with the last dimension running fastest. Nothing here recurses, so neither
+deep nesting nor a tree of hundreds of megabytes can exhaust the stack.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float32, Int8, Int32, Int64
+
+from clerestory.array_types import Indices
+from clerestory.bsdf.tree_scanner import TreeFault, TreeScan, position_of, scan_tree
+from clerestory.errors import InputError
+
+# Halvings of a coordinate: 2¹⁵ cells along it, a few arc seconds.
+DEEPEST = 15
+
+# Values that are put into the order of branches together.
+_TOGETHER = 1 << 22
+
+
+@dataclass(frozen=True, eq=False)
+class TreeTable:
+    """Slots of a tree, as `ScatteringTree` explains them, and what was cut off.
+
+    Attributes
+    ----------
+    slots : values and branches
+    depth : halvings of a coordinate down to the smallest cell
+    negative : mean of the negative values that were read as zero [1/sr]
+    """
+
+    slots: Int32[np.ndarray, " slots"]
+    depth: int
+    negative: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    # One entry per pair of braces, in the order of the text
+    level: Int8[np.ndarray, " nodes"]
+    grid: Int8[np.ndarray, " nodes"]  # halvings within a grid; -1 for branches
+    first: Int64[np.ndarray, " nodes"]  # number of the first value
+
+
+def parse_tree(
+    text: bytes, *, rank: int, file: str | Path | None = None, line: int = 1
+) -> TreeTable:
+    """Return the table of a tree from its text.
+
+    Parameters
+    ----------
+    rank : dimensions of the tree, 3 or 4
+    file, line : where the text starts, for messages
+
+    Raises
+    ------
+    InputError : braces, counts or values that do not make a tree
+    """
+    try:
+        scan = scan_tree(text)
+        nodes = _read_nodes(scan, rank)
+        return _build(nodes, scan.values, rank)
+    except TreeFault as fault:
+        at = line + text[: position_of(text, fault)].count(b"\n")
+        raise InputError(fault.message, file=file, line=at) from fault
+
+
+def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
+    opens = scan.step > 0
+    depth = np.cumsum(scan.step, dtype=np.int32)
+
+    # Check the nesting
+    ends = np.flatnonzero(depth <= 0)
+    if not len(ends):
+        raise TreeFault("a tensor tree without its last brace '}'")
+    if depth[ends[0]] < 0 or ends[0] + 1 < len(depth):
+        raise TreeFault(
+            "a tensor tree ends before its text does; one tree expected",
+            brace=int(ends[0]),
+        )
+    if np.max(depth) > DEEPEST + 1:
+        raise TreeFault(
+            f"a tensor tree of {np.max(depth) - 1} nested levels; {DEEPEST} at most"
+            " expected",
+            brace=int(np.argmax(depth > DEEPEST + 1)),
+        )
+
+    # Only a pair of braces with nothing nested may hold values
+    leaf = np.zeros(len(opens), dtype=bool)
+    leaf[:-1] = opens[:-1] & ~opens[1:]
+    holds = np.concatenate([[False], leaf[:-1]])
+    stray = (scan.words > 0) & ~holds
+    if np.any(stray):
+        raise TreeFault(
+            "values beside the branches of a tensor tree; branches or values expected",
+            brace=int(np.argmax(stray)),
+        )
+
+    # A grid has a power of 2^rank values
+    count = scan.words[np.flatnonzero(holds)].astype(np.int64)
+    grid = np.full(len(count), -1, dtype=np.int8)
+    for halvings in range(DEEPEST + 1):
+        grid[count == 1 << rank * halvings] = halvings
+    if np.any(grid < 0):
+        wrong = int(np.argmax(grid < 0))
+        raise TreeFault(
+            f"{count[wrong]} values in a branch of a rank {rank} tensor tree; a power"
+            f" of {1 << rank} expected",
+            brace=int(np.flatnonzero(leaf)[wrong]),
+        )
+    of_leaf = leaf[opens]
+    kind = np.full(int(opens.sum()), -1, dtype=np.int8)
+    kind[of_leaf] = grid
+    first = np.zeros(len(kind), dtype=np.int64)
+    first[of_leaf] = np.cumsum(count) - count
+    level = (depth[opens] - 1).astype(np.int8)
+    _check_branches(level, kind, np.flatnonzero(opens), rank)
+    return _Nodes(level, kind, first)
+
+
+def _check_branches(
+    level: Int8[np.ndarray, " nodes"],
+    grid: Int8[np.ndarray, " nodes"],
+    brace: Int64[np.ndarray, " nodes"],
+    rank: int,
+) -> None:
+    # Each node with branches has 2^rank of them on the level below
+    for upper in range(int(level.max())):
+        parents = np.flatnonzero((level == upper) & (grid < 0))
+        children = np.flatnonzero(level == upper + 1)
+        parent = np.searchsorted(parents, children) - 1
+        count = np.bincount(parent, minlength=len(parents))
+        if np.any(count != 1 << rank):
+            wrong = int(np.argmax(count != 1 << rank))
+            raise TreeFault(
+                f"{count[wrong]} branches in a rank {rank} tensor tree;"
+                f" {1 << rank} expected",
+                brace=int(brace[parents[wrong]]),
+            )
+
+
+def _build(
+    nodes: _Nodes, values: Float32[np.ndarray, " values"], rank: int
+) -> TreeTable:
+    depth = int(np.max(nodes.level + np.maximum(nodes.grid, 0)))
+    if depth > DEEPEST:
+        raise TreeFault(
+            f"a tensor tree with {depth} halvings of a coordinate; {DEEPEST} at most"
+            " expected"
+        )
+    negative = _negative_mean(nodes, values, rank)
+    code = np.abs(np.maximum(values, 0)).view(np.int32)
+
+    # Put the nodes of each level behind those of the level before
+    regions: list[Int32[np.ndarray, " slots"]] = []
+    size = 1
+    for level in range(int(nodes.level.max()) + 1):
+        on = np.flatnonzero(nodes.level == level)
+        grid, first = nodes.grid[on], nodes.first[on]
+        region = np.zeros(len(on), dtype=np.int32)
+        region[grid == 0] = code[first[grid == 0]]
+        inner = grid < 0
+        region[inner] = _pointers(size, int(inner.sum()), rank)
+        regions.append(region)
+        size += int(inner.sum()) << rank
+
+    # Put the grids behind them all
+    shift = 0
+    offsets = np.cumsum([0, *(len(region) for region in regions)])
+    grids: list[Int32[np.ndarray, " slots"]] = []
+    for level in range(len(offsets) - 1):
+        on = np.flatnonzero(nodes.level == level)
+        for halvings in np.unique(nodes.grid[on]):
+            if halvings < 1:
+                continue
+            at = np.flatnonzero(nodes.grid[on] == halvings)
+            regions[level][at] = _pointers(size + shift, len(at), rank)
+            table = _grids(code, nodes.first[on[at]], rank, int(halvings), size + shift)
+            grids.append(table)
+            shift += len(table)
+    return TreeTable(np.concatenate(regions + grids), depth, negative)
+
+
+def _pointers(start: int, count: int, rank: int) -> Int32[np.ndarray, " slots"]:
+    # Codes of `count` branches whose blocks follow each other from `start`
+    if start + (count << rank) >= 1 << 31:
+        raise TreeFault("a tensor tree of more than 2³¹ slots; fewer expected")
+    return ~(start + (np.arange(count, dtype=np.int64) << rank)).astype(np.int32)
+
+
+def _grids(
+    code: Int32[np.ndarray, " values"],
+    first: Int64[np.ndarray, " grids"],
+    rank: int,
+    halvings: int,
+    start: int,
+) -> Int32[np.ndarray, " slots"]:
+    # Slots of equal grids: their inner levels, then their values in branch order
+    levels = []
+    for level in range(1, halvings):
+        count = len(first) << rank * level
+        start += count
+        levels.append(_pointers(start, count, rank))
+    order = branch_order(rank, halvings)
+    leaves = np.empty((len(first), len(order)), dtype=np.int32)
+    together = max(1, _TOGETHER // len(order))
+    for begin in range(0, len(first), together):
+        part = slice(begin, begin + together)
+        leaves[part] = code[first[part, None] + order]
+    return np.concatenate([*levels, leaves.ravel()])
+
+
+def branch_order(rank: int, halvings: int) -> Indices:
+    """Number in a grid, last dimension fastest, of each cell in the order of branches.
+
+    >>> branch_order(3, 1).tolist()
+    [0, 4, 2, 6, 1, 5, 3, 7]
+    """
+    number = np.arange(1 << rank * halvings).reshape([2] * (rank * halvings))
+    # Axis dimension·halvings + level: coarse levels first, the last dimension slowest
+    axes = [
+        dimension * halvings + level
+        for level in range(halvings)
+        for dimension in reversed(range(rank))
+    ]
+    return number.transpose(axes).ravel()
+
+
+def _negative_mean(
+    nodes: _Nodes, values: Float32[np.ndarray, " values"], rank: int
+) -> float:
+    if not len(values) or values.min() >= 0:
+        return 0.0
+    leaf = nodes.grid >= 0
+    size = rank * (nodes.level[leaf] + nodes.grid[leaf]).astype(np.int64)
+    count = np.int64(1) << rank * nodes.grid[leaf].astype(np.int64)
+    volume = np.repeat(0.5**size, count)
+    return float(np.maximum(-values, 0).astype(float) @ volume)

@@ -1,0 +1,146 @@
+"""Reader of BSDF files in LBNL's XML schema (WINDOW, genBSDF, wrapBSDF).
+
+The partition of the hemisphere is taken from the rings in the file, checked
+against the count of its data, never from its name: "LBNL/Klems Half" has stood
+for 73 and for 77 patches.
+"""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+from lxml import etree
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.xml_basis import Bases, choose_bases, read_bases
+from clerestory.bsdf.xml_document import Document, parse_document, read_numbers
+from clerestory.bsdf.xml_product import read_product
+from clerestory.bsdf.xml_tree import read_tree, tree_rank
+from clerestory.errors import ClerestoryWarning
+from clerestory.hemisphere.klems import klems
+
+# Share of the light that negative values may take away before a file is refused.
+_NEGLIGIBLE_NEGATIVE = 1e-3
+
+# A layer may pass on this much of what it receives before a warning, as in Radiance.
+_ENERGY_LIMIT = 1.01
+
+
+def read_bsdf(path: str | Path) -> Bsdf:
+    """Return the BSDF of an XML file with matrices or tensor trees.
+
+    Oddities that are safe to read over (text before the XML, a repeated block,
+    slightly negative values) are listed in `Bsdf.notes`.
+
+    Raises
+    ------
+    InputError : not a BSDF file, damaged, or without data; the message has the
+        line of the element
+
+    Warns
+    -----
+    ClerestoryWarning : more light leaves the layer than arrives
+    """
+    document = parse_document(path)
+    layer = document.require(document.root, "Optical/Layer")
+    definition = document.require(layer, "DataDefinition")
+    structure = document.require(definition, "IncidentDataStructure")
+    kind = (structure.text or "").strip()
+    rank = tree_rank(kind)
+    by_rows = rank is None and _incident_in_rows(structure, kind, document)
+    bases = read_bases(definition, document)
+
+    functions: dict[tuple[str, Function], ScatteringFunction] = {}
+    notes = list(document.notes)
+    for data in document.children(layer, "WavelengthData"):
+        channel = document.text(data, "Wavelength").lower()
+        for block in document.children(data, "WavelengthDataBlock"):
+            direction = document.text(block, "WavelengthDataDirection")
+            name = _function_name(direction)
+            if name is None:
+                notes.append(f"line {document.line(block)}: {direction!r} is left out")
+                continue
+            if (channel, name) in functions:
+                notes.append(
+                    f"{channel} {direction} is given twice; the last one counts"
+                )
+            functions[channel, name] = (
+                _read_matrix(block, bases, by_rows, document, notes)
+                if rank is None
+                else read_tree(block, rank, document, notes)
+            )
+    if not functions:
+        raise document.error(layer, "no scattering data; WavelengthDataBlock expected")
+    bsdf = Bsdf(functions, read_product(layer, document), tuple(notes), str(path))
+    _warn_of_energy(bsdf, path)
+    return bsdf
+
+
+def _incident_in_rows(structure: etree._Element, kind: str, document: Document) -> bool:
+    if kind.lower() not in ("columns", "rows"):
+        raise document.error(
+            structure,
+            f"IncidentDataStructure {kind[:40]!r}; Columns, Rows, TensorTree3"
+            " or TensorTree4 expected",
+        )
+    return kind.lower() == "rows"
+
+
+def _function_name(direction: str) -> Function | None:
+    words = direction.lower().split()
+    return next((name for name in FUNCTIONS if name.split("_") == words), None)
+
+
+def _read_matrix(
+    block: etree._Element,
+    bases: Bases,
+    by_rows: bool,
+    document: Document,
+    notes: list[str],
+) -> ScatteringMatrix:
+    # Find the partitions that the names and the count of the data agree on
+    data = document.require(block, "ScatteringData")
+    values = read_numbers(data, document)
+    rows, columns, note = choose_bases(
+        block, bases, count=len(values), document=document
+    )
+    if note:
+        notes.append(note)
+    table = values.reshape(len(rows), len(columns))
+
+    # "Columns" has an incident direction in each column, "Rows" in each row
+    exits, incidents = (columns, rows) if by_rows else (rows, columns)
+    table = np.ascontiguousarray(table.T) if by_rows else table
+
+    # Drop the negative noise of measurements and of interpolation
+    weights = exits.projected_solid_angles()
+    lost = float(np.max(weights @ np.maximum(-table, 0)))
+    if lost > _NEGLIGIBLE_NEGATIVE:
+        raise document.error(
+            data,
+            f"negative values down to {table.min():.3g}/sr take away {lost:.2%} of the"
+            " light; a BSDF without negative values expected",
+        )
+    if lost > 0:
+        notes.append(
+            f"line {document.line(data)}: negative values, {lost:.1e} of the light, are"
+            " read as zero"
+        )
+    return ScatteringMatrix(np.maximum(table, 0), exits, incidents)
+
+
+def _warn_of_energy(bsdf: Bsdf, path: str | Path) -> None:
+    for (channel, name), part in bsdf.functions.items():
+        if channel in ("cie-u", "cie-v"):
+            continue
+        _, incidents = part.own_partitions() or (None, klems("quarter"))
+        most = float(part.hemispherical(incidents.centres() * [-1, -1, 1]).max())
+        if most > _ENERGY_LIMIT:
+            warnings.warn(
+                f"{path}: {channel} {name.replace('_', ' ')} sends on {most:.3f} times"
+                " the light that arrives; 1 at most expected",
+                ClerestoryWarning,
+                stacklevel=3,
+            )

@@ -1,0 +1,239 @@
+"""Counting the light of one block of a tree, with most paths where errors are largest.
+
+A first round starts equally many paths in each incident cell. The cells that they
+justify tell where errors remain: at peaks, where cells stay small. Further rounds
+start most paths there.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int64
+
+from clerestory.array_types import Indices, Values
+from clerestory.bsdfgen.effort import TraceEffort
+from clerestory.bsdfgen.flux_preserving_merge import HemisphericalFlux
+from clerestory.bsdfgen.morton_codes import incident_part
+from clerestory.bsdfgen.tree_pruning import (
+    Cells,
+    Light,
+    chosen_cells,
+    climbed,
+)
+
+# Share of the paths in the first round, and paths from each cell in it if an error is
+# aimed at.
+_FIRST_SHARE = 0.25
+_PILOT = 256
+
+# Variance of what leaves a path of a film that loses nothing, by Russian roulette.
+_ROULETTE = 0.25
+
+# Most paths from one incident cell: an aim that needs more is out of reach.
+_MOST = 1 << 20
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What was counted of one function in one block.
+
+    Attributes
+    ----------
+    finest : light of the finest cells
+    incident : light in all from each incident cell
+    leaving : light in all through each leaving cell of the whole tree, rank 4 only
+    """
+
+    finest: Light
+    incident: HemisphericalFlux
+    leaving: HemisphericalFlux
+
+
+@dataclass(frozen=True, eq=False)
+class Counted:
+    """What was counted in one block.
+
+    Attributes
+    ----------
+    transmission, reflection : light by its way out
+    paths : traced
+    reached : whether the error aimed at was reached
+    """
+
+    transmission: Part
+    reflection: Part
+    paths: int
+    reached: bool
+
+
+@dataclass(eq=False)
+class Counter:
+    """Sums of the light in one block, growing round by round.
+
+    Attributes
+    ----------
+    engine, slab, grid : what traces
+    block : number of the block
+    back : whether light comes from the room
+    weights : share of each traced channel in the luminous value
+    """
+
+    engine: Any
+    slab: Any
+    grid: Any
+    block: int
+    back: bool
+    weights: Float[np.ndarray, " channel"]
+
+    def __post_init__(self) -> None:
+        # Rank 3 has directions in the lower half of its first dimension only
+        half = self.grid.rank == 3 and self.grid.depth > 0
+        self._rows = np.arange(self.grid.incidents >> int(half))
+        self._paths = np.zeros(self.grid.incidents, dtype=np.int64)
+        nothing = np.zeros(0, dtype=np.int64), np.zeros((0, len(self.weights) + 1))
+        self._scores = [nothing, nothing]
+
+    def count(self, effort: TraceEffort) -> Counted:
+        """Trace until the samples are spent or the error is reached."""
+        goal = effort.samples
+        first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
+        self._trace(np.full(len(self._rows), first), effort)
+        while True:
+            parts = [self._part(number) for number in range(2)]
+            risks = [self._risk(self._cells(part)) for part in parts]
+            risk = risks[0] + risks[1]
+            spent = self._paths[self._rows]
+            if goal is not None:
+                more = goal * len(self._rows) - int(spent.sum())
+                done = more < len(self._rows) / 4
+            else:
+                ratio = self._ratio(parts, risk, float(effort.relative_error or 1))
+                more = int(spent.sum() * np.clip(ratio**2 - 1, 0.25, 8))
+                done = ratio <= 1
+            extra = _shared(risk * spent, more)
+            short = not done and spent.max() >= _MOST
+            if done or short or not extra.any():
+                return Counted(parts[0], parts[1], int(spent.sum()), not short)
+            self._trace(extra, effort)
+
+    def _trace(self, extra: Indices, effort: TraceEffort) -> None:
+        # Cells that go on from the same number by the same number go together
+        have = self._paths[self._rows]
+        groups = [
+            (self._rows[(have == first) & (extra == number)], int(first), int(number))
+            for first, number in np.unique(np.stack([have, extra], axis=1), axis=0)
+            if number > 0
+        ]
+        found = self.engine.trace_block(
+            self.slab,
+            self.grid,
+            self.block,
+            groups,
+            back=self.back,
+            segments=(1 << 30) if effort.bounces is None else effort.bounces + 1,
+            seed=effort.seed,
+        )
+        self._scores = [
+            _merged(*old, new.cell, new.sums, cells=self.grid.cells)
+            for old, new in zip(self._scores, found, strict=True)
+        ]
+        self._paths[self._rows] += extra
+
+    def _part(self, number: int) -> Part:
+        # What the scores of a function say so far
+        grid = self.grid
+        place, sums = self._scores[number]
+        incident = incident_part(place, rank=grid.rank, levels=grid.block)
+        exit_size = np.pi / 4**grid.depth
+        every = np.maximum(self._paths, 1)
+        paths = every[incident]
+        mean = sums[:, :-1] / (paths * exit_size)[:, None]
+        luminous = sums[:, :-1] @ self.weights
+        noise = np.maximum(sums[:, -1] - luminous**2 / paths, 0)
+        noise /= (paths * exit_size) ** 2
+
+        # All that leaves a path is about 0 to 1 in all: its variance is s (1 - s), or
+        # what roulette adds where nothing is lost
+        share = np.bincount(incident, luminous, minlength=grid.incidents) / every
+        variance = share * np.maximum(1 - share, _ROULETTE) / every
+        single = mean.astype(np.float32), noise.astype(np.float32)
+        finest = Light(place.astype(np.int32), *single)
+        return Part(finest, HemisphericalFlux(share, variance), self._leaving(finest))
+
+    def _leaving(self, finest: Light) -> HemisphericalFlux:
+        # What each leaving cell has from the incident cells of this block
+        grid = self.grid
+        if grid.rank == 3:
+            return HemisphericalFlux(np.zeros(0), np.zeros(0))
+        coarse, inner = np.divmod(finest.place, 1 << grid.rank * grid.block)
+        cell = incident_part(inner >> 2, rank=grid.rank, levels=grid.block)
+        cell |= coarse << 2 * grid.block
+        number, size = 4**grid.depth, np.pi / 4**grid.depth
+        return HemisphericalFlux(
+            np.bincount(cell, finest.mean @ self.weights, number) * size,
+            np.bincount(cell, finest.noise, number) * size**2,
+        )
+
+    def _cells(self, part: Part) -> Cells:
+        # Cells of the block, each root for itself
+        grid = self.grid
+        levels = climbed(part.finest, self.weights, rank=grid.rank, levels=grid.block)
+        roots = 1 << 2 * (grid.depth - grid.block)
+        return chosen_cells(levels, rank=grid.rank, roots=roots)
+
+    def _risk(self, cells: Cells) -> Values:
+        # Expected square of the errors, summed over the finest cells of each row
+        grid, bits = self.grid, self.grid.rank - 2
+        risk = np.zeros(grid.incidents)
+        for height in np.unique(cells.height):
+            of = cells.height == height
+            square = cells.noise[of] * 4.0 ** (2 * height)
+            which = incident_part(
+                cells.place[of], rank=grid.rank, levels=grid.block - height
+            )
+            wide = 1 << bits * height
+            sums = np.bincount(which, square, minlength=grid.incidents // wide)
+            risk += np.repeat(sums, wide)
+        return risk[self._rows]
+
+    def _ratio(self, parts: list[Part], risk: Values, aim: float) -> float:
+        # How many times the error aimed at remains
+        finest = len(self._rows) << 2 * self.grid.depth
+        error = np.sqrt(risk.sum() / (2 * finest))
+        total = sum(float((p.finest.mean @ self.weights).sum()) for p in parts)
+        mean = total / (2 * finest)
+        return float(error / (aim * mean)) if mean > 0 else 0.0
+
+
+def _shared(cost: Values, more: int) -> Indices:
+    # Paths for each row: the root of its cost, in powers of two for few launches
+    root = np.sqrt(cost)
+    if more <= 0 or not root.any():
+        return np.zeros(len(cost), dtype=int)
+    wanted = more * root / root.sum()
+    least = max(1.0, more / len(cost) / 8)
+    power = np.round(np.log2(np.maximum(wanted, least / 4)))
+    return np.where(wanted < least, 0, np.exp2(power)).astype(int)
+
+
+def _merged(
+    place: Int64[np.ndarray, " old"],
+    sums: Float[np.ndarray, "old channel"],
+    more: Int64[np.ndarray, " new"],
+    added: Float[np.ndarray, "new channel"],
+    *,
+    cells: int,
+) -> tuple[Int64[np.ndarray, " cell"], Float[np.ndarray, "cell channel"]]:
+    # Sums by ascending place
+    if not len(place):
+        return more, added
+    lit = np.zeros(cells, dtype=bool)
+    lit[place] = lit[more] = True
+    every = np.flatnonzero(lit)
+    at = np.empty(cells, dtype=np.int32)
+    at[every] = np.arange(len(every), dtype=np.int32)
+    total = np.zeros((len(every), sums.shape[1]))
+    total[at[place]] = sums
+    total[at[more]] += added
+    return every, total

@@ -1,0 +1,70 @@
+"""Cross-sections drawn along a direction: slats, prisms and channels."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Points2
+from clerestory.scene.model import Polygon
+
+# A curved slat is cut into strips that turn by at most this much [rad].
+_STRIP = np.radians(3.0)
+
+
+def arc(width: float, rise: float) -> Points2:
+    """Points (along, above) of a slat from one edge to the other, its middle at 0, 0.
+
+    Parameters
+    ----------
+    width : of the slat's chord
+    rise : of its middle above the chord; below 0 it sags
+
+    Examples
+    --------
+    >>> arc(2.0, 0.0).tolist()
+    [[-1.0, 0.0], [1.0, 0.0]]
+    """
+    if rise == 0:
+        return np.array([[-width / 2, 0.0], [width / 2, 0.0]])
+    radius = (width**2 / 4 + rise**2) / (2 * abs(rise))
+    half = np.arctan2(width / 2, radius - abs(rise))
+    strips = int(np.ceil(2 * half / _STRIP))
+    turn = np.linspace(-half, half, strips + 1)
+    above = np.sign(rise) * radius * (np.cos(turn) - 1)
+    points: Float[np.ndarray, "point 2"] = np.stack(
+        [radius * np.sin(turn), above], axis=1
+    )
+    return points
+
+
+def extruded(
+    section: Points2,
+    *,
+    ends: tuple[float, float],
+    material: str,
+    name: str,
+    closed: bool = False,
+) -> Iterator[Polygon]:
+    """Yield the strips of a section (y, z) drawn along x.
+
+    The front of a strip looks up where the section runs towards -z.
+
+    Parameters
+    ----------
+    ends : from where to where on x [m]
+    closed : whether the last point is joined to the first
+    """
+    points = [*section, section[0]] if closed else list(section)
+    ring = ends[0], ends[1], ends[1], ends[0]
+    for number, (a, b) in enumerate(pairwise(points)):
+        corners = [(x, *point) for x, point in zip(ring, (a, a, b, b), strict=True)]
+        yield Polygon(np.array(corners, dtype=float), material, f"{name}.{number}")
+
+
+def turned(polygons: Iterator[Polygon]) -> Iterator[Polygon]:
+    """Yield polygons turned about z by -90°: what was up is at the right."""
+    for polygon in polygons:
+        x, y, z = polygon.vertices.T
+        yield Polygon(np.stack([y, -x, z], axis=1), polygon.material, polygon.name)

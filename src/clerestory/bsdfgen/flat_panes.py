@@ -1,0 +1,65 @@
+"""Flat panes: diffuse sheets and clear glass."""
+
+import numpy as np
+
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.fabric import scatterer
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.system_parameters import Share, share
+from clerestory.errors import InputError
+from clerestory.scene.model import Glass, Material, Polygon, Scene
+
+
+def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
+    """Return a sheet that scatters light evenly to both sides.
+
+    Parameters
+    ----------
+    transmittance, reflectance : shares of the light, 1 together at most
+
+    Raises
+    ------
+    InputError : shares out of range
+
+    Examples
+    --------
+    >>> diffuse_pane(transmittance=0.5).area.periodic
+    True
+    """
+    passed, reflected = (
+        share("transmittance", transmittance),
+        share("reflectance", reflectance),
+    )
+    return _sheet(scatterer("pane", reflected, passed), "Diffuse pane")
+
+
+def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
+    """Return a thin pane of clear glass, as Radiance's glass.
+
+    Parameters
+    ----------
+    transmissivity : share left after one passage at normal incidence
+    index : of refraction
+
+    Raises
+    ------
+    InputError : numbers out of range
+
+    Examples
+    --------
+    >>> clear_pane().scene.surfaces[0].name
+    'pane'
+    """
+    if not index >= 1:
+        raise InputError(f"index = {index}; 1 or more expected")
+    glass = Glass("pane", share("transmissivity", transmissivity), index)
+    return _sheet(glass, "Clear pane")
+
+
+def _sheet(material: Material, name: str) -> System:
+    corners = np.array([[-0.1, -0.1, 0], [1.1, -0.1, 0], [1.1, 1.1, 0], [-0.1, 1.1, 0]])
+    box = np.array([[0.0, 0, 0], [1, 1, 0]])
+    scene = Scene({"pane": material}, (Polygon(corners, "pane", "pane"),))
+    area = SampleArea(box, periodic=True)
+    return System(scene, area, product=Product(name=name))

@@ -1,0 +1,246 @@
+"""Pieces of a tree's cells that keep the light of each incident or each leaving cell.
+
+Cells are joined where their differences are no more than noise, each block for itself.
+But what a block loses from one incident cell to its neighbour, all others lose alike
+where the light in all changes from cell to cell: single values stay as good as they
+can be, sums over all leaving cells do not. The light in all is known far better than
+any single value, so it is brought back: where it changes, joined cells are cut, and
+share their value in proportion to it.
+
+A change is looked for at all scales, from single incident cells to halves of a joined
+one: over many cells light is known better than in one. The brightest joined cells are
+cut, as many as can take the change without being changed much themselves; wide cells
+then take what their incident cells have in common, and smaller ones what is left.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Float64, Int32
+
+from clerestory.array_types import Values
+from clerestory.bsdfgen.morton_codes import incident_part
+from clerestory.bsdfgen.subcells import Pieces
+
+# Joined cells are cut where the light from a part of their incident cells would else be
+# off by more than this share of all that comes, for parts of a thirty-second of the
+# square of directions and wider; twice as much at half the width, for what is moved
+# there stays in the neighbourhood. It must be more than so many standard errors too, of
+# which an upper bound is known.
+_TOLERANCE = 0.004
+_SPAN = 5
+_SURE = 0.3
+
+# Light that leaves through a cell is known no better than its standard error: paths
+# start evenly, but leave by chance.
+_SURE_LEAVING = 2.0
+
+# Cells that take a change hold so many times as much light, at least.
+_STRETCH = 3.0
+
+# Cells that have less than half of the light are changed by this share at most: what
+# is left for them may be the noise of the others.
+_CHANGE = 0.5
+
+# Pieces whose light is summed at once.
+_TOGETHER = 1 << 20
+
+
+@dataclass(frozen=True, eq=False)
+class HemisphericalFlux:
+    """Light in all from each incident cell, or by reciprocity from each leaving one.
+
+    Attributes
+    ----------
+    share : of the light that comes, luminous, 0…1
+    variance : of the share
+    """
+
+    share: Float[np.ndarray, " incident"]
+    variance: Float[np.ndarray, " incident"]
+
+
+def preserve_flux(
+    pieces: list[Pieces],
+    luminous: Values,
+    light: HemisphericalFlux,
+    *,
+    rank: int,
+    by_leaving: bool = False,
+) -> list[Pieces]:
+    """Return pieces whose joined ones are cut and scaled to keep the incident light.
+
+    Parameters
+    ----------
+    pieces : by their height above the finest cells, up to the root
+    luminous : value of each cell [1/sr]
+    light : as it was counted
+    by_leaving : whether light is that of leaving cells, which take the place of the
+        incident ones; for rank 4
+
+    Examples
+    --------
+    A block of 2 × 2 incident and 2 × 2 leaving cells, all in one:
+
+    >>> from clerestory.bsdfgen.subcells import uncut
+    >>> one = uncut(np.array([0]), np.array([1]), depth=1)
+    >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
+    >>> light = HemisphericalFlux(share, np.zeros(4))
+    >>> kept = preserve_flux(one, np.array([0.2]), light, rank=4)
+    >>> kept[0].factor[:4].round(3).tolist()
+    [0.5, 1.5, 0.5, 1.5]
+    """
+    depth = len(pieces) - 1
+    tally = _Tally(luminous, len(light.share), rank, depth, 2 if by_leaving else 0)
+    alone, joined = pieces[0], [pieces[0].only(slice(0)), *pieces[1:]]
+    doubt = (_SURE_LEAVING if by_leaving else _SURE) ** 2 * light.variance
+    left = np.maximum(light.share - tally.light(alone, 0), 0)
+    together = tally.lights(joined)
+    scale = np.where(together > 0, left / np.where(together > 0, together, 1), 1)
+    for height in range(depth, 0, -1):
+        wide = 1 << (rank - 2) * height
+        moved = _moved(scale, together, doubt, height, bits=rank - 2, depth=depth)
+        finer = _means(tally.lights(joined[:height]), wide)
+        need = np.minimum(_STRETCH * moved, _means(together, wide)) - finer
+        split = tally.brightest(joined[height], need * wide, height)
+        joined[height], branches = joined[height].cut(split, rank=rank)
+        joined[height - 1] = joined[height - 1].beside(branches)
+    scaled = tally.scaled(joined, left)
+    return [alone.beside(scaled[0]), *scaled[1:]]
+
+
+def preserve_flux_on_both_sides(
+    pieces: list[Pieces],
+    luminous: Values,
+    incident: HemisphericalFlux,
+    leaving: HemisphericalFlux,
+) -> list[Pieces]:
+    """Return pieces of rank 4 that keep the light of incident and of leaving cells.
+
+    Parameters
+    ----------
+    pieces : by their height above the finest cells, up to the root
+    luminous : value of each cell [1/sr]
+    incident, leaving : as they were counted
+
+    Examples
+    --------
+    Four leaving cells of two brightnesses, joined:
+
+    >>> from clerestory.bsdfgen.subcells import uncut
+    >>> one = uncut(np.array([0]), np.array([1]), depth=1)
+    >>> even = HemisphericalFlux(np.pi * np.full(4, 0.2), np.zeros(4))
+    >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
+    >>> varied = HemisphericalFlux(share, np.zeros(4))
+    >>> kept = preserve_flux_on_both_sides(one, np.array([0.2]), even, varied)
+    >>> kept[0].factor[::4].round(3).tolist()
+    [0.5, 1.5, 0.5, 1.5]
+    """
+    for light, by_leaving in ((incident, False), (leaving, True), (incident, False)):
+        pieces = preserve_flux(pieces, luminous, light, rank=4, by_leaving=by_leaving)
+    return pieces
+
+
+def _moved(
+    scale: Float[np.ndarray, " incident"],
+    together: Float[np.ndarray, " incident"],
+    doubt: Float[np.ndarray, " incident"],
+    height: int,
+    *,
+    bits: int,
+    depth: int,
+) -> Float[np.ndarray, " block"]:
+    # Most light that cells of a height and one scale would move between their parts,
+    # where it is more than what is allowed, and known
+    wide = 1 << bits * height
+    off = (scale - np.repeat(_means(scale, wide), wide)) * together
+    most = np.zeros(len(scale) // wide)
+    for part in range(height):
+        few = 1 << bits * part
+        unsure = np.sqrt(_means(doubt, few) / few)
+        limit = _TOLERANCE * max(1.0, 2.0 ** (depth - part - _SPAN))
+        moved = np.abs(_means(off, few))
+        moved[moved <= np.maximum(limit, unsure)] = 0
+        most = np.maximum(most, moved.reshape(len(most), -1).max(axis=1))
+    return most
+
+
+def _means(
+    values: Float[np.ndarray, " incident"], wide: int
+) -> Float[np.ndarray, " part"]:
+    return np.asarray(values.reshape(-1, wide).mean(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class _Tally:
+    # Sums of the light of pieces by their incident cells
+    luminous: Float[np.ndarray, " cell"]
+    incidents: int
+    rank: int
+    depth: int
+    skip: int  # bits of a digit before those of the cells whose light is kept
+
+    def lights(self, pieces: Sequence[Pieces]) -> Float64[np.ndarray, " incident"]:
+        """Share of the light that pieces of the lowest heights have from each cell."""
+        total = np.zeros(self.incidents)
+        for height, part in enumerate(pieces):
+            total += self.light(part, height)
+        return total
+
+    def light(self, pieces: Pieces, height: int) -> Float64[np.ndarray, " incident"]:
+        """Share of the light that pieces of one height have from each cell."""
+        wide = 1 << (self.rank - 2) * height
+        sums = np.zeros(self.incidents // wide)
+        for start in range(0, len(pieces), _TOGETHER):
+            some = pieces.only(slice(start, start + _TOGETHER))
+            block = self.block(some, height)
+            sums += np.bincount(block, self.share(some, height), len(sums))
+        return np.repeat(sums, wide)
+
+    def share(self, pieces: Pieces, height: int) -> Float64[np.ndarray, " piece"]:
+        """Share of the light from one finest incident cell in each piece."""
+        size = np.pi * 4.0 ** (height - self.depth)
+        return np.asarray(self.luminous[pieces.cell] * pieces.factor * size)
+
+    def block(self, pieces: Pieces, height: int) -> Int32[np.ndarray, " piece"]:
+        """Number of the incident cell of each piece, among all as wide."""
+        levels = self.depth - height
+        return incident_part(pieces.place >> self.skip, rank=self.rank, levels=levels)
+
+    def brightest(
+        self, pieces: Pieces, need: Float[np.ndarray, " block"], height: int
+    ) -> Bool[np.ndarray, " piece"]:
+        """Brightest pieces of one height that have as much light as blocks need."""
+        found = np.zeros(len(pieces), dtype=bool)
+        if not len(pieces):
+            return found
+        block = self.block(pieces, height)
+        light = self.share(pieces, height) * (1 << (self.rank - 2) * height)
+        order = np.lexsort((-light, block))
+        block, light = block[order], light[order]
+        before = np.cumsum(light) - light
+        first = np.searchsorted(block, np.arange(len(need)))
+        start = before[np.minimum(first, len(before) - 1)]
+        found[order] = (light > 0) & (before - start[block] < need[block])
+        return found
+
+    def scaled(
+        self, pieces: list[Pieces], left: Float64[np.ndarray, " incident"]
+    ) -> list[Pieces]:
+        """Scale wide pieces by what is common in what is left, smaller by the rest."""
+        found = list(pieces)
+        own = [self.light(part, height) for height, part in enumerate(pieces)]
+        rest = every = np.sum(own, axis=0)
+        for height in range(self.depth, -1, -1):
+            wide = 1 << (self.rank - 2) * height
+            target, have = _means(left, wide), _means(rest, wide)
+            ratio = np.where(have > 0, target / np.where(have > 0, have, 1), 1)
+            few = have < _means(every, wide) / 2
+            ratio[few] = np.clip(ratio[few], 1 - _CHANGE, 1 + _CHANGE)
+            part = pieces[height]
+            factor = ratio.astype(np.float32)[self.block(part, height)]
+            found[height] = Pieces(part.place, part.cell, part.factor * factor)
+            left = np.maximum(left - own[height] * np.repeat(ratio, wide), 0)
+            rest = rest - own[height]
+        return found

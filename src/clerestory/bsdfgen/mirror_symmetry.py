@@ -1,0 +1,159 @@
+"""Mirror symmetry of a system: patches from which light need not be traced.
+
+A system that is its own mirror image, left to right or top to bottom, scatters light
+from a patch as it does light from the patch's mirror image. Light is then traced from
+one of the two; what is known of it is known of the other.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.array_types import Directions, Indices, Vector
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.scene.model import (
+    Cone,
+    Dielectric,
+    Glass,
+    Interface,
+    Metal,
+    Plastic,
+    Polygon,
+    Scene,
+    Trans,
+)
+
+# Corners nearer than this share of the system's size are one.
+_SAME = 1e-5
+
+# Keeps corners that lie on a grid off the limits between its numbers.
+_OFF_GRID = 0.381966
+
+# Materials that know no direction but the normal of their surface.
+_ISOTROPIC = Plastic | Metal | Trans | Glass | Dielectric | Interface
+
+Flip = tuple[int, int]
+
+_FLIPS: tuple[Flip, ...] = (1, 1), (1, -1), (-1, 1), (-1, -1)
+
+# Of a system that is nowhere its own mirror image.
+NO_MIRROR = _FLIPS[:1]
+
+
+def mirrors(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
+    """Return the flips of x and y that leave a system as it is, the identity first.
+
+    The mirrors stand in the middle of the sample area. Polygons and cylinders of
+    materials without grain are compared; a system with others has no mirror.
+
+    Parameters
+    ----------
+    area : the piece of the system that is traced
+
+    Examples
+    --------
+    >>> from clerestory.bsdfgen.venetian_geometry import venetian
+    >>> blind = venetian(slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.5)
+    >>> mirrors(blind.scene, blind.area)
+    ((1, 1), (-1, 1))
+    """
+    surfaces = [s for s in scene.surfaces if isinstance(s, Polygon | Cone)]
+    plain = all(isinstance(m, _ISOTROPIC) for m in scene.materials.values())
+    if not plain or len(surfaces) < len(scene.surfaces):
+        return NO_MIRROR
+    middle = area.bounds.mean(axis=0)
+    unit = _SAME * float(area.size.max())
+    whole = Counter(_key(s, middle, (1, 1), unit) for s in surfaces)
+    return tuple(
+        flip
+        for flip in _FLIPS
+        if Counter(_key(s, middle, flip, unit) for s in surfaces) == whole
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Orbits:
+    """Patches that the mirrors of a system make alike.
+
+    Attributes
+    ----------
+    chosen : one patch of each kind, from which light is traced
+    flips : for each mirror, the patch at the place of each patch's mirror image
+    """
+
+    chosen: Int[np.ndarray, " kind"]
+    flips: Int[np.ndarray, "mirror patch"]
+
+    @classmethod
+    def of(cls, partition: RingPartition, mirrors: Sequence[Flip]) -> "Orbits":
+        """Return the patches of a partition that some mirrors make alike.
+
+        Mirrors that do not lead from patch to patch are left out.
+
+        >>> from clerestory.hemisphere.klems import klems
+        >>> Orbits.of(klems("full"), ((1, 1), (-1, 1))).chosen.size
+        81
+        """
+        centre = partition.centres()
+        found = []
+        for flip in mirrors:
+            image = centre * [*flip, 1]
+            patch = partition.find(image)
+            if np.allclose(centre[patch], image, atol=1e-6):
+                found.append(patch)
+        flips = np.array(found)
+        return cls(np.unique(flips.min(axis=0)), flips)
+
+    @property
+    def kind(self) -> Indices:
+        """Number of each patch's kind."""
+        kind: Int[np.ndarray, " patch"] = np.searchsorted(
+            self.chosen, self.flips.min(axis=0)
+        )
+        return kind
+
+    def unfolded(
+        self, table: Float[np.ndarray, "*more kind exit"]
+    ) -> Float[np.ndarray, "*more patch exit"]:
+        """Return a table for all incident patches from that for the chosen ones.
+
+        Patches that lie on a mirror are their own image: what leaves them to the left
+        and to the right is averaged.
+        """
+        kind = self.kind
+        total = np.zeros((*table.shape[:-2], len(kind), table.shape[-1]), table.dtype)
+        count = np.zeros(len(kind), dtype=int)
+        for flip in self.flips:
+            ends = flip == self.chosen[kind]
+            total[..., ends, :] += table[..., kind[ends], :][..., flip]
+            count += ends
+        total /= count[:, None].astype(table.dtype)
+        return total
+
+
+def _key(
+    surface: Polygon | Cone, middle: Vector, flip: Flip, unit: float
+) -> tuple[object, ...]:
+    # What tells a surface from all others that are not in the same place
+    def grid(points: Directions) -> list[tuple[int, ...]]:
+        moved = (points - middle) * [*flip, 1] / unit + _OFF_GRID
+        return [tuple(row) for row in np.round(moved).astype(int).tolist()]
+
+    if isinstance(surface, Cone):
+        ends = grid(np.stack([surface.base, surface.top]))
+        radii = surface.base_radius, surface.top_radius
+        return (
+            surface.material,
+            surface.inward,
+            *sorted(zip(ends, radii, strict=True)),
+        )
+    corners = grid(surface.vertices)
+    if flip[0] * flip[1] < 0:
+        corners.reverse()
+    lowest = min(corners)
+    starts = [i for i, corner in enumerate(corners) if corner == lowest]
+    return (surface.material, *min(corners[i:] + corners[:i] for i in starts))

@@ -1,0 +1,92 @@
+"""Mirrored-channel film: a clear sheet with mirrors across it, one above another.
+
+Light that meets a mirror from above is sent to the ceiling.
+"""
+
+import math
+
+import numpy as np
+
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.extrusion import extruded
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.system_parameters import Share, positive, share
+from clerestory.errors import InputError
+from clerestory.scene.model import Dielectric, Material, Metal, Polygon, Scene
+
+# A cell is this many times as wide and as high as the film is thick.
+_SLENDER = 8.0
+
+# Mirrors keep off the faces of the sheet by this share of its thickness.
+_INSET = 1e-3
+
+
+def mirrored_channels(
+    *,
+    pitch: float = 1.0e-3,
+    thickness: float = 1.0e-3,
+    mirror_depth: float = 0.8e-3,
+    reflectance: Share = 0.9,
+    index: float = 1.49,
+    transmissivity: float = 1.0,
+) -> System:
+    """Return the cell of an endless film whose mirrors run along the width.
+
+    Parameters
+    ----------
+    pitch : from mirror to mirror [m]
+    thickness : of the sheet [m]
+    mirror_depth : of a mirror, in the middle of the sheet [m]
+    reflectance : of the mirrors, on both sides
+    index : of refraction of the sheet
+    transmissivity : share of light left after 1 m of the sheet
+
+    Raises
+    ------
+    InputError : a number out of range, or mirrors deeper than the sheet
+
+    Examples
+    --------
+    >>> mirrored_channels().area.thickness
+    0.001
+    """
+    positive(pitch=pitch, thickness=thickness, mirror_depth=mirror_depth)
+    if mirror_depth > thickness:
+        raise InputError(
+            f"mirror_depth = {mirror_depth}; at most the thickness {thickness} expected"
+        )
+    if not (index > 1 and 0 <= transmissivity <= 1):
+        raise InputError(
+            f"index = {index}, transmissivity = {transmissivity}; above 1, and 0 to 1,"
+            " expected"
+        )
+    count = math.ceil(_SLENDER * thickness / pitch)
+    across = count * pitch
+    ends = -0.01 * across, 1.01 * across
+    high, low = across + pitch, -pitch
+    faces = (
+        np.array([(low, 0.0), (high, 0.0)]),
+        np.array([(high, -thickness), (low, -thickness)]),
+    )
+    surfaces: list[Polygon] = []
+    for number, face in enumerate(faces):
+        surfaces += extruded(face, ends=ends, material="sheet", name=f"sheet{number}")
+    half = min(mirror_depth, thickness * (1 - 2 * _INSET)) / 2
+    for number in range(count):
+        y = (number + 0.5) * pitch
+        line = np.array([(y, half - thickness / 2), (y, -half - thickness / 2)])
+        surfaces += extruded(line, ends=ends, material="mirror", name=f"mirror{number}")
+    materials: dict[str, Material] = {
+        "sheet": Dielectric("sheet", np.full(3, transmissivity), index),
+        "mirror": Metal("mirror", share("reflectance", reflectance), 1.0, 0.0),
+    }
+    corners = np.array([[0, 0, -thickness], [across, across, 0]])
+    return System(
+        Scene(materials, tuple(surfaces)),
+        SampleArea(corners, periodic=True),
+        product=Product(
+            name=f"Mirrored channels of {mirror_depth * 1e3:g} mm"
+            f" every {pitch * 1e3:g} mm"
+        ),
+    )

@@ -1,0 +1,66 @@
+"""Numbers that name places in a tree by the branches that lead to them.
+
+A number has one digit a level, the coarsest in the highest bits. A digit of a tree of
+rank 3 or 4 has one bit a dimension; the incident direction has the lowest ones.
+"""
+
+from functools import cache
+
+import numpy as np
+from jaxtyping import Int
+
+from clerestory.array_types import Indices
+
+# Bits of the numbers whose parts are looked up in a table.
+_TABLE_BITS = 16
+
+_Number = Int[np.ndarray, "*batch"]
+
+
+def incident_part(number: _Number, *, rank: int, levels: int) -> _Number:
+    """Return the number of the incident cell on the last levels of a place.
+
+    >>> incident_part(np.array([0b1110_1101]), rank=4, levels=2).tolist()
+    [9]
+    """
+    found = np.zeros_like(number)
+    together = _TABLE_BITS // rank
+    for first in range(0, levels, together):
+        digits = min(together, levels - first)
+        some = (number >> rank * first) & ((1 << rank * digits) - 1)
+        part = _incident_parts(rank, digits)[some].astype(number.dtype)
+        found |= part << (rank - 2) * first
+    return found
+
+
+@cache
+def _incident_parts(rank: int, digits: int) -> Indices:
+    # The incident part of all numbers of a few digits
+    number = np.arange(1 << rank * digits)
+    found = np.zeros_like(number)
+    bits = rank - 2
+    for level in range(digits):
+        digit = (number >> rank * level) & ((1 << bits) - 1)
+        found |= digit << bits * level
+    return found
+
+
+def joined(
+    incident: Int[np.ndarray, " *incident"],
+    leaving: Int[np.ndarray, " *leaving"],
+    *,
+    rank: int,
+    levels: int,
+) -> Int[np.ndarray, " *place"]:
+    """Return the number of the place of an incident and a leaving cell.
+
+    >>> joined(np.array([0b10_01]), np.array([0b11_11]), rank=4, levels=2).tolist()
+    [237]
+    """
+    bits = rank - 2
+    found = np.zeros(np.broadcast_shapes(incident.shape, leaving.shape), dtype=int)
+    for level in range(levels):
+        one = (incident >> bits * level) & ((1 << bits) - 1)
+        other = (leaving >> 2 * level) & 3
+        found |= (one | (other << bits)) << rank * level
+    return found

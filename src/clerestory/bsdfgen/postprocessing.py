@@ -1,0 +1,113 @@
+"""What is done to traced functions at the end: reciprocity, one sense, fewer cells."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from clerestory.array_types import ExitIncident
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.resample import reciprocal_mean
+from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import combine
+from clerestory.bsdf.tree_reduction import reduce_tree
+from clerestory.bsdfgen.trace_request import Functions
+from clerestory.errors import InputError
+
+
+def reciprocal_with_errors(functions: Functions) -> Functions:
+    """Return functions averaged with their reciprocals, and their smaller errors.
+
+    Light forth and light back are independent estimates of one number.
+    """
+    means = reciprocal_mean(Bsdf(functions)).functions
+    found: Functions = {}
+    for (channel, name), mean in means.items():
+        part = functions[channel, name]
+        other = functions.get((channel, OTHER_SIDE.get(name, name)))
+        if isinstance(mean, ScatteringMatrix) and isinstance(other, ScatteringMatrix):
+            mean = replace(mean, standard_error=_matrix_error(part, other))
+        if isinstance(mean, ScatteringTree) and mean.rank == 4:
+            mean = replace(mean, standard_error=_tree_error(part, other))
+        found[channel, name] = mean
+    return found
+
+
+def _matrix_error(
+    part: ScatteringFunction, other: ScatteringMatrix
+) -> ExitIncident | None:
+    if not isinstance(part, ScatteringMatrix):
+        return None
+    one, two = part.standard_error, other.standard_error
+    if one is None or two is None:
+        return None
+    # Pairs of a reflection that are their own reverse are one estimate, not two
+    back = ScatteringMatrix(two, other.exits, other.incidents).reciprocal().values
+    number = np.arange(one.size, dtype=float).reshape(one.shape)
+    reverse = ScatteringMatrix(number, part.exits, part.incidents).reciprocal().values
+    own = (number == reverse) & (part is other)
+    return np.asarray(np.where(own, one, np.hypot(one, back) / 2))
+
+
+def _tree_error(
+    part: ScatteringFunction, other: ScatteringFunction | None
+) -> ScatteringTree | None:
+    one = part.standard_error if isinstance(part, ScatteringTree) else None
+    two = other.standard_error if isinstance(other, ScatteringTree) else None
+    if one is None or two is None:
+        return None
+    back = two.reciprocal()
+    if not isinstance(back, ScatteringTree):
+        return None
+    return combine(lambda a, b: np.hypot(a, b) / 2, one, back)
+
+
+def one_transmission(functions: Functions) -> Functions:
+    """Return functions of rank 4 trees with one transmission a band, as files have.
+
+    The other one is its reciprocal. As in genBSDF, that from the back stays.
+    """
+    return {
+        (band, name): part
+        for (band, name), part in functions.items()
+        if name != "transmission_front" or (band, "transmission_back") not in functions
+    }
+
+
+def reduced(functions: Functions, percent: float) -> Functions:
+    """Return trees without the branches that matter least, and without errors."""
+    return {
+        key: reduce_tree(part, percent).tree
+        if isinstance(part, ScatteringTree)
+        else part
+        for key, part in functions.items()
+    }
+
+
+def error_functions(
+    functions: Mapping[tuple[str, Function], ScatteringFunction],
+) -> Functions:
+    """Return the standard errors of functions in the same shape as their values.
+
+    Raises
+    ------
+    InputError : a function that carries none
+    """
+    found: Functions = {}
+    for (channel, name), part in functions.items():
+        if channel in ("cie-u", "cie-v"):
+            continue
+        if isinstance(part, ScatteringMatrix) and part.standard_error is not None:
+            found[channel, name] = ScatteringMatrix(
+                part.standard_error, part.exits, part.incidents
+            )
+        elif isinstance(part, ScatteringTree) and part.standard_error is not None:
+            found[channel, name] = part.standard_error
+        else:
+            raise InputError(
+                f"{channel} {name.replace('_', ' ')} carries no standard errors;"
+                " a traced function that was not reduced expected"
+            )
+    return found

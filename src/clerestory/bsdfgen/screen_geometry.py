@@ -1,0 +1,202 @@
+"""Screens: perforated sheets and woven threads."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Points2, Vector2
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.system_parameters import (
+    Share,
+    bands,
+    not_negative,
+    positive,
+    share,
+)
+from clerestory.errors import InputError
+from clerestory.scene.model import Cone, Material, Plastic, Polygon, Scene
+
+# Corners of a round hole; its area is that of the circle.
+_CORNERS = 48
+
+# Holes or threads along a side of a cell.
+_COUNT = 4
+
+
+def perforated(
+    *,
+    pitch: float = 2.0e-3,
+    hole: float = 1.0e-3,
+    shape: Literal["round", "square"] = "round",
+    thickness: float = 0.0,
+    reflectance: Share = 0.5,
+    solar_reflectance: float | None = None,
+) -> System:
+    """Return the cell of an endless sheet with holes on a square grid.
+
+    Parameters
+    ----------
+    pitch : from hole to hole [m]
+    hole : diameter of round holes, or side of square ones [m]
+    thickness : of the sheet [m]; 0 for a thin one
+    reflectance : of sheet and walls of the holes, as of Radiance's plastic
+    solar_reflectance : in the solar band, if it is wanted
+
+    Raises
+    ------
+    InputError : a number out of range, or holes that touch each other
+
+    Examples
+    --------
+    >>> screen = perforated(pitch=2e-3, hole=1e-3, shape="square", thickness=0.5e-3)
+    >>> screen.area.thickness
+    0.0005
+    """
+    paint = Plastic("sheet", share("reflectance", reflectance, solar_reflectance))
+    scene = holed_sheet(paint, pitch=pitch, hole=hole, shape=shape, thickness=thickness)
+    area = (hole / pitch) ** 2 * (math.pi / 4 if shape == "round" else 1)
+    return System(
+        scene,
+        cell(pitch, thickness),
+        bands(solar=solar_reflectance is not None),
+        Product(name=f"Perforated screen, {area:.1%} open", device_type="Other"),
+    )
+
+
+def woven(
+    *,
+    spacing: float = 1.0e-3,
+    thread: float = 0.3e-3,
+    reflectance: Share = 0.5,
+    solar_reflectance: float | None = None,
+) -> System:
+    """Return the cell of an endless screen of round threads, one way over the other.
+
+    Parameters
+    ----------
+    spacing : from thread to thread, both ways [m]
+    thread : diameter [m]
+    reflectance : of the threads, as of Radiance's plastic
+    solar_reflectance : in the solar band, if it is wanted
+
+    Raises
+    ------
+    InputError : a number out of range, or threads that touch their neighbours
+
+    Examples
+    --------
+    >>> round(woven(spacing=1e-3, thread=0.25e-3).area.thickness * 1e3, 6)
+    0.5025
+    """
+    positive(spacing=spacing, thread=thread)
+    if thread >= spacing:
+        raise InputError(f"thread = {thread}; less than the spacing {spacing} expected")
+    paint = Plastic("thread", share("reflectance", reflectance, solar_reflectance))
+    side, radius = _COUNT * spacing, thread / 2
+    layers = -1.01 * radius, -3.02 * radius
+    threads = []
+    for number in range(_COUNT):
+        at = (number + 0.5) * spacing
+        for axis, z in enumerate(layers):
+            base, top = np.array([[at, at, z], [at, at, z]])
+            base[axis], top[axis] = -0.01 * side, 1.01 * side
+            name = f"{'weft' if axis == 0 else 'warp'}{number}"
+            threads.append(Cone(base, top, radius, radius, False, "thread", name))
+    open_share = (1 - thread / spacing) ** 2
+    return System(
+        Scene({"thread": paint}, tuple(threads)),
+        cell(spacing, layers[0] + radius - (layers[1] - radius) + 0.01 * radius),
+        bands(solar=solar_reflectance is not None),
+        Product(name=f"Woven screen, {open_share:.1%} open", device_type="Other"),
+    )
+
+
+def cell(pitch: float, thickness: float) -> SampleArea:
+    """Return the cell of a few holes or threads each way."""
+    side = _COUNT * pitch
+    return SampleArea(np.array([[0, 0, -thickness], [side, side, 0]]), periodic=True)
+
+
+def holed_sheet(
+    material: Material,
+    *,
+    pitch: float,
+    hole: float,
+    shape: Literal["round", "square"],
+    thickness: float,
+    faces: Literal[1, 2] = 2,
+) -> Scene:
+    """Return a sheet of one material with holes and their walls.
+
+    Parameters
+    ----------
+    faces : of a thick sheet; one of a material that transmits stands for both
+
+    Raises
+    ------
+    InputError : a number out of range, or holes that touch each other
+    """
+    positive(pitch=pitch, hole=hole)
+    not_negative(thickness=thickness)
+    if hole >= pitch:
+        raise InputError(f"hole = {hole}; less than the pitch {pitch} expected")
+    if shape not in ("round", "square"):
+        raise InputError(f"shape = {shape!r}; round or square expected")
+    rim = _rim(shape, hole)
+    sides = (0.0, -thickness) if thickness > 0 and faces == 2 else (0.0,)
+    surfaces: list[Polygon] = []
+    for column in range(_COUNT):
+        for row in range(_COUNT):
+            middle = pitch * (np.array([column, row]) + 0.5)
+            for number, z in enumerate(sides):
+                surfaces += _around(middle, rim, pitch, z, number, material.name)
+            if thickness > 0:
+                surfaces += _wall(middle, rim, thickness, material.name)
+    return Scene({material.name: material}, tuple(surfaces))
+
+
+def _rim(shape: str, hole: float) -> Points2:
+    if shape == "square":
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        square: Float[np.ndarray, "corner 2"] = hole / 2 * corners
+        return square
+    turn = 2 * np.pi * (np.arange(_CORNERS) / _CORNERS - 0.375)
+    radius = hole / 2 * np.sqrt(2 * np.pi / (_CORNERS * np.sin(2 * np.pi / _CORNERS)))
+    return np.asarray(radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+
+
+def _around(
+    middle: Vector2, rim: Points2, pitch: float, z: float, side: int, material: str
+) -> Iterator[Polygon]:
+    # Four parts of a square around a hole, each from one corner to the next
+    outer = pitch / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    quarter = len(rim) // 4
+    for number in range(4):
+        inner = np.take(
+            rim,
+            range(number * quarter, (number + 1) * quarter + 1),
+            axis=0,
+            mode="wrap",
+        )
+        flat = np.concatenate([[outer[number], outer[(number + 1) % 4]], inner[::-1]])
+        flat = flat[::-1] if side else flat
+        corners = np.column_stack([flat + middle, np.full(len(flat), z)])
+        yield Polygon(corners, material, f"sheet{side}.{number}")
+
+
+def _wall(
+    middle: Vector2, rim: Points2, thickness: float, material: str
+) -> Iterator[Polygon]:
+    for number, (a, b) in enumerate(zip(rim, np.roll(rim, -1, axis=0), strict=True)):
+        corners: Sequence[tuple[float, ...]] = [
+            (*(a + middle), 0.0),
+            (*(b + middle), 0.0),
+            (*(b + middle), -thickness),
+            (*(a + middle), -thickness),
+        ]
+        yield Polygon(np.array(corners), material, f"wall.{number}")

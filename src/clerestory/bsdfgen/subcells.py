@@ -1,0 +1,98 @@
+"""Pieces that the cells of a tree are cut into, each with a share of its cell's light.
+
+A cell is cut into its branches, these into theirs. Hundreds of pieces may come from one
+cell: what is known of the cell stands once, and a piece has no more than its place, the
+number of its cell and a factor.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, Int32
+
+from clerestory.array_types import Indices, Mask
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Pieces of one size.
+
+    Attributes
+    ----------
+    place : number of each piece among the nodes of its level
+    cell : number of the cell that each was cut from
+    factor : what the cell's value is multiplied by
+    """
+
+    place: Int32[np.ndarray, " piece"]
+    cell: Int32[np.ndarray, " piece"]
+    factor: Float32[np.ndarray, " piece"]
+
+    def __len__(self) -> int:
+        return len(self.place)
+
+    def cut(self, split: Mask, *, rank: int) -> "tuple[Pieces, Pieces]":
+        """Return the pieces that stay whole, and the branches of those that split."""
+        width = 1 << rank
+        place = (self.place[split, None] << rank) + np.arange(width, dtype=np.int32)
+        branches = Pieces(
+            place.ravel(),
+            np.repeat(self.cell[split], width),
+            np.repeat(self.factor[split], width),
+        )
+        return self.only(~split), branches
+
+    def only(self, which: slice | Mask) -> "Pieces":
+        """Return some of the pieces."""
+        return Pieces(self.place[which], self.cell[which], self.factor[which])
+
+    def beside(self, other: "Pieces") -> "Pieces":
+        """Return these pieces and others of the same size."""
+        return Pieces(
+            np.concatenate([self.place, other.place]),
+            np.concatenate([self.cell, other.cell]),
+            np.concatenate([self.factor, other.factor]),
+        )
+
+
+def uncut(place: Indices, height: Indices, *, depth: int) -> list[Pieces]:
+    """Return whole cells as pieces, by their height above the finest cells.
+
+    >>> [len(pieces) for pieces in uncut(np.arange(16), np.zeros(16, int), depth=1)]
+    [16, 0]
+    """
+    found = []
+    for level in range(depth + 1):
+        cell = np.flatnonzero(height == level).astype(np.int32)
+        factor = np.ones(len(cell), dtype=np.float32)
+        found.append(Pieces(place[cell].astype(np.int32), cell, factor))
+    return found
+
+
+def slots_of(pieces: Sequence[Pieces], *, rank: int) -> Int32[np.ndarray, " slot"]:
+    """Return the slots of a tree, as a `ScatteringTree` has them.
+
+    Where one of that holds a value, these hold the number of a piece: all are counted
+    from the finest on, in the order that they are given in.
+
+    >>> slots_of(uncut(np.arange(16), np.zeros(16, int), depth=1), rank=4)[:3].tolist()
+    [-2, 0, 1]
+    """
+    # Climb from the finest pieces: whoever has branches stands between the others
+    levels = []
+    inner, first = np.zeros(0, dtype=np.int32), 0
+    for part in pieces:
+        place = np.concatenate([part.place, inner])
+        order = np.argsort(place, kind="stable").astype(np.int32)
+        inside = order >= len(part)
+        levels.append((np.where(inside, ~(order - len(part)), order + first), inside))
+        first += len(part)
+        inner = place[order[:: 1 << rank]] >> rank
+
+    # Step down: the branches of a level stand side by side, after the level
+    size = 0
+    for slots, inside in reversed(levels):
+        size += len(slots)
+        slots[inside] = ~((~slots[inside] << rank) + size)
+    return np.concatenate([slots for slots, _ in reversed(levels)])

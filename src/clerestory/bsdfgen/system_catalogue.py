@@ -1,0 +1,152 @@
+"""Parametric systems by name, from words and from TOML files."""
+
+import inspect
+import math
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from clerestory.bsdfgen.fabric import fabric
+from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
+from clerestory.bsdfgen.microlouvre import microlouvre
+from clerestory.bsdfgen.mirrored_channels import mirrored_channels
+from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.screen_geometry import perforated, woven
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.errors import InputError
+from clerestory.files import read_text
+
+SYSTEMS: Mapping[str, Callable[..., System]] = MappingProxyType(
+    {
+        "venetian": venetian,
+        "microlouvre": microlouvre,
+        "prismatic": prismatic,
+        "mirrored_channels": mirrored_channels,
+        "perforated": perforated,
+        "woven": woven,
+        "fabric": fabric,
+        "diffuse_pane": diffuse_pane,
+        "clear_pane": clear_pane,
+    }
+)
+
+
+def make_system(kind: str, values: Mapping[str, Any]) -> System:
+    """Return a parametric system by its name and its numbers.
+
+    Raises
+    ------
+    InputError : an unknown kind or name, a missing number, or one out of range
+
+    Examples
+    --------
+    >>> make_system("fabric", {"openness": 0.03, "reflectance": 0.5}).product.name
+    'Fabric, 3.0% open'
+    """
+    if kind not in SYSTEMS:
+        raise InputError(
+            f"unknown system {kind!r}; one of {', '.join(SYSTEMS)} expected"
+        )
+    parameters = inspect.signature(SYSTEMS[kind]).parameters
+    unknown = sorted(set(values) - set(parameters))
+    if unknown:
+        raise InputError(
+            f"{kind} has no {unknown[0]!r}; one of {', '.join(parameters)} expected"
+        )
+    needed = [n for n, p in parameters.items() if p.default is p.empty]
+    missing = [n for n in needed if n not in values]
+    if missing:
+        raise InputError(f"{kind} without {missing[0]!r}; {', '.join(needed)} expected")
+    for name, value in values.items():
+        _check_kind(f"{kind} {name}", value, parameters[name].default)
+    return SYSTEMS[kind](**values)
+
+
+def _check_kind(name: str, value: Any, default: Any) -> None:
+    # Numbers and lists of numbers, but words and yes or no where these are the default
+    wanted = type(default) if isinstance(default, bool | str) else float
+    numbers = value if isinstance(value, list | tuple) else [value]
+    good = (
+        isinstance(value, wanted)
+        if wanted is not float
+        else all(
+            isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n)
+            for n in numbers
+        )
+    )
+    if not good:
+        word = {bool: "true or false", str: "a word", float: "a number"}[wanted]
+        raise InputError(f"{name} = {value!r}; {word} expected")
+
+
+def parse_words(text: str) -> dict[str, Any]:
+    """Return the values of a text such as `slat_width=0.08,tilt_deg=45`.
+
+    A value with slashes is a list, for red, green and blue.
+
+    Raises
+    ------
+    InputError : not pairs of a name and a value
+
+    Examples
+    --------
+    >>> parse_words("openness=0.05,reflectance=0.6/0.5/0.4,shape=round")
+    {'openness': 0.05, 'reflectance': [0.6, 0.5, 0.4], 'shape': 'round'}
+    """
+    values: dict[str, Any] = {}
+    for part in filter(None, (word.strip() for word in text.split(","))):
+        name, sign, value = (piece.strip() for piece in part.partition("="))
+        if not (name and sign and value) or name in values:
+            raise InputError(
+                f"{part!r}; each name once, as in slat_width=0.08,tilt_deg=45, expected"
+            )
+        numbers = [_value(piece) for piece in value.split("/")]
+        values[name] = numbers if len(numbers) > 1 else numbers[0]
+    return values
+
+
+def _value(word: str) -> Any:
+    if word in ("true", "false"):
+        return word == "true"
+    for kind in (int, float):
+        try:
+            return kind(word)
+        except ValueError:
+            continue
+    return word
+
+
+def read_system(path: str | Path) -> System:
+    r"""Return the system of a TOML file with `kind` and its numbers in metres.
+
+    Raises
+    ------
+    InputError : not such a file; with the reason
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> text = 'kind = "venetian"\nslat_width = 0.08\nspacing = 0.072\n'
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "blind.toml")
+    ...     _ = file.write_text(text)
+    ...     system = read_system(file)
+    >>> system.area.thickness
+    0.08
+    """
+    try:
+        values = tomllib.loads(read_text(path))
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"not TOML: {error}", file=path) from error
+    kind = values.pop("kind", None)
+    if not isinstance(kind, str):
+        raise InputError(
+            'no kind; a line such as kind = "venetian" expected', file=path
+        )
+    try:
+        return make_system(kind, values)
+    except InputError as error:
+        raise InputError(error.message, file=path) from error

@@ -1,0 +1,73 @@
+"""Materials of parametric systems in the visible, in colour, or in two bands."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from clerestory.array_types import Vector
+from clerestory.bsdfgen.channel_weights import VISIBLE, VISIBLE_AND_SOLAR, Weights
+from clerestory.errors import InputError
+
+# A share of light: one for grey, or three for red, green and blue.
+Share = float | Sequence[float]
+
+
+def share(name: str, value: Share, solar: float | None = None) -> Vector:
+    """Return a share of light in the three channels that are traced.
+
+    Parameters
+    ----------
+    name : for messages
+    solar : share in the solar band; the channels are then visible, solar, solar
+
+    Raises
+    ------
+    InputError : not shares, or colour and a solar band at once
+
+    Examples
+    --------
+    >>> share("reflectance", 0.5, solar=0.4).tolist()
+    [0.5, 0.4, 0.4]
+    """
+    channels = np.atleast_1d(np.asarray(value, dtype=float))
+    if channels.shape not in ((1,), (3,)) or not np.all(
+        (channels >= 0) & (channels <= 1)
+    ):
+        raise InputError(f"{name} = {value}; one or three shares from 0 to 1 expected")
+    if solar is None:
+        return np.broadcast_to(channels, 3).copy()
+    if len(channels) == 3 or not 0 <= solar <= 1:
+        raise InputError(
+            f"{name} = {value} and {solar} in the solar band; one share from 0 to 1 for"
+            " each expected"
+        )
+    return np.array([channels[0], solar, solar])
+
+
+def bands(*, solar: bool) -> Mapping[str, Weights]:
+    """Return the bands that the channels of `share` make."""
+    return dict(VISIBLE_AND_SOLAR if solar else VISIBLE)
+
+
+def positive(**lengths: float) -> None:
+    """Refuse lengths that are not above zero.
+
+    Raises
+    ------
+    InputError : one of them is zero, negative or not finite
+    """
+    for name, value in lengths.items():
+        if not (np.isfinite(value) and value > 0):
+            raise InputError(f"{name} = {value}; a length above 0 m expected")
+
+
+def not_negative(**lengths: float) -> None:
+    """Refuse lengths below zero.
+
+    Raises
+    ------
+    InputError : one of them is negative or not finite
+    """
+    for name, value in lengths.items():
+        if not (np.isfinite(value) and value >= 0):
+            raise InputError(f"{name} = {value}; a length of 0 m or more expected")

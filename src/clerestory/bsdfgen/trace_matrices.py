@@ -1,0 +1,82 @@
+"""Matrices of a traced system on the patches of a partition."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bands import weighted_sum
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdfgen.channel_weights import tristimulus
+from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirrors
+from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.scene.model import Scene
+
+# Independent estimates of each value. A batch is a low-discrepancy sequence, which is
+# the calmer the longer it is: 8 batches in place of 16 take 1.7 times less work (time
+# × variance) for a blind, and leave their spread enough to tell an error.
+_BATCHES = 8
+
+
+def trace_matrices(
+    engine: Any, scene: Scene, partition: RingPartition, request: TraceRequest
+) -> Traced:
+    """Return matrices of transmission and reflection for light from some sides.
+
+    Light is traced from one of the patches that the system's own mirrors make alike.
+
+    Parameters
+    ----------
+    engine : module `engine.sample_area_matrix`
+    """
+    flips = mirrors(scene, request.area) if request.symmetry else NO_MIRROR
+    orbits = Orbits.of(partition, flips)
+    traced = engine.trace_matrix(
+        scene,
+        request.area.slab(),
+        partition,
+        orbits.chosen,
+        stands_for=np.bincount(orbits.kind),
+        periodic=request.area.periodic,
+        sides=request.backs,
+        effort=engine.Effort(**asdict(request.effort), batches=_BATCHES),
+    )
+    count, rows = len(partition), len(orbits.chosen)
+    functions: Functions = {}
+    for number, back in enumerate(request.backs):
+        side = "back" if back else "front"
+        incident = slice(number * rows, (number + 1) * rows)
+        for kind, exits in (
+            ("transmission", slice(0, count)),
+            ("reflection", slice(count, 2 * count)),
+        ):
+            name: Any = f"{kind}_{side}"
+            part = orbits.unfolded(traced.values[:, incident, exits])
+            spread = orbits.unfolded(
+                np.moveaxis(traced.components[:, :, incident, exits], 0, 1)
+            )
+            for band, weights in request.bands.items():
+                value, error = (
+                    weighted_sum(of, np.array(weights), axis=0) for of in (part, spread)
+                )
+                functions[band, name] = _matrix(value, error, partition)
+            if request.colour:
+                xyz, errors = tristimulus(part), tristimulus(spread)
+                for band, axis in (("cie-x", 0), ("cie-z", 2)):
+                    matrix = _matrix(xyz[axis], errors[axis], partition)
+                    functions[band, name] = matrix
+    return Traced(functions, traced.paths, traced.reached)
+
+
+def _matrix(
+    share: Float[np.ndarray, "incident exit"],
+    components: Float[np.ndarray, "component incident exit"],
+    partition: RingPartition,
+) -> ScatteringMatrix:
+    # The share of light that leaves through a patch, over its projected solid angle
+    measure = partition.projected_solid_angles()[:, None]
+    error = np.sqrt(np.square(components.astype(float)).sum(axis=0)).T
+    value = np.ascontiguousarray(share.T / measure)
+    return ScatteringMatrix(value, partition, partition, error / measure)

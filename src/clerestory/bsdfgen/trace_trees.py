@@ -1,0 +1,155 @@
+"""Tensor trees of a traced system, counted block by block, then cut as a whole."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float32
+
+from clerestory.array_types import Values
+from clerestory.bands import RGB, weighted_sum
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import bits_of
+from clerestory.bsdfgen.adaptive_sampling import Counter, Part
+from clerestory.bsdfgen.channel_weights import chromaticity
+from clerestory.bsdfgen.flux_preserving_merge import (
+    HemisphericalFlux,
+    preserve_flux,
+    preserve_flux_on_both_sides,
+)
+from clerestory.bsdfgen.morton_codes import joined
+from clerestory.bsdfgen.subcells import Pieces, slots_of, uncut
+from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
+from clerestory.bsdfgen.tree_pruning import Cells, Light, chosen_cells, climbed
+from clerestory.scene.model import Scene
+
+# Most finest cells in a block of a rank 4 tree, for both functions and all channels.
+_MOST_SUMS = 1 << 24
+
+
+def trace_trees(
+    engine: Any, scene: Scene, request: TraceRequest, *, rank: int, depth: int
+) -> Traced:
+    """Return trees of transmission and reflection for light from some sides.
+
+    Parameters
+    ----------
+    engine : module `engine.sample_area_tree`
+    rank : 3 if every azimuth is alike, 4 otherwise
+    depth : halvings of each coordinate down to the finest cells
+    """
+    area, effort = request.area, request.effort
+    slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
+    weights = np.array([1.0]) if slab.grey else RGB.shares
+    grid = engine.Grid(rank, depth, _block(rank, depth, len(weights) + 1))
+    functions: Functions = {}
+    paths, reached = 0, True
+    for number, back in enumerate(request.backs):
+        found = []
+        for block in range(grid.blocks):
+            if effort.progress is not None:
+                share = (number + block / grid.blocks) / len(request.backs)
+                effort.progress(share, f"block {block + 1} of {grid.blocks}")
+            counter = Counter(engine, slab, grid, block, back, weights)
+            found.append(counter.count(effort))
+            paths, reached = paths + found[-1].paths, reached and found[-1].reached
+        side = "back" if back else "front"
+        parts = {
+            "transmission": [counted.transmission for counted in found],
+            "reflection": [counted.reflection for counted in found],
+        }
+        del found
+        for kind in list(parts):
+            # What was counted takes memory, and is not needed any more
+            made = _trees(*_pieces(parts.pop(kind), weights, grid), grid, request)
+            name: Any = f"{kind}_{side}"
+            functions |= {(band, name): tree for band, tree in made.items()}
+    if effort.progress is not None:
+        effort.progress(1.0, "done")
+    return Traced(functions, paths, reached)
+
+
+def _block(rank: int, depth: int, channels: int) -> int:
+    # Halvings within a block: as many as fit the memory, all of them for rank 3
+    if rank == 3:
+        return depth
+    within = depth
+    while within > 0 and 2 * channels << 2 * (depth + within) > _MOST_SUMS:
+        within -= 1
+    return within
+
+
+def _pieces(
+    blocks: list[Part], weights: Values, grid: Any
+) -> tuple[Cells, list[Pieces]]:
+    # Cells of the whole tree, of which blocks have counted their parts, and their cuts
+    rank, depth = grid.rank, grid.depth
+    levels = climbed(_whole(blocks, grid), weights, rank=rank, levels=depth)
+    cells = chosen_cells(levels, rank=rank)
+    del levels
+    light = HemisphericalFlux(
+        np.concatenate([part.incident.share for part in blocks]),
+        np.concatenate([part.incident.variance for part in blocks]),
+    )
+    leaving = HemisphericalFlux(
+        np.sum([part.leaving.share for part in blocks], axis=0),
+        np.sum([part.leaving.variance for part in blocks], axis=0),
+    )
+    blocks.clear()
+    luminous = cells.value @ weights
+    pieces = uncut(cells.place, cells.height, depth=depth)
+    if rank == 3:
+        return cells, preserve_flux(pieces, luminous, light, rank=rank)
+    return cells, preserve_flux_on_both_sides(pieces, luminous, light, leaving)
+
+
+def _whole(blocks: list[Part], grid: Any) -> Light:
+    # Give the finest cells their places in the whole tree
+    if len(blocks) == 1:
+        return blocks[0].finest
+    inner = grid.rank * grid.block
+    places = []
+    for number, part in enumerate(blocks):
+        root, inside = np.divmod(part.finest.place, 1 << inner)
+        block = np.full_like(root, number)
+        above = joined(block, root, rank=grid.rank, levels=grid.depth - grid.block)
+        places.append((above << inner | inside).astype(np.int32))
+    place = np.concatenate(places)
+    order = np.argsort(place, kind="stable")
+    mean = np.concatenate([part.finest.mean for part in blocks])
+    noise = np.concatenate([part.finest.noise for part in blocks])
+    return Light(place[order], mean[order], noise[order])
+
+
+def _trees(
+    cells: Cells, pieces: list[Pieces], grid: Any, request: TraceRequest
+) -> dict[str, ScatteringTree]:
+    # Values of each band on the same cells; errors are those of the luminous value
+    channels = cells.value.T
+    luminous = weighted_sum(channels, RGB.shares, axis=0)
+    relative = np.divide(
+        np.sqrt(cells.noise),
+        luminous,
+        out=np.zeros_like(luminous),
+        where=luminous > 0,
+    )
+    slots = slots_of(pieces, rank=grid.rank)
+    ends = slots >= 0
+    cell = np.concatenate([part.cell for part in pieces])[slots[ends]]
+    factor = np.concatenate([part.factor for part in pieces])[slots[ends]]
+
+    def tree(
+        value: Float32[np.ndarray, " end"], error: ScatteringTree | None
+    ) -> ScatteringTree:
+        held = slots.copy()
+        held[ends] = bits_of(value)
+        return ScatteringTree(held, grid.rank, grid.depth, error)
+
+    made = {}
+    for band, of in request.bands.items():
+        value = weighted_sum(channels, np.array(of), axis=0).astype(np.float32)
+        error = (value * relative).astype(np.float32)
+        made[band] = tree(value[cell] * factor, tree(error[cell] * factor, None))
+    if request.colour:
+        u, v = (part.astype(np.float32)[cell] for part in chromaticity(channels))
+        made |= {"cie-u": tree(u, None), "cie-v": tree(v, None)}
+    return made

@@ -1,0 +1,203 @@
+"""Venetian blinds: flat or curved slats, horizontal or vertical.
+
+The tilt is 0 for slats across the window. With a positive one the outer edge of
+horizontal slats is the lower one, which keeps out the sun; that of vertical slats is
+the left one, seen from the room.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from clerestory.array_types import Points2
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.extrusion import arc, extruded, turned
+from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.system_parameters import (
+    Share,
+    bands,
+    not_negative,
+    positive,
+    share,
+)
+from clerestory.errors import InputError
+from clerestory.scene.model import Plastic, Polygon, Scene
+
+# Slats whose sides differ have two faces, this share of their width apart if no
+# thickness is given.
+_THIN = 1e-3
+
+# A cell of a blind is this many times as wide and as high as it is deep, so that few
+# paths pass its sides.
+_SLENDER = 8.0
+
+_MOST_SLATS = 100_000
+
+
+def venetian(
+    *,
+    slat_width: float,
+    spacing: float,
+    tilt_deg: float = 0.0,
+    rise: float = 0.0,
+    thickness: float = 0.0,
+    reflectance: Share = 0.5,
+    reflectance_below: Share | None = None,
+    solar_reflectance: float | None = None,
+    solar_reflectance_below: float | None = None,
+    specularity: float = 0.0,
+    roughness: float = 0.0,
+    vertical: bool = False,
+    slats: int | None = None,
+    length: float | None = None,
+) -> System:
+    """Return a blind as the cell of an endless one, or as a finite sample.
+
+    Parameters
+    ----------
+    slat_width : of the chord of a slat [m]
+    spacing : from slat to slat [m]
+    tilt_deg : see the head of this module; -90 to 90
+    rise : of the middle of a curved slat above its chord [m]; below 0 it sags
+    thickness : of a slat [m]
+    reflectance : of the upper side of slats at tilt 0; of vertical ones, of the side
+        to the right
+    reflectance_below : of the other side; the same if None
+    solar_reflectance, solar_reflectance_below : in the solar band, if it is wanted
+    specularity, roughness : of both sides, as of Radiance's plastic
+    vertical : whether the slats stand upright
+    slats : how many a finite sample has; None for the cell of an endless blind
+    length : of the slats of a finite sample [m]; as high as the blind if None
+
+    Raises
+    ------
+    InputError : a number out of range
+
+    Examples
+    --------
+    >>> blind = venetian(slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.48)
+    >>> round(blind.area.thickness, 6), blind.area.periodic
+    (0.056569, True)
+    """
+    positive(slat_width=slat_width, spacing=spacing)
+    not_negative(thickness=thickness)
+    if not -90 <= tilt_deg <= 90:
+        raise InputError(f"tilt_deg = {tilt_deg}; -90 to 90 expected")
+    if abs(rise) > slat_width / 2:
+        raise InputError(f"rise = {rise}; at most half the slat width expected")
+    below = reflectance if reflectance_below is None else reflectance_below
+    solar = solar_reflectance
+    solar_below = solar if solar_reflectance_below is None else solar_reflectance_below
+    if solar is None and solar_below is not None:
+        raise InputError("solar_reflectance_below without solar_reflectance")
+    upper, lower = (
+        Plastic(name, share(what, value, band), specularity, roughness)
+        for name, what, value, band in (
+            ("upper", "reflectance", reflectance, solar),
+            ("lower", "reflectance_below", below, solar_below),
+        )
+    )
+    alike = bool(np.all(upper.reflectance == lower.reflectance))
+    if not alike and thickness == 0:
+        thickness = _THIN * slat_width
+
+    section = _section(slat_width, rise, thickness, math.radians(tilt_deg))
+    high, low = section[:, 1].max(), section[:, 1].min()
+    section = section - np.array([0, high])
+    depth = max(high - low, 1e-3 * slat_width)
+    reach = float(np.abs(section[:, 0]).max())
+    layout = (
+        _cell(spacing, depth, reach)
+        if slats is None
+        else _sample(spacing, slats, length)
+    )
+    surfaces: list[Polygon] = []
+    for number in range(-layout.beyond, layout.slats + layout.beyond):
+        strips = extruded(
+            section + np.array([(number + 0.5) * spacing, 0]),
+            ends=layout.ends,
+            material="upper",
+            name=f"slat{number}",
+            closed=thickness > 0,
+        )
+        surfaces += turned(strips) if vertical else strips
+    if not alike:
+        surfaces = [_painted(s, len(section) // 2) for s in surfaces]
+    size = layout.slats * spacing, layout.across
+    return System(
+        Scene(
+            {"upper": upper} if alike else {"upper": upper, "lower": lower},
+            tuple(surfaces),
+        ),
+        _area(*size, depth, vertical=vertical, periodic=slats is None),
+        bands(solar=solar is not None),
+        Product(
+            name=_name(slat_width, spacing, tilt_deg, vertical=vertical),
+            device_type="Venetian Blinds",
+        ),
+    )
+
+
+class _Layout(NamedTuple):
+    # How many slats lie in the area, and beyond it on either side that reach into it;
+    # the width of the area, and where slats begin and end
+    slats: int
+    beyond: int
+    across: float
+    ends: tuple[float, float]
+
+
+def _cell(spacing: float, depth: float, reach: float) -> _Layout:
+    count = max(1, math.ceil(_SLENDER * depth / spacing))
+    beyond = math.ceil(max(0.0, reach - spacing / 2) / spacing)
+    across = max(count * spacing, _SLENDER * depth)
+    return _Layout(count, beyond, across, (-0.01 * across, 1.01 * across))
+
+
+def _sample(spacing: float, slats: int, length: float | None) -> _Layout:
+    if not (float(slats).is_integer() and 1 <= slats <= _MOST_SLATS):
+        raise InputError(
+            f"slats = {slats}; a whole number from 1 to {_MOST_SLATS} expected"
+        )
+    across = slats * spacing if length is None else length
+    positive(length=across)
+    return _Layout(int(slats), 0, across, (0.0, across))
+
+
+def _section(width: float, rise: float, thickness: float, tilt: float) -> Points2:
+    # Points (y, z) of a slat around its middle: the upper side from the inner to the
+    # outer edge, then the lower side back
+    line = arc(width, rise)[::-1]
+    lift = np.array([0, thickness / 2])
+    points = line + lift
+    if thickness > 0:
+        points = np.concatenate([points, line[::-1] - lift])
+    along, above = points.T
+    y = along * np.sin(tilt) + above * np.cos(tilt)
+    z = along * np.cos(tilt) - above * np.sin(tilt)
+    return np.stack([y, z], axis=1)
+
+
+def _painted(strip: Polygon, half: int) -> Polygon:
+    number = int(strip.name.rpartition(".")[2])
+    lower = number >= half
+    return Polygon(strip.vertices, "lower" if lower else "upper", strip.name)
+
+
+def _area(
+    high: float, wide: float, depth: float, *, vertical: bool, periodic: bool
+) -> SampleArea:
+    low, far = np.array([0, 0, -depth]), np.array([wide, high, 0.0])
+    if vertical:
+        low, far = np.array([0, -wide, -depth]), np.array([high, 0, 0.0])
+    return SampleArea(np.stack([low, far]), periodic)
+
+
+def _name(width: float, spacing: float, tilt_deg: float, *, vertical: bool) -> str:
+    kind = "Vertical" if vertical else "Horizontal"
+    return (
+        f"{kind} blind, slats of {width * 1e3:g} mm every {spacing * 1e3:g} mm"
+        f" at {tilt_deg:g} degrees"
+    )

@@ -1,0 +1,240 @@
+"""Compare what was measured with what a study says."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from clerestory.comparison.agreement import Agreement, agreement
+from clerestory.comparison.clock_offset import Offset, search_offset
+from clerestory.comparison.series import (
+    ILLUMINANCE,
+    Series,
+    group_of,
+    quantity_of,
+)
+from clerestory.comparison.time_alignment import (
+    COVERAGE,
+    Pairs,
+    join_pairs,
+    pair_series,
+)
+from clerestory.errors import InputError
+
+ABOVE_LUX = 100.0
+
+
+@final
+@dataclass(frozen=True)
+class Rules:
+    """Which values count, and how times are brought together.
+
+    Attributes
+    ----------
+    above_lux : measured illuminance must exceed this to count [lux]
+    shift_minutes : added to the measured times [min]
+    coverage : share of a coarse step that finer values must fill, 0…1
+
+    Raises
+    ------
+    InputError : a negative limit, a share outside 0…1
+    """
+
+    above_lux: float = ABOVE_LUX
+    shift_minutes: float = 0.0
+    coverage: float = COVERAGE
+
+    def __post_init__(self) -> None:
+        if not self.above_lux >= 0:
+            raise InputError(f"{self.above_lux} lux; a limit of 0 or more expected")
+        if not 0 < self.coverage <= 1:
+            raise InputError(f"coverage {self.coverage}; above 0 to 1 expected")
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What a comparison found.
+
+    Attributes
+    ----------
+    name : of the simulation
+    pairs : that count
+    below : pairs of each series left out as too dark
+    rules : by which it was made
+    offset : best shift of the clock of each quantity, told and not applied
+    unmatched : measured series that the simulation lacks
+    years_ignored : whether only month, day and time of day were matched
+    step_minutes : of the simulation
+    """
+
+    name: str
+    pairs: Pairs
+    below: np.ndarray
+    rules: Rules
+    offset: dict[str, Offset]
+    unmatched: tuple[str, ...]
+    years_ignored: bool
+    step_minutes: float
+
+    def table(self) -> dict[tuple[str, str], Agreement]:
+        """Agreement by group (a grid or a view) and quantity."""
+        kinds = [(group_of(n), quantity_of(n)) for n in self.pairs.names]
+        found = {}
+        for kind in dict.fromkeys(kinds):
+            rows = [i for i, each in enumerate(kinds) if each == kind]
+            part = self.pairs.where(np.isin(self.pairs.series, rows))
+            if part.measured.size:
+                found[kind] = agreement(part.measured, part.simulated)
+        return found
+
+    def series(self) -> dict[str, Agreement]:
+        """Agreement of each series that has pairs."""
+        found = {}
+        for number, name in enumerate(self.pairs.names):
+            part = self.pairs.where(self.pairs.series == number)
+            if part.measured.size:
+                found[name] = agreement(part.measured, part.simulated)
+        return found
+
+
+def compare_series(
+    measured: Sequence[Series],
+    simulated: Series,
+    *,
+    name: str = "simulated",
+    rules: Rules | None = None,
+) -> Comparison:
+    """Return how well a simulation agrees with what was measured.
+
+    Parameters
+    ----------
+    measured : from `read_measured_series`, on the clock of the simulation
+    simulated : from `simulated_series`, or another measurement
+
+    Raises
+    ------
+    InputError : no series or no step in common, or nothing above the limit
+
+    Examples
+    --------
+    >>> noon = np.array(["2024-06-26T12:00", "2024-06-26T13:00"], "datetime64[s]")
+    >>> lux = Series(("desk",), noon, np.array([[500.0, 400.0]]), 60.0, 0.0)
+    >>> ours = Series(("desk",), noon, np.array([[520.0, 450.0]]), 60.0, 0.0)
+    >>> found = compare_series([lux], ours).series()["desk"]
+    >>> found.within, found.mean_bias
+    ((0.5, 0.5, 1.0), 35.0)
+    """
+    rules = rules or Rules()
+    known = [s.select([n for n in s.names if n in simulated.names]) for s in measured]
+    known = [series for series in known if series.names]
+    if not known:
+        raise InputError(
+            "no series in common; measured names such as"
+            f' "{simulated.names[0]}" expected'
+        )
+    moved, ignored = _in_the_same_years(known, simulated)
+    pairs = _pairs(moved, simulated, rules, rules.shift_minutes)
+    counts = _counts(pairs, rules)
+    below = np.bincount(pairs.series[~counts], minlength=len(pairs.names))
+    chosen = pairs.where(counts)
+    if not chosen.measured.size:
+        raise InputError(_nothing(pairs, rules, simulated))
+    asked = {name for series in measured for name in series.names}
+    return Comparison(
+        name,
+        chosen,
+        below,
+        rules,
+        _offsets(moved, simulated, rules),
+        tuple(sorted(asked - set(simulated.names))),
+        ignored,
+        simulated.step_minutes,
+    )
+
+
+def _pairs(
+    measured: Sequence[Series], simulated: Series, rules: Rules, minutes: float
+) -> Pairs:
+    parts = []
+    for series in measured:
+        same = simulated.select(list(series.names))
+        parts.append(
+            pair_series(series.shifted(minutes), same, coverage=rules.coverage)
+        )
+    return join_pairs(parts)
+
+
+def _counts(pairs: Pairs, rules: Rules) -> np.ndarray:
+    # Bright enough; indices of glare need only be there
+    lux = np.array([quantity_of(name) == ILLUMINANCE for name in pairs.names])
+    limit = np.where(lux[pairs.series], rules.above_lux, 0.0)
+    return np.asarray(pairs.measured > limit)
+
+
+def _nothing(pairs: Pairs, rules: Rules, simulated: Series) -> str:
+    if pairs.measured.size:
+        return f"nothing measured above {rules.above_lux:g} lux; a lower limit expected"
+    first, last = simulated.times[0], simulated.times[-1]
+    return f"no step in common; measured times from {first} to {last} expected"
+
+
+def _offsets(
+    measured: Sequence[Series], simulated: Series, rules: Rules
+) -> dict[str, Offset]:
+    found = {}
+    for kind in dict.fromkeys(quantity_of(n) for s in measured for n in s.names):
+        parts = [
+            s.select([n for n in s.names if quantity_of(n) == kind]) for s in measured
+        ]
+        parts = [part for part in parts if part.names]
+
+        def at(minutes: int, parts: Sequence[Series] = parts) -> Pairs:
+            pairs = _pairs(parts, simulated, rules, rules.shift_minutes + minutes)
+            return pairs.where(_counts(pairs, rules))
+
+        best = search_offset(at)
+        if best is not None:
+            found[kind] = best
+    return found
+
+
+def _in_the_same_years(
+    measured: Sequence[Series], simulated: Series
+) -> tuple[list[Series], bool]:
+    # A typical year has no year: match month, day and time of day
+    ours = set(simulated.times.astype("datetime64[Y]").astype(int).tolist())
+    theirs = {
+        int(year)
+        for series in measured
+        for year in np.unique(series.times.astype("datetime64[Y]").astype(int))
+    }
+    if ours & theirs or len(ours) > 1 or not theirs:
+        return list(measured), False
+    (year,) = ours
+    return [_in_year(series, year) for series in measured], True
+
+
+def _in_year(series: Series, year: int) -> Series:
+    # Steps of 29 February fall away where the year has none, and those of other years
+    # than the first where they would meet
+    months = series.times.astype("datetime64[M]")
+    day = (series.times.astype("datetime64[D]") - months).astype(int)
+    rest = series.times - series.times.astype("datetime64[D]")
+    own = np.datetime64(f"{year + 1970}-01", "M") + months.astype(int) % 12
+    date = own.astype("datetime64[D]") + day
+    times = date.astype("datetime64[s]") + rest
+    kept = date.astype("datetime64[M]") == own
+    kept &= months.astype("datetime64[Y]") == months[0].astype("datetime64[Y]")
+    error = None if series.error is None else series.error[:, kept]
+    return Series(
+        series.names,
+        times[kept],
+        series.values[:, kept],
+        series.step_minutes,
+        series.utc_offset_hours,
+        error,
+        series.position,
+        series.source,
+    )

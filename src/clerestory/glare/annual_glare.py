@@ -1,0 +1,168 @@
+"""Glare over a year: pictures through one view, reduced one by one, never stored.
+
+What depends on the view alone is worked out once. Illuminances are products with the
+view's weights; only pictures that hold a glare pixel are searched for sources.
+"""
+
+import importlib
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.glare.detection_criteria import SourceRules
+from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
+from clerestory.glare.evaluate import summarise
+from clerestory.glare.glare_view import GlareView, glare_view
+from clerestory.glare.index import Background
+from clerestory.glare.indices import REPORTED
+from clerestory.glare.result import Glare
+from clerestory.glare.sources import find_sources
+from clerestory.scene.view import View
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
+
+
+def annual_glare(
+    luminance: Iterable[Float[np.ndarray, "row column"]],
+    view: View,
+    *,
+    times: np.ndarray | None = None,
+    illuminance: Float[np.ndarray, " step"] | None = None,
+    rules: SourceRules | None = None,
+    background: Background = "cie",
+    low_light: bool = False,
+    coefficients: DgpCoefficients = EVALGLARE,
+    progress: Callable[[int], None] | None = None,
+) -> "xr.Dataset":
+    """Return all indices of glare for a stack of pictures.
+
+    Parameters
+    ----------
+    luminance : of the pixels [cd/m²], step by step: an array (step, row, column), or
+        anything that yields one picture after the other, as a generator over the
+        products of a five-phase study does
+    view : of all pictures
+    times : of the steps, which name the axis "time"; without them it is "step"
+    illuminance : on the eye, step by step, in place of the pictures' own for DGP [lux]
+    rules, background, low_light, coefficients : as for `evaluate_glare`
+    progress : called with the number of steps done
+
+    Returns
+    -------
+    dataset of one variable an index over the steps
+
+    Raises
+    ------
+    InputError : pictures of different size, numbers of steps that differ, a pixel that
+        is negative or not finite
+
+    Examples
+    --------
+    >>> eye = View(kind="angular", horizontal=180, vertical=180)
+    >>> year = np.full((3, 160, 160), 100.0)
+    >>> year[1, 50:75, 50:75] = 20_000.0
+    >>> annual_glare(year, eye).dgp.values.round(2).tolist()
+    [0.18, 0.47, 0.18]
+    """
+    rules = rules or SourceRules()
+    results = []
+    for step, (picture, eye) in enumerate(_checked(luminance, view)):
+        given = None if illuminance is None else _at(illuminance, step)
+        found = find_sources(picture, eye, rules)
+        result = summarise(
+            picture,
+            eye,
+            found,
+            rules=rules,
+            given_illuminance=given,
+            background=background,
+            low_light=low_light,
+            coefficients=coefficients,
+        )
+        results.append(result.values())
+        if progress is not None:
+            progress(step + 1)
+    return _dataset(results, times, illuminance)
+
+
+def _checked(
+    luminance: Iterable[np.ndarray], view: View
+) -> Iterator[tuple[np.ndarray, GlareView]]:
+    # Pictures one by one, with the pixels of their common view
+    eye = None
+    for step, picture in enumerate(luminance):
+        if eye is None:
+            rows, columns = picture.shape
+            eye = glare_view(view, columns, rows)
+        if picture.shape != eye.shape:
+            raise InputError(
+                f"picture {step} has {picture.shape[1]} × {picture.shape[0]} pixels;"
+                f" {eye.shape[1]} × {eye.shape[0]} as the first expected"
+            )
+        lowest = float(picture.min())
+        if not (lowest >= 0 and np.isfinite(picture.max())):
+            raise InputError(
+                f"picture {step} holds negative or infinite luminances; finite ones of"
+                " 0 or more expected"
+            )
+        yield picture, eye
+
+
+def _at(illuminance: np.ndarray, step: int) -> float:
+    if step >= len(illuminance):
+        raise InputError(
+            f"{len(illuminance)} illuminances for more pictures; one each expected"
+        )
+    return float(illuminance[step])
+
+
+def _dataset(
+    results: list[dict[str, float]],
+    times: np.ndarray | None,
+    illuminance: np.ndarray | None,
+) -> "xr.Dataset":
+    count = len(results)
+    for name, given in (("times", times), ("illuminances", illuminance)):
+        if given is not None and len(given) != count:
+            raise InputError(
+                f"{len(given)} {name} for {count} pictures; as many expected"
+            )
+    if not results:
+        raise InputError("no pictures; at least one expected")
+    axis = "step" if times is None else "time"
+    variables = {
+        name: (axis, [result[name] for result in results], {"units": unit})
+        for name, unit in _UNITS.items()
+    }
+    steps = np.arange(count) if times is None else times
+
+    # xarray takes longer to load than a picture to evaluate
+    labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
+        variables, coords={axis: steps}
+    )
+    return labelled
+
+
+def glare_of_steps(
+    luminance: Iterable[Float[np.ndarray, "row column"]],
+    view: View,
+    *,
+    rules: SourceRules | None = None,
+) -> Iterator[Glare]:
+    """Yield the glare of each picture with its table of sources.
+
+    Examples
+    --------
+    >>> eye = View(kind="angular", horizontal=180, vertical=180)
+    >>> next(glare_of_steps(np.full((1, 160, 160), 100.0), eye)).sources.count
+    0
+    """
+    rules = rules or SourceRules()
+    for picture, eye in _checked(luminance, view):
+        yield summarise(picture, eye, find_sources(picture, eye, rules), rules=rules)

@@ -1,0 +1,112 @@
+"""Glare over a year in one number, and the classes of standards."""
+
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.glare.dgp import DGP
+
+# DGP at which glare becomes perceptible, disturbing and intolerable
+LIMITS = DGP.thresholds
+
+# Share of the time of use in which a limit may be exceeded
+EXCEEDANCE = 0.05
+
+Protection = Literal["high", "medium", "minimum", "none"]
+
+# EN 14501:2005, glare control: rows by normal-normal transmittance up to 0, 0.05, 0.10
+# and more, columns by normal-diffuse transmittance below 0.02, 0.04, 0.08 and above
+_EN14501 = ((4, 3, 2, 2), (3, 2, 1, 1), (1, 1, 0, 0), (0, 0, 0, 0))
+_DIRECT = (0.0, 0.05, 0.10)
+_DIFFUSE = (0.02, 0.04, 0.08)
+
+
+def exceeded_dgp(
+    dgp: Float[np.ndarray, "*shape time"], share: float = EXCEEDANCE
+) -> Float[np.ndarray, "*shape"]:
+    """DGP that is exceeded in no more than a share of the steps.
+
+    Parameters
+    ----------
+    dgp : in the steps of use only
+
+    Raises
+    ------
+    InputError : no steps, a share out of 0 to 1
+
+    Examples
+    --------
+    >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
+    0.95
+    """
+    steps = dgp.shape[-1]
+    if not steps:
+        raise InputError("no steps of use; at least one expected")
+    if not 0 <= share < 1:
+        raise InputError(f"share {share:g}; 0 to 1 expected")
+    above = int(np.floor(share * steps + 1e-9))
+    return np.asarray(np.sort(dgp, axis=-1)[..., steps - 1 - above])
+
+
+def protection_level(exceeded: float) -> Protection:
+    """Level of protection from glare of EN 17037:2018 (annex E).
+
+    Parameters
+    ----------
+    exceeded : DGP exceeded in no more than 5 % of the time of use
+
+    Examples
+    --------
+    >>> protection_level(0.38), protection_level(0.5)
+    ('medium', 'none')
+    """
+    levels: tuple[Protection, ...] = ("high", "medium", "minimum", "none")
+    return levels[int(np.searchsorted(LIMITS, exceeded, side="left"))]
+
+
+def glare_autonomy(
+    dgp: Float[np.ndarray, "*shape time"], limit: float = LIMITS[1]
+) -> Float[np.ndarray, "*shape"]:
+    """Share of the steps of use that are free of disturbing glare.
+
+    References
+    ----------
+    Jones, N. L. (2019), as in `imageless`.
+
+    Examples
+    --------
+    >>> float(glare_autonomy(np.array([0.2, 0.3, 0.39, 0.6])))
+    0.75
+    """
+    return np.asarray((dgp < limit).mean(axis=-1))
+
+
+def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
+    """Class of glare control of a shading fabric after EN 14501:2005, 0 to 4.
+
+    The table is quoted as makers of fabrics print it; the text of the standard is not
+    public and was not compared. The edition of 2021 has a finer table and lets fabrics
+    with a cut-off angle gain a class, which is not in here.
+
+    Parameters
+    ----------
+    normal_normal : light transmittance without change of direction
+    normal_diffuse : light transmittance from normal incidence to all other directions
+
+    Raises
+    ------
+    InputError : a transmittance out of 0 to 1
+
+    Examples
+    --------
+    >>> glare_control_class(normal_normal=0.03, normal_diffuse=0.05)
+    1
+    """
+    for value in (normal_normal, normal_diffuse):
+        if not 0 <= value <= 1:
+            raise InputError(f"transmittance {value:g}; 0 to 1 expected")
+    row = int(np.searchsorted(_DIRECT, normal_normal, side="left"))
+    column = int(np.searchsorted(_DIFFUSE, normal_diffuse, side="right"))
+    return _EN14501[row][column]

@@ -1,0 +1,65 @@
+"""Pictures that are cut above and below, filled with the last rows that were seen."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.glare.glare_view import GlareView
+
+
+@dataclass(frozen=True)
+class SeenRows:
+    """Rows of a picture that the camera saw.
+
+    Attributes
+    ----------
+    first, last : numbers of the rows, counted from the top
+
+    Raises
+    ------
+    InputError : no rows between them
+    """
+
+    first: int
+    last: int
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.first <= self.last:
+            raise InputError(
+                f"rows {self.first} to {self.last} seen; growing numbers expected"
+            )
+
+
+def fill_cut(
+    luminance: Float[np.ndarray, "row column"], eye: GlareView, seen: SeenRows
+) -> Float[np.ndarray, "row column"]:
+    """Return luminances in which rows that were not seen are as the nearest that was.
+
+    As option -I of evalglare: upwards, only columns in which the last row seen lies
+    within the field of view are filled.
+
+    Raises
+    ------
+    InputError : the picture has fewer rows
+
+    Examples
+    --------
+    >>> from clerestory.glare.glare_view import glare_view
+    >>> from clerestory.scene.view import View
+    >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
+    >>> room = np.zeros((64, 64))
+    >>> room[20:40] = 100.0
+    >>> float(fill_cut(room, eye, SeenRows(20, 39))[[3, 60], 32].min())
+    100.0
+    """
+    rows = len(luminance)
+    if seen.last >= rows:
+        raise InputError(
+            f"row {seen.last} seen of a picture of {rows} rows; a row in it expected"
+        )
+    filled = luminance.copy()
+    filled[: seen.first] = luminance[seen.first] * eye.valid[seen.first]
+    filled[seen.last + 1 :] = luminance[seen.last]
+    return filled

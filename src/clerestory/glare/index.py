@@ -1,0 +1,134 @@
+"""Glare index: formula, reference, thresholds and scale.
+
+Every index stands in a module of its own, with its formula and a `GlareIndex` that
+describes it. Results, tables, printed lines and comparisons are made from the list of
+them in `indices`.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.glare.source_table import GlareSources
+
+Background = Literal["cie", "average", "illuminance"]
+
+CATEGORIES = ("imperceptible", "perceptible", "disturbing", "intolerable")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EyePhotometry:
+    """Photometric quantities of a field of view, from which indices are computed.
+
+    Attributes
+    ----------
+    sources : glare sources
+    illuminance : vertical illuminance at the eye, from the picture [lux]
+    given_illuminance : measured vertical illuminance, used for DGP [lux]
+    average : mean luminance of the picture, weighted by solid angle [cd/m²]
+    reference : mean luminance of the task, or of the picture without a task [cd/m²]
+    brightest : largest luminance of a pixel [cd/m²]
+    solid_angle : of all pixels in view [sr]
+    background_kind : "cie": (Ev − Edir)/π; "average": mean luminance outside of the
+        sources; "illuminance": Ev/π
+    """
+
+    sources: GlareSources
+    illuminance: float
+    given_illuminance: float | None = None
+    average: float
+    reference: float
+    brightest: float
+    solid_angle: float
+    background_kind: Background = "cie"
+
+    @cached_property
+    def direct_illuminance(self) -> float:
+        """Illuminance at the eye from the glare sources, Edir [lux]."""
+        return float(self.sources.illuminance.sum())
+
+    @cached_property
+    def cie_background(self) -> float:
+        """Background luminance of the CIE, (Ev − Edir)/π [cd/m²]."""
+        return (self.illuminance - self.direct_illuminance) / math.pi
+
+    @cached_property
+    def background(self) -> float:
+        """Background luminance, as `background_kind` defines it [cd/m²]."""
+        if self.background_kind == "cie":
+            return self.cie_background
+        if self.background_kind == "illuminance":
+            return self.illuminance / math.pi
+        omega = float(self.sources.solid_angle.sum())
+        flux = float(self.sources.luminance @ self.sources.solid_angle)
+        rest = self.solid_angle - omega
+        return (self.solid_angle * self.average - flux) / rest if rest else self.average
+
+    @cached_property
+    def eye_illuminance(self) -> float:
+        """Vertical illuminance at the eye: measured, else from the picture [lux]."""
+        given = self.given_illuminance
+        return self.illuminance if given is None else given
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that is reported of every picture.
+
+    Attributes
+    ----------
+    name : in results, and `VIEW.name` in comparisons
+    title : full name
+    formula : value from the photometric quantities of a field of view
+    unit : of the value
+    column : its name in the lines that evalglare prints, None if it has none
+    in_short_line : whether evalglare prints it without option -d, too
+    """
+
+    name: str
+    title: str
+    formula: Callable[[EyePhotometry], float]
+    unit: str = "1"
+    column: str | None = None
+    in_short_line: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class GlareIndex(Quantity):
+    """An index of discomfort glare.
+
+    Attributes
+    ----------
+    reference : publication of the formula, and of the thresholds
+    thresholds : values at which glare becomes perceptible, disturbing and intolerable;
+        empty where none are published
+    glare_increases : whether glare increases with the value; False for indices of
+        comfort, whose thresholds decrease
+    """
+
+    reference: str
+    thresholds: tuple[float, ...] = ()
+    glare_increases: bool = True
+
+    def category(
+        self, values: Float[np.ndarray, "*shape"]
+    ) -> Int[np.ndarray, "*shape"]:
+        """Category of glare, 0 imperceptible to 3 intolerable (see `CATEGORIES`)."""
+        sign = 1 if self.glare_increases else -1
+        limits = sign * np.asarray(self.thresholds)
+        return np.searchsorted(limits, sign * values, side="left")
+
+
+def without_logarithm(sources: GlareSources, adaptation: float) -> float | None:
+    """Value of a logarithmic index that has no logarithm, None if it has one.
+
+    It is 0 without sources, and NaN without a positive adaptation luminance.
+    """
+    if not sources.count:
+        return 0.0
+    return math.nan if adaptation <= 0 else None

@@ -1,0 +1,74 @@
+"""List of the glare indices and photometric quantities that are reported of a picture.
+
+A further index is one line here and the module of its formula.
+"""
+
+from clerestory.glare.cgi import CGI
+from clerestory.glare.dgi import DGI, MODIFIED_DGI
+from clerestory.glare.dgp import DGP, SIMPLIFIED_DGP
+from clerestory.glare.index import GlareIndex, Quantity
+from clerestory.glare.ugp import LOGISTIC_UGP, UGP
+from clerestory.glare.ugr import EXPERIMENTAL_UGR, UGR
+from clerestory.glare.vcp import DGR, VCP
+from clerestory.glare.veiling import CIE_VEILING_LUMINANCE, POYNTER_VEILING_LUMINANCE
+
+_CD = "cd/m2"
+
+# In the order of the columns of evalglare -d
+REPORTED: tuple[Quantity, ...] = (
+    DGP,
+    Quantity("average_luminance", "mean luminance", lambda e: e.average, _CD, "av_lum"),
+    Quantity(
+        "illuminance", "illuminance at the eye", lambda e: e.illuminance, "lux", "E_v"
+    ),
+    Quantity(
+        "background_luminance",
+        "luminance of the background",
+        lambda e: e.background,
+        _CD,
+        "lum_backg",
+    ),
+    Quantity(
+        "direct_illuminance",
+        "illuminance at the eye from the sources",
+        lambda e: e.direct_illuminance,
+        "lux",
+        "E_v_dir",
+    ),
+    DGI,
+    UGR,
+    VCP,
+    CGI,
+    Quantity(
+        "source_luminance",
+        "mean luminance of the sources",
+        lambda e: e.sources.average_luminance(),
+        _CD,
+        "lum_sources",
+    ),
+    Quantity(
+        "source_solid_angle",
+        "solid angle of the sources",
+        lambda e: float(e.sources.solid_angle.sum()),
+        "sr",
+        "omega_sources",
+    ),
+    POYNTER_VEILING_LUMINANCE,
+    CIE_VEILING_LUMINANCE,
+    DGR,
+    UGP,
+    EXPERIMENTAL_UGR,
+    MODIFIED_DGI,
+    LOGISTIC_UGP,
+    SIMPLIFIED_DGP,
+    Quantity("source_count", "number of sources", lambda e: float(e.sources.count)),
+    Quantity("brightest_luminance", "largest luminance", lambda e: e.brightest, _CD),
+    Quantity(
+        "reference_luminance",
+        "mean luminance of the task, or of the picture",
+        lambda e: e.reference,
+        _CD,
+    ),
+)
+
+INDICES = tuple(one for one in REPORTED if isinstance(one, GlareIndex))

@@ -1,0 +1,150 @@
+"""Looking around a pixel for a glare source, in evalglare's order.
+
+Which of several sources near a pixel is found depends on the way in which pixels are
+visited: row by row downwards from the pixel, then row by row upwards; in each row to
+the left and then to the right of the middle of the row before, until a pixel is too
+far. A few pixels under and over the first are never visited. The number of sources
+depends on all this, so it is followed exactly.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from clerestory.glare.glare_view import GlareView
+
+_Labels = Int[np.ndarray, "row column"]
+
+
+class Window(NamedTuple):
+    """Pixels near one pixel.
+
+    Attributes
+    ----------
+    top, left : row and column of the window's first pixel in the picture
+    near : whether a pixel is near enough
+    blind : whether the pixel in the middle is too far from itself
+    """
+
+    top: int
+    left: int
+    near: Bool[np.ndarray, "height width"]
+    blind: bool
+
+
+class Neighbourhood:
+    """Finds the pixels within an angle of a pixel.
+
+    Parameters
+    ----------
+    eye : pixels of the view
+    angle : farthest angle [rad]
+
+    Attributes
+    ----------
+    direction : unit vectors of all pixels
+    angle : farthest angle [rad]
+    chord : distance of unit vectors that are the angle apart
+    reach : most rows or columns between two pixels that are near
+    sure_reach : pixels to go from each pixel, in any way, and still be near
+    """
+
+    def __init__(self, eye: GlareView, angle: float) -> None:
+        self.direction = eye.direction
+        self.angle = angle
+        self.chord = 2 * np.sin(angle / 2)
+        self._cosine = np.cos(angle)
+        self.reach = eye.farthest_within(angle)
+        self.sure_reach = eye.surely_within(angle)
+
+    def window(self, row: int, column: int) -> Window:
+        """Return the pixels around one pixel, and those of them that are near."""
+        rows, columns, _ = self.direction.shape
+        top, left = max(row - self.reach, 0), max(column - self.reach, 0)
+        bottom = min(row + self.reach + 1, rows)
+        right = min(column + self.reach + 1, columns)
+        here = self.direction[row, column]
+        near = self.direction[top:bottom, left:right] @ here >= self._cosine
+        return Window(
+            top, left, near, bool(self.blind(np.array([row]), np.array([column]))[0])
+        )
+
+    def blind(
+        self, row: Int[np.ndarray, "*shape"], column: Int[np.ndarray, "*shape"]
+    ) -> Bool[np.ndarray, "*shape"]:
+        """Whether rounding makes the cosine of a pixel to itself exceed one.
+
+        Its angle to itself is then no number for evalglare, which takes the pixel for
+        too far from itself and does not search the row it stands in.
+        """
+        x, y, z = np.moveaxis(self.direction[row, column], -1, 0)
+        over: np.ndarray = x * x + y * y + z * z > 1
+        return over
+
+
+def first_found(
+    labels: _Labels,
+    wanted: Bool[np.ndarray, " labels"],
+    window: Window,
+    row: int,
+    column: int,
+    *,
+    upwards: bool,
+    last_column: int,
+) -> int:
+    """Return the first wanted label met in half of the search, 0 if there is none.
+
+    Parameters
+    ----------
+    labels : label of each pixel of the picture, 0 for none
+    wanted : which labels end the search, by label
+    row, column : where the search begins
+    upwards : search the rows above, else this row and those below
+    last_column : the search ends here
+    """
+    top, left, near, blind = window
+    height, width = near.shape
+    found = wanted[labels[top : top + height, left : left + width]] & near
+    hits = found.any(axis=1).tolist()
+    if not any(hits):
+        return 0
+    counts = near.sum(axis=1).tolist()
+    begins = (near.argmax(axis=1) + left).tolist()
+    west = east = column
+    steps: Iterable[int] = (
+        range(row - 1 - top, -1, -1) if upwards else range(row - top, height)
+    )
+    for step in steps:
+        if blind and step == row - top:
+            west, east = column + 1, column - 1
+            continue
+        if not counts[step]:
+            break
+        begin, end = begins[step], begins[step] + counts[step] - 1
+
+        # To the left, from the middle of the row before
+        start = (west + east) // 2
+        if begin <= start <= end:
+            if hits[step]:
+                at = np.flatnonzero(found[step, : start - left + 1])
+                if at.size:
+                    return int(labels[top + step, left + at[-1]])
+            west = begin if begin > 0 else west
+        else:
+            west = start + 1
+
+        # To the right, from a middle that has moved with the left end
+        start = (west + east) // 2
+        if start > last_column:
+            continue
+        if begin <= start <= end:
+            if hits[step]:
+                at = np.flatnonzero(found[step, start - left : last_column - left + 1])
+                if at.size:
+                    return int(labels[top + step, start + at[0]])
+            east = end if end < last_column else east
+        else:
+            east = start - 1
+    return 0

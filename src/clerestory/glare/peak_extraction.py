@@ -1,0 +1,89 @@
+"""Peaks: very bright pixels leave their glare source and form sources of their own.
+
+The sun or its mirror image within a bright sky would else vanish in the average.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.glare.connected_regions import islands
+from clerestory.glare.neighbour_search import Neighbourhood
+from clerestory.glare.pixel_scan import ScannedPixels
+from clerestory.glare.source_merging import merge_sources
+
+# A pixel scanned before at one of these places is the nearest there can be
+_BEFORE = ((1, 0), (1, -1), (0, -1), (-1, -1))
+
+
+def split_peaks(
+    peaks: ScannedPixels,
+    solid_angle: Float[np.ndarray, "row column"],
+    near: Neighbourhood,
+    nearer: Neighbourhood,
+) -> Int[np.ndarray, " pixel"]:
+    """Group the peak pixels of one source, labels from 1 in the order of creation.
+
+    Parameters
+    ----------
+    peaks : in the order of the scan
+    solid_angle : of all pixels of the picture [sr]
+    near : of the merging angle, within which peaks become one in the end
+    nearer : of half that angle, within which a pixel joins an earlier one
+    """
+    place = np.full(solid_angle.shape, -1, dtype=np.int64)
+    row, column = peaks.row, peaks.column
+    place[row, column] = np.arange(row.size)
+    turned = np.ascontiguousarray((place >= 0)[::-1].T)
+    peaks = peaks._replace(island=islands(turned, nearer.reach))
+
+    # The label of a pixel is the index of the first pixel of its group
+    alone = _is_alone(row, column, place, nearer)
+    tips = np.bincount(peaks.island, weights=alone)
+    begin = np.full(tips.size, row.size)
+    np.minimum.at(begin, peaks.island, np.arange(row.size))
+    birth = begin[peaks.island]
+    picture = np.zeros(solid_angle.shape, dtype=np.int64)
+    for pixel in np.flatnonzero(tips[peaks.island] > 1):
+        label = _last_found(picture, int(row[pixel]), int(column[pixel]), nearer)
+        picture[row[pixel], column[pixel]] = label or pixel + 1
+        birth[pixel] = picture[row[pixel], column[pixel]] - 1
+    _, labels = np.unique(birth, return_inverse=True)
+
+    wide = peaks._replace(island=islands(turned, near.reach))
+    return merge_sources(wide, labels + 1, solid_angle, near, skip_inner=False)
+
+
+def _is_alone(
+    row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
+) -> np.ndarray:
+    # Whether no earlier peak stands beside a peak, where it is found for certain
+    rows, _ = place.shape
+    alone = np.ones(row.size, dtype=bool)
+    close = nearer.sure_reach[row, column] >= np.sqrt(2)
+    sees_row = ~nearer.blind(row, column)
+    for down, right in _BEFORE:
+        there_row, there_column = row + down, column + right
+        inside = (there_row >= 0) & (there_row < rows) & (there_column >= 0)
+        inside &= close if down else close & sees_row
+        alone[inside] &= place[there_row[inside], there_column[inside]] < 0
+    return alone
+
+
+def _last_found(
+    picture: np.ndarray, row: int, column: int, nearer: Neighbourhood
+) -> int:
+    # The last label met in rows downwards, then upwards, each to its ends
+    window = nearer.window(row, column)
+    height, width = window.near.shape
+    part = picture[window.top : window.top + height, window.left : window.left + width]
+    found: Bool[np.ndarray, "height width"] = (part > 0) & window.near
+    if window.blind:
+        found[row - window.top, : column - window.left] = False
+    rows = np.flatnonzero(found.any(axis=1))
+    if not rows.size:
+        return 0
+    above = rows[rows < row - window.top]
+    last = above[0] if above.size else rows[-1]
+    columns = np.flatnonzero(found[last])
+    at = columns[-1] if columns[-1] > column - window.left else columns[0]
+    return int(part[last, at])

@@ -1,0 +1,189 @@
+"""The first scan for glare sources: bright pixels near earlier ones join them.
+
+The picture is scanned column by column from the left, each from the bottom up. A run
+of bright pixels up a column belongs together; its first pixel looks for a source
+within the merging angle among the pixels scanned before.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from clerestory.glare.connected_regions import islands
+from clerestory.glare.neighbour_search import Neighbourhood, first_found
+
+# Share of the merging angle within which an earlier pixel is found for certain
+_SURE = 0.6
+
+
+class ScannedPixels(NamedTuple):
+    """Bright pixels in the order of the scan.
+
+    Attributes
+    ----------
+    row, column : where they are
+    island : pixels of other islands are out of reach
+    """
+
+    row: Int[np.ndarray, " pixel"]
+    column: Int[np.ndarray, " pixel"]
+    island: Int[np.ndarray, " pixel"]
+
+    def take(self, index: np.ndarray) -> "ScannedPixels":
+        """Return some of the pixels."""
+        return ScannedPixels(*(part[index] for part in self))
+
+
+def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixels:
+    """Return the pixels of a mask column by column, each column from the bottom up.
+
+    Parameters
+    ----------
+    reach : pixels farther apart than this, in row or column, may be in two islands
+    """
+    # Work on the part of the picture that has any
+    used_rows = np.flatnonzero(mask.any(axis=1))
+    if not used_rows.size:
+        none = np.zeros(0, dtype=np.int64)
+        return ScannedPixels(none, none, none)
+    used_columns = np.flatnonzero(mask.any(axis=0))
+    top, bottom = used_rows[0], used_rows[-1] + 1
+    left, right = used_columns[0], used_columns[-1] + 1
+    turned = np.ascontiguousarray(mask[top:bottom, left:right][::-1].T)
+    across, up = np.nonzero(turned)
+    return ScannedPixels(bottom - 1 - up, across + left, islands(turned, reach))
+
+
+def first_scan(
+    pixels: ScannedPixels,
+    mask: Bool[np.ndarray, "row column"],
+    near: Neighbourhood,
+    *,
+    single: bool,
+) -> Int[np.ndarray, " pixel"]:
+    """Label of each pixel after the first scan, from 1 in the order of creation.
+
+    Parameters
+    ----------
+    mask : the pixels as a picture
+    near : of the merging angle
+    single : whether each pixel looks for itself, as it must where pixels are wider
+        than the merging angle
+    """
+    row, column, island = pixels
+    begins = np.ones(row.size, dtype=bool)
+    if not single:
+        begins[1:] = (np.diff(column) != 0) | (np.diff(row) != -1)
+    run = np.cumsum(begins) - 1
+    start = np.flatnonzero(begins)
+    alone = _may_be_first(row[start], column[start], mask, near)
+
+    # One pixel may begin a source: the island is one
+    labels = np.zeros((mask.shape[0], mask.shape[1]), dtype=np.int64)
+    tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
+    birth = np.zeros(start.size, dtype=np.int64)  # run at which each run's source began
+    for here in np.flatnonzero(tips > 1):
+        members = np.flatnonzero(island[start] == here)
+        birth[members] = _scan_runs(
+            members, start, begins, pixels, near, labels, alone[members]
+        )
+    first_run = np.full(tips.size, start.size)
+    np.minimum.at(first_run, island[start], np.arange(start.size))
+    simple = tips[island[start]] <= 1
+    birth[simple] = first_run[island[start][simple]]
+
+    _, number = np.unique(birth, return_inverse=True)
+    label: np.ndarray = number[run] + 1
+    return label
+
+
+def _may_be_first(
+    row: np.ndarray, column: np.ndarray, mask: np.ndarray, near: Neighbourhood
+) -> np.ndarray:
+    # Whether no earlier pixel lies where the search is certain to find it: in a
+    # rectangle to the left but for the pixel's own row, and below in its own column
+    side = np.floor(_SURE * near.sure_reach[row, column]).astype(np.int64)
+    total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int32)
+    np.cumsum(mask, axis=0, out=total[1:, 1:])
+    np.cumsum(total[1:, 1:], axis=1, out=total[1:, 1:])
+    last = mask.shape[0]
+
+    def count(top: np.ndarray, bottom: np.ndarray, right: np.ndarray) -> np.ndarray:
+        # Rows top…bottom − 1 and columns left…right − 1
+        inside: np.ndarray = (
+            total[bottom, right]
+            - total[top, right]
+            - total[bottom, left]
+            + total[top, left]
+        )
+        return inside
+
+    left = np.maximum(column - side, 0)
+    above = count(np.maximum(row - side, 0), row, column)
+    under = count(row + 1, np.minimum(row + 1 + side, last), column + 1)
+    alone: np.ndarray = (side < 1) | ((above == 0) & (under == 0))
+    return alone
+
+
+def _scan_runs(
+    members: np.ndarray,
+    start: np.ndarray,
+    begins: np.ndarray,
+    pixels: ScannedPixels,
+    near: Neighbourhood,
+    labels: np.ndarray,
+    alone: np.ndarray,
+) -> np.ndarray:
+    # The run at which the source of each run began, found by searching as evalglare
+    only = 0  # the one label there is so far, −1 for several
+    ends = np.append(np.flatnonzero(begins)[1:], begins.size)
+    birth = np.zeros(members.size, dtype=np.int64)
+    wanted = np.ones(start.size + 2, dtype=bool)
+    wanted[0] = False
+    for place, run in enumerate(members):
+        row, column = int(pixels.row[start[run]]), int(pixels.column[start[run]])
+        if only > 0 and not alone[place]:
+            label = only
+        else:
+            label = _find(labels, wanted, row, column, near, alone=alone[place])
+        if not label:
+            label = int(run) + 1
+            only = -1 if only else label
+        birth[place] = label - 1
+        bottom = row + 1
+        labels[bottom - (ends[run] - start[run]) : bottom, column] = label
+    return birth
+
+
+def _find(
+    labels: np.ndarray,
+    wanted: np.ndarray,
+    row: int,
+    column: int,
+    near: Neighbourhood,
+    *,
+    alone: bool,
+) -> int:
+    # What is met upwards counts before what is met downwards; straight up to the left
+    # comes first of all
+    if row > 0 and column > 0 and near.sure_reach[row, column] >= 2:
+        label = int(labels[row - 1, column - 1])
+        if label:
+            return label
+    # Where all labels around are one, something is found for certain
+    if not alone:
+        reach = near.reach
+        around = labels[
+            max(row - reach, 0) : row + reach + 1,
+            max(column - reach, 0) : column + 1,
+        ]
+        label = int(around.max())
+        if ((around == 0) | (around == label)).all():
+            return label
+    window = near.window(row, column)
+    above, below = (
+        first_found(labels, wanted, window, row, column, upwards=up, last_column=column)
+        for up in (True, False)
+    )
+    return above or below

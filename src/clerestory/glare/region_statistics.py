@@ -1,0 +1,96 @@
+"""Statistics of the luminance in a part of a picture: zones, masks, bands."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.errors import InputError
+from clerestory.glare.glare_view import GlareView
+
+# Luminance above which a pixel of a mask picture counts (evalglare) [cd/m²]
+MASK_LUMINANCE = 0.1
+
+
+@dataclass(frozen=True)
+class RegionStatistics:
+    """Luminance of a part of a picture.
+
+    Attributes
+    ----------
+    pixels : how many
+    solid_angle : [sr]
+    average : by solid angle [cd/m²]
+    median, deviation, percentile_75, percentile_95, least, most : over pixels [cd/m²]
+    illuminance : on the eye [lux]
+    """
+
+    pixels: int
+    solid_angle: float
+    average: float
+    median: float
+    deviation: float
+    percentile_75: float
+    percentile_95: float
+    least: float
+    most: float
+    illuminance: float
+
+
+def region_statistics(
+    luminance: Float[np.ndarray, "row column"],
+    eye: GlareView,
+    region: Bool[np.ndarray, "row column"],
+) -> RegionStatistics:
+    """Return the statistics of the pixels of a region that are in view.
+
+    Raises
+    ------
+    InputError : the region holds no pixel
+
+    Examples
+    --------
+    >>> from clerestory.glare.glare_view import glare_view
+    >>> from clerestory.scene.view import View
+    >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
+    >>> whole = region_statistics(np.full((64, 64), 50.0), eye, eye.valid)
+    >>> round(whole.average), round(whole.illuminance / np.pi)
+    (50, 50)
+    """
+    inside = region & eye.valid
+    values = np.sort(luminance[inside].astype(float))
+    if not values.size:
+        raise InputError("the region holds no pixel in view; a larger one expected")
+    omega = eye.solid_angle[inside]
+    flux = luminance[inside] * omega
+    return RegionStatistics(
+        pixels=values.size,
+        solid_angle=float(omega.sum()),
+        average=float(flux.sum() / omega.sum()),
+        median=float(np.median(values)),
+        deviation=float(values.std()),
+        percentile_75=_percentile(values, 0.75),
+        percentile_95=_percentile(values, 0.95),
+        least=float(values[0]),
+        most=float(values[-1]),
+        illuminance=float((flux * eye.cosine[inside]).sum()),
+    )
+
+
+def _percentile(values: np.ndarray, share: float) -> float:
+    # The mean of the two values at the share, as evalglare takes it
+    at = int(values.size * share)
+    return float((values[at] + values[max(at - 1, 0)]) / 2)
+
+
+def band(eye: GlareView, half_width: float) -> Bool[np.ndarray, "row column"]:
+    """Pixels within an angle [rad] of the horizontal middle line of the picture.
+
+    The angle is measured within each column.
+    """
+    rows, _ = eye.shape
+    middle = rows - 1 - (rows - 1) // 2
+    cosine = np.einsum("ijk,jk->ij", eye.direction, eye.direction[middle])
+    near: np.ndarray = np.arccos(np.clip(cosine, -1, 1)) <= half_width
+    near[middle] = True
+    return near

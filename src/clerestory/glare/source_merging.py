@@ -1,0 +1,160 @@
+"""The second scan for glare sources: sources that come near larger ones join them.
+
+Pixels are visited as in the first scan. One that meets a source of larger solid angle
+than its own within the merging angle takes its whole source over to it. Scans follow
+each other until one changes nothing; sources of equal size do not join.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial import cKDTree
+
+from clerestory.glare.neighbour_search import Neighbourhood, first_found
+from clerestory.glare.pixel_scan import ScannedPixels
+
+_EIGHT = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
+
+# Pixels this near to the picture's edge are never taken for inner ones
+_EDGE = 2
+
+
+def merge_sources(
+    pixels: ScannedPixels,
+    labels: Int[np.ndarray, " pixel"],
+    solid_angle: Float[np.ndarray, "row column"],
+    near: Neighbourhood,
+    *,
+    skip_inner: bool,
+) -> Int[np.ndarray, " pixel"]:
+    """Label of each pixel after all sources that come near each other are one.
+
+    Parameters
+    ----------
+    pixels : in the order of the scan
+    labels : of the pixels, from 1
+    solid_angle : of all pixels of the picture [sr]
+    near : of the merging angle
+    skip_inner : pixels between eight others of their source do not search
+    """
+    merged = labels.copy()
+    picture = np.zeros(solid_angle.shape, dtype=np.int64)
+    # Islands of one source have nothing to merge
+    lowest = np.full(pixels.island.max(initial=-1) + 1, labels.max(initial=0) + 1)
+    highest = np.zeros(lowest.size, dtype=np.int64)
+    np.minimum.at(lowest, pixels.island, labels)
+    np.maximum.at(highest, pixels.island, labels)
+    for island in np.flatnonzero(lowest != highest):
+        index = np.flatnonzero(pixels.island == island)
+        some = pixels.take(index)
+        picture[some.row, some.column] = labels[index]
+        state = _Merging(some, labels[index], picture, solid_angle, near, skip_inner)
+        state.run()
+        merged[index] = picture[some.row, some.column]
+    return merged
+
+
+@dataclass
+class _Merging:
+    # The sources of one island while they merge
+    pixels: ScannedPixels
+    labels: np.ndarray
+    picture: np.ndarray
+    solid_angle: np.ndarray
+    near: Neighbourhood
+    skip_inner: bool
+
+    def __post_init__(self) -> None:
+        row, column, _ = self.pixels
+        self.omega = self.solid_angle[row, column]
+        # Added up in the order of the scan: ties are decided by the last bit
+        self.size = np.bincount(self.labels, weights=self.omega)
+        self.pixel, self.neighbour = self._meetings()
+        # The label that each first label has become
+        self.current = np.arange(self.size.size)
+
+    def _meetings(self) -> tuple[np.ndarray, np.ndarray]:
+        # Pixels that have a pixel of another source within the angle, and its label
+        outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
+        row, column = self.pixels.row[outer], self.pixels.column[outer]
+        direction = self.near.direction[row, column]
+        found = []
+        for label in np.unique(self.labels):
+            mine = self.labels[outer] == label
+            # Only pixels about the source can meet it
+            about = ~mine & self._in_box(row, column, row[mine], column[mine])
+            distance, _ = cKDTree(direction[mine]).query(
+                direction[about], distance_upper_bound=self.near.chord
+            )
+            pixel = outer[about][np.isfinite(distance)]
+            found.append((pixel, np.full(pixel.size, label)))
+        pixel, neighbour = (np.concatenate(part) for part in zip(*found, strict=True))
+        return pixel, neighbour
+
+    def _in_box(
+        self, row: np.ndarray, column: np.ndarray, rows: np.ndarray, columns: np.ndarray
+    ) -> np.ndarray:
+        # Whether pixels lie within reach of the rows and columns of others
+        reach = self.near.reach
+        inside: np.ndarray = (row >= rows.min() - reach) & (row <= rows.max() + reach)
+        inside &= (column >= columns.min() - reach) & (column <= columns.max() + reach)
+        return inside
+
+    def _is_outer(self, index: np.ndarray) -> np.ndarray:
+        # Whether pixels have an unlike neighbour or lie at the edge of the picture
+        row, column = self.pixels.row[index], self.pixels.column[index]
+        rows, columns = self.picture.shape
+        outer: np.ndarray = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)
+        outer |= column >= columns - _EDGE
+        own = self.picture[row, column]
+        for i, j in _EIGHT:
+            beside = self.picture[
+                np.clip(row + i, 0, rows - 1), np.clip(column + j, 0, columns - 1)
+            ]
+            outer |= beside != own
+        return outer
+
+    def run(self) -> None:
+        """Merge until a whole scan changes nothing."""
+        while self._scan():
+            pass
+
+    def _scan(self) -> bool:
+        changed, last = False, -1
+        while True:
+            own = self.current[self.labels[self.pixel]]
+            other = self.current[self.neighbour]
+            meets = (self.size[other] > self.size[own]) & (self.pixel > last)
+            candidates = self.pixel[meets]
+            if not candidates.size:
+                return changed
+            last = int(candidates.min())
+            if self.skip_inner and not self._is_outer(np.array([last]))[0]:
+                continue
+            changed |= self._search(last)
+
+    def _search(self, index: int) -> bool:
+        # Join the larger source that the search from a pixel finds
+        row, column = int(self.pixels.row[index]), int(self.pixels.column[index])
+        old = new = int(self.picture[row, column])
+        window = self.near.window(row, column)
+        for upwards in (False, True):
+            label = first_found(
+                self.picture,
+                self.size > self.size[new],
+                window,
+                row,
+                column,
+                upwards=upwards,
+                last_column=self.picture.shape[1] - 1,
+            )
+            new = label or new
+        if new == old:
+            return False
+        mine = self.picture[self.pixels.row, self.pixels.column] == old
+        self.picture[self.pixels.row[mine], self.pixels.column[mine]] = new
+        self.size[new] = np.add.accumulate([self.size[new], *self.omega[mine]])[-1]
+        self.size[old] = 0
+        self.current[self.current == old] = new
+        return True

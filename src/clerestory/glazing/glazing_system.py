@@ -1,0 +1,240 @@
+"""A glazing system: layers, the gaps between them, and how it is described in TOML.
+
+    name = "Double glazing with an inner blind"
+
+    [[layer]]
+    file = "clear_3mm.dat"
+
+    [[gap]]
+    thickness_mm = 12.7
+    gases = { argon = 0.9, air = 0.1 }
+
+    [[layer]]
+    file = "low_e.json"
+    flipped = true
+
+    [[gap]]
+    thickness_mm = 50
+
+    [[layer]]
+    venetian = { material = "slat.json", width_mm = 25, spacing_mm = 20, tilt_deg = 45 }
+
+Layers and gaps run from the sky to the room. Files stand beside the description.
+"""
+
+import math
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal, final
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.glazing.diffuser import Diffuser
+from clerestory.glazing.gap import ATMOSPHERE, Gap
+from clerestory.glazing.layer import Layer
+from clerestory.glazing.layer_files import read_layer, read_pane
+from clerestory.glazing.pane import Pane
+from clerestory.glazing.screen import PerforatedScreen, WovenShade
+from clerestory.glazing.slat_cell import SlatGeometry
+from clerestory.glazing.venetian import VenetianBlind
+
+_MILLIMETRE = 1e-3
+_DEFAULT_GAP = 0.0127
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class GlazingSystem:
+    """Layers and gaps from the sky to the room.
+
+    Attributes
+    ----------
+    name : what reports call it
+    layers : at least one
+    gaps : between them, one fewer
+
+    Raises
+    ------
+    InputError : no layers, or a number of gaps that does not fit
+    """
+
+    name: str
+    layers: tuple[Layer, ...]
+    gaps: tuple[Gap, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise InputError("a glazing system without layers; at least one expected")
+        if len(self.gaps) != len(self.layers) - 1:
+            raise InputError(
+                f"{len(self.gaps)} gaps between {len(self.layers)} layers;"
+                f" {len(self.layers) - 1} expected"
+            )
+
+
+def system_of(
+    layers: list[Layer], *, gap: Gap | None = None, name: str = ""
+) -> GlazingSystem:
+    """Return a system with equal gaps, 12.7 mm of air unless told otherwise."""
+    between = gap or Gap(_DEFAULT_GAP)
+    title = name or " | ".join(layer.name for layer in layers)
+    return GlazingSystem(title, tuple(layers), (between,) * (len(layers) - 1))
+
+
+def read_system(path: str | Path) -> GlazingSystem:
+    """Return the glazing system that a TOML file describes.
+
+    Raises
+    ------
+    InputError : not TOML, unknown or missing keys, files that cannot be read
+    """
+    try:
+        plan = _Plan.model_validate(tomllib.loads(read_text(path)))
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"not TOML: {error}", file=path) from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(
+            str(part + 1) if isinstance(part, int) else part for part in first["loc"]
+        )
+        what = (
+            "unknown key"
+            if first["type"] == "extra_forbidden"
+            else first["msg"][0].lower() + first["msg"][1:]
+        )
+        raise InputError(f"{where}: {what}", file=path) from error
+    folder = Path(path).parent
+    layers = [
+        _layer(row, folder, path, number) for number, row in enumerate(plan.layer, 1)
+    ]
+    try:
+        gaps = tuple(
+            Gap(row.thickness_mm * _MILLIMETRE, row.gases, row.pressure_pa)
+            for row in plan.gap
+        )
+        if not gaps and len(layers) > 1:
+            gaps = (Gap(_DEFAULT_GAP),) * (len(layers) - 1)
+        return GlazingSystem(plan.name or Path(path).stem, tuple(layers), gaps)
+    except InputError as error:
+        raise InputError(error.message, file=path) from error
+
+
+_Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class _Slats(_Strict):
+    material: Path
+    width_mm: _Positive
+    spacing_mm: _Positive
+    tilt_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
+    curvature_radius_mm: Annotated[float, Field(allow_inf_nan=False)] = 0.0
+    segments: int = 5
+    vertical: bool = False
+    distribution: Literal["directional", "uniform"] = "directional"
+
+
+class _Woven(_Strict):
+    material: Path
+    thread_diameter_mm: _Positive
+    thread_spacing_mm: _Positive
+
+
+class _Perforated(_Strict):
+    material: Path
+    shape: Literal["circular", "rectangular"] = "circular"
+    spacing_mm: tuple[_Positive, _Positive]
+    radius_mm: _Positive | None = None
+    size_mm: tuple[_Positive, _Positive] | None = None
+
+
+class _Row(_Strict):
+    file: Path | None = None
+    venetian: _Slats | None = None
+    woven: _Woven | None = None
+    perforated: _Perforated | None = None
+    diffuser: Path | None = None
+    flipped: bool = False
+
+
+class _Space(_Strict):
+    thickness_mm: _Positive
+    gases: dict[str, float] = {"air": 1.0}
+    pressure_pa: _Positive = ATMOSPHERE
+
+
+class _Plan(_Strict):
+    name: str = ""
+    layer: Annotated[list[_Row], Field(min_length=1)]
+    gap: list[_Space] = []
+
+
+def _layer(row: _Row, folder: Path, path: str | Path, number: int) -> Layer:
+    kinds = [
+        k
+        for k in ("file", "venetian", "woven", "perforated", "diffuser")
+        if getattr(row, k)
+    ]
+    if len(kinds) != 1:
+        raise InputError(
+            f"layer {number} is {' and '.join(kinds) or 'nothing'}; one of file,"
+            " venetian, woven, perforated or diffuser expected",
+            file=path,
+        )
+    try:
+        layer = _made(row, folder)
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise InputError(f"layer {number}: {error.message}", file=path) from error
+    return layer.flipped() if row.flipped else layer
+
+
+def _made(row: _Row, folder: Path) -> Layer:
+    if row.file is not None:
+        return read_layer(folder / row.file)
+    if row.diffuser is not None:
+        return Diffuser(read_pane(folder / row.diffuser))
+    if row.venetian is not None:
+        plan = row.venetian
+        slats = SlatGeometry(
+            width=plan.width_mm * _MILLIMETRE,
+            spacing=plan.spacing_mm * _MILLIMETRE,
+            tilt=math.radians(plan.tilt_deg),
+            curvature_radius=plan.curvature_radius_mm * _MILLIMETRE,
+            segments=plan.segments,
+        )
+        return VenetianBlind(
+            read_pane(folder / plan.material),
+            slats,
+            distribution=plan.distribution,
+            vertical=plan.vertical,
+        )
+    if row.woven is not None:
+        return WovenShade(
+            read_pane(folder / row.woven.material),
+            thread_diameter=row.woven.thread_diameter_mm * _MILLIMETRE,
+            thread_spacing=row.woven.thread_spacing_mm * _MILLIMETRE,
+        )
+    assert row.perforated is not None  # the caller has counted
+    return _screen(row.perforated, read_pane(folder / row.perforated.material))
+
+
+def _screen(plan: _Perforated, material: Pane) -> PerforatedScreen:
+    wanted = plan.radius_mm if plan.shape == "circular" else plan.size_mm
+    if wanted is None:
+        key = "radius_mm" if plan.shape == "circular" else "size_mm"
+        raise InputError(f"{plan.shape} perforations without {key}")
+    size = (wanted, wanted) if isinstance(wanted, float) else wanted
+    return PerforatedScreen(
+        material,
+        plan.shape,
+        (plan.spacing_mm[0] * _MILLIMETRE, plan.spacing_mm[1] * _MILLIMETRE),
+        (size[0] * _MILLIMETRE, size[1] * _MILLIMETRE),
+    )

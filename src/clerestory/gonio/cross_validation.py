@@ -1,0 +1,223 @@
+"""How far an interpolant can be trusted: leave one incident direction out, predict it.
+
+Each scan is left out in turn, the others are joined without it, and what they say
+about its direction is compared with what was measured there. The neighbours are then
+twice as far as they are in use, so the errors are on the safe side; where a scan stood
+at the rim, they are those of extrapolation.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Indices
+from clerestory.errors import InputError
+from clerestory.gonio.angles import angle_between, from_degrees
+from clerestory.gonio.beam_direction import beam_direction
+from clerestory.gonio.earth_movers_distance import earth_mover
+from clerestory.gonio.incident_mesh import locate
+from clerestory.gonio.interpolant import Interpolant
+from clerestory.gonio.lobe_fitting import (
+    DEFAULT,
+    FitOptions,
+    condense,
+    fit_scans,
+    misplaced_light,
+    total_flux,
+)
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.network_assembly import join
+from clerestory.gonio.parallel import Report, silent
+from clerestory.gonio.scattering_measurement import Measurement, Scan
+from clerestory.gonio.symmetry import Symmetry, fold
+from clerestory.gonio.transport_network import Network
+from clerestory.gonio.transport_refinement import replan
+
+# Fewest scans of which one can be left out.
+_FEWEST = 3
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """What the other scans say about one that was left out.
+
+    Attributes
+    ----------
+    theta_deg, phi_deg : incident direction [°]
+    inside : whether it lies among the others, or beyond the outermost
+    measured, predicted : share of the light that is scattered in all
+    peak_deg : angle from the measured to the predicted beam, the middle of what is
+        at least half as bright as the peak [°]
+    earth_mover_deg : mean angle by which light has to be moved [°]; not a number where
+        none is predicted
+    misplaced : share of the light that is not where it was measured; noise of the
+        measurement counts too
+    fitted : the same for the scan's own fit, the least that can be reached
+    """
+
+    theta_deg: float
+    phi_deg: float
+    inside: bool
+    measured: float
+    predicted: float
+    peak_deg: float
+    earth_mover_deg: float
+    misplaced: float
+    fitted: float
+
+    @property
+    def flux_error(self) -> float:
+        """Predicted minus measured share of the light."""
+        return self.predicted - self.measured
+
+
+@dataclass(frozen=True)
+class CrossValidation:
+    """Errors of all scans left out one by one.
+
+    Attributes
+    ----------
+    scans : one a scan
+    smoothing : of the fits
+    """
+
+    scans: tuple[LeftOut, ...]
+    smoothing: float
+
+    def median(self, name: str, *, inside: bool = True) -> float:
+        """Median size of an error over the scans among the others, or beyond them.
+
+        >>> one = LeftOut(30, 0, True, 0.5, 0.49, 1.0, 2.0, 0.1, 0.02)
+        >>> round(CrossValidation((one,), 1.0).median("flux_error"), 3)
+        0.01
+        """
+        errors = [abs(getattr(s, name)) for s in self.scans if s.inside == inside]
+        known = [error for error in errors if np.isfinite(error)]
+        return float(np.median(known)) if known else float("nan")
+
+
+def cross_validate(
+    measurement: Measurement,
+    *,
+    symmetry: Symmetry | None = None,
+    options: FitOptions = DEFAULT,
+    processes: int = 1,
+    progress: Callable[[str], Report] = lambda _name: silent,
+) -> CrossValidation:
+    """Return the error of predicting each scan from all others.
+
+    Parameters
+    ----------
+    symmetry, options, processes, progress : as of `fit_measurement`
+
+    Raises
+    ------
+    InputError : fewer than three scans
+    """
+    scans = measurement.scans
+    if len(scans) < _FEWEST:
+        raise InputError(
+            f"scans: {len(scans)}; {_FEWEST} or more expected to leave one out"
+        )
+    if symmetry is None:
+        symmetry = measurement.symmetry
+    fits = fit_scans(
+        scans,
+        options=options,
+        processes=processes,
+        report=progress("fit lobes"),
+    )
+    network = join(
+        measurement.incidents,
+        fits,
+        symmetry,
+        processes=processes,
+        report=progress("plan transport"),
+    )
+    report = progress("leave one out")
+    left = []
+    for k in range(len(scans)):
+        left.append(_left_out(k, scans, fits, symmetry, network))
+        report((k + 1) / len(scans), f"{k + 1} of {len(scans)}")
+    return CrossValidation(tuple(left), options.smoothing)
+
+
+def smoothing_study(
+    measurement: Measurement,
+    factors: Sequence[float],
+    *,
+    symmetry: Symmetry | None = None,
+    lobes: int = DEFAULT.lobes,
+    processes: int = 1,
+    progress: Callable[[str], Report] = lambda _name: silent,
+) -> tuple[CrossValidation, ...]:
+    """Return the errors for several smoothing factors: which suits the measurement.
+
+    Raises
+    ------
+    InputError : as for `cross_validate`
+    """
+    return tuple(
+        cross_validate(
+            measurement,
+            symmetry=symmetry,
+            options=FitOptions(lobes=lobes, smoothing=factor),
+            processes=processes,
+            progress=progress,
+        )
+        for factor in factors
+    )
+
+
+def _left_out(
+    k: int,
+    scans: Sequence[Scan],
+    fits: Sequence[Lobes],
+    symmetry: Symmetry,
+    network: Network,
+) -> LeftOut:
+    scan, fit, points = scans[k], fits[k], condense(scans[k])
+    others = [n for n in range(len(scans)) if n != k]
+    incidents = np.array([scans[n].incident for n in others])
+    known = network.known_plans()
+    rest = join(incidents, [fits[n] for n in others], symmetry, known=known)
+    rest = replan(rest, _about(rest, symmetry, scan))
+    lobes = Interpolant(rest, symmetry).lobes(scan.incident)
+    return LeftOut(
+        scan.theta_deg,
+        scan.phi_deg,
+        _inside(rest, symmetry, scan),
+        total_flux(scan),
+        lobes.total,
+        float(np.degrees(angle_between(beam_direction(lobes), beam_direction(fit)))),
+        float(np.degrees(earth_mover(lobes, fit))),
+        misplaced_light(points, lobes.evaluate(points.direction)),
+        misplaced_light(points, fit.evaluate(points.direction)),
+    )
+
+
+def _about(network: Network, symmetry: Symmetry, scan: Scan) -> Indices:
+    # Edges that the light from a direction depends on: those of the corners about it
+    mesh = network.mesh
+    place = locate(mesh, _folded(network, symmetry, scan))
+    simplex = mesh.edges if place.on_edge[0] else mesh.triangles
+    corners = simplex[place.simplex[0]]
+    return np.flatnonzero(np.isin(mesh.edges, corners).any(axis=1))
+
+
+def _inside(network: Network, symmetry: Symmetry, scan: Scan) -> bool:
+    folded = _folded(network, symmetry, scan)
+    if symmetry == "isotropic":
+        theta = np.arctan2(network.mesh.vertices[:, 0], network.mesh.vertices[:, 2])
+        return bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
+    return not bool(locate(network.mesh, folded).on_edge[0])
+
+
+def _folded(
+    network: Network, symmetry: Symmetry, scan: Scan
+) -> Float[np.ndarray, "1 3"]:
+    if symmetry == "isotropic":
+        return from_degrees(scan.theta_deg, 0.0)[None]
+    return fold(scan.incident[None], symmetry, network.quadrant)[0]

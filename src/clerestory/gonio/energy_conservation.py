@@ -1,0 +1,88 @@
+"""Energy of fitted layers: no side may scatter more light than it meets."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Values
+from clerestory.bsdf.scattering_function import Function
+from clerestory.gonio.fitted_measurement import Fitted
+from clerestory.gonio.interpolant import Interpolant
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.optimal_transport import Plan
+from clerestory.gonio.transport_network import Network
+
+_SIDES: tuple[tuple[Function, Function], ...] = (
+    ("transmission_front", "reflection_front"),
+    ("transmission_back", "reflection_back"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Conserved:
+    """Fits that scatter no more light than they meet, and what that took.
+
+    Attributes
+    ----------
+    fits : in their order
+    largest : share of the light that one incident direction scattered before
+    changed : incident directions whose light was dimmed
+    """
+
+    fits: tuple[Fitted, ...]
+    largest: float
+    changed: int
+
+
+def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
+    """Dim the light of measured directions where both functions of a side exceed 1.
+
+    Only the visible channel is looked at; its factors serve the others.
+    """
+    visible = {
+        fit.function: fit.interpolant for fit in fits if fit.channel == "visible"
+    }
+    largest, changed = 0.0, 0
+    result = []
+    for fit in fits:
+        sums = _sums(fit, visible)
+        largest = max(largest, float(sums.max()))
+        factors = 1 / np.maximum(sums, 1)
+        if fit.channel == "visible":
+            changed += int(np.sum(factors < 1))
+        network = _scaled(fit.interpolant.network, factors)
+        interpolant = Interpolant(network, fit.interpolant.symmetry)
+        result.append(replace(fit, interpolant=interpolant))
+    return Conserved(tuple(result), largest, changed)
+
+
+def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
+    # Light scattered by both functions of the side, from each vertex
+    vertices = fit.interpolant.network.mesh.vertices
+    side = next(pair for pair in _SIDES if fit.function in pair)
+    known = [visible[name] for name in side if name in visible]
+    total: Float[np.ndarray, " vertices"] = np.zeros(len(vertices))
+    for interpolant in known:
+        total += interpolant.hemispherical(vertices)
+    return total
+
+
+def _scaled(network: Network, factors: Values) -> Network:
+    lobes = tuple(
+        Lobes(part.centre, part.radius, part.flux * factor)
+        for part, factor in zip(network.lobes, factors, strict=True)
+    )
+    plans = tuple(
+        Plan(
+            plan.source,
+            plan.target,
+            plan.sent * factors[a],
+            plan.received * factors[b],
+            plan.fading * factors[a],
+            plan.rising * factors[b],
+        )
+        for plan, (a, b) in zip(network.plans, network.mesh.edges, strict=True)
+    )
+    return replace(network, lobes=lobes, plans=plans)

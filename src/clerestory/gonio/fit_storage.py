@@ -1,0 +1,188 @@
+"""Fitted measurements in NetCDF, so that a fit is made once.
+
+The file is NetCDF-4: a group a function, with the vertices of the mesh, the lobes of
+all vertices end to end and the moves of all plans end to end. It carries the same
+SHA-256 sum behind its data as files of transfer matrices.
+"""
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+import h5netcdf  # type: ignore[import-untyped]
+import h5py
+import numpy as np
+
+from clerestory.bsdf.scattering_function import Function
+from clerestory.errors import InputError
+from clerestory.files import read_bytes, replace_file
+from clerestory.gonio.fitted_measurement import Fitted
+from clerestory.gonio.incident_mesh import Mesh
+from clerestory.gonio.interpolant import Interpolant
+from clerestory.gonio.lobe_fitting import FitOptions
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.optimal_transport import Plan
+from clerestory.gonio.symmetry import SYMMETRIES
+from clerestory.gonio.transport_network import Network
+from clerestory.matrix.netcdf import SEAL_LENGTH, seal
+
+_FORMAT = "Clerestory scattering interpolant 1"
+
+# Names of the arrays that a group holds, with the dimensions of each.
+_ARRAYS: dict[str, tuple[str, ...]] = {
+    "vertices": ("vertex", "axis"),
+    "triangles": ("triangle", "corner"),
+    "edges": ("edge", "end"),
+    "rim": ("edge",),
+    "quadrant": ("plane",),
+    "lobe_centre": ("lobe", "axis"),
+    "lobe_radius_rad": ("lobe",),
+    "lobe_flux": ("lobe",),
+    "lobes_of_vertex": ("vertex",),
+    "move_source": ("move",),
+    "move_target": ("move",),
+    "move_sent": ("move",),
+    "move_received": ("move",),
+    "moves_of_edge": ("edge",),
+    "fading": ("edge_start_lobe",),
+    "rising": ("edge_end_lobe",),
+}
+
+
+def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
+    """Write fitted functions to a file, whole or not at all.
+
+    Raises
+    ------
+    OutputError : the file cannot be written
+    """
+    buffer = io.BytesIO()
+    with h5netcdf.File(buffer, "w") as file:
+        file.attrs["format"] = _FORMAT
+        for fit in fits:
+            group = file.create_group(f"{fit.channel}_{fit.function}")
+            group.attrs["function"] = fit.function
+            group.attrs["channel"] = fit.channel
+            group.attrs["name"] = fit.name
+            group.attrs["symmetry"] = fit.interpolant.symmetry
+            group.attrs["most_lobes"] = fit.options.lobes
+            group.attrs["smoothing"] = fit.options.smoothing
+            _write(group, _arrays(fit.interpolant.network))
+    with replace_file(path) as stream:
+        stream.write(buffer.getvalue())
+        stream.write(seal(buffer.getbuffer()))
+
+
+def read_fits(path: str | Path) -> tuple[Fitted, ...]:
+    """Return the fitted functions that `write_fits` wrote.
+
+    Raises
+    ------
+    InputError : not such a file, or damaged
+    """
+    data = read_bytes(path)
+    if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
+        raise InputError(
+            "damaged, or not written by this package; a file of clerestory gonio fit"
+            " expected",
+            file=path,
+        )
+    try:
+        with h5py.File(io.BytesIO(data), "r") as file:
+            if file.attrs.get("format") != _FORMAT:
+                raise InputError(f"not a file of the format {_FORMAT!r}")
+            return tuple(_fitted(file[name]) for name in sorted(file))
+    except InputError as error:
+        raise InputError(error.message, file=path) from error
+    except Exception as error:  # HDF5 reports damage by many kinds of exception
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"damaged or not NetCDF-4 ({reason[:120]}); a fit expected", file=path
+        ) from error
+
+
+def _arrays(network: Network) -> dict[str, np.ndarray]:
+    mesh, lobes, plans = network.mesh, network.lobes, network.plans
+    return {
+        "vertices": mesh.vertices,
+        "triangles": mesh.triangles,
+        "edges": mesh.edges,
+        "rim": mesh.rim.astype(np.int8),
+        "quadrant": network.quadrant,
+        "lobe_centre": np.concatenate([part.centre for part in lobes]),
+        "lobe_radius_rad": np.concatenate([part.radius for part in lobes]),
+        "lobe_flux": np.concatenate([part.flux for part in lobes]),
+        "lobes_of_vertex": np.array([len(part) for part in lobes]),
+        "move_source": np.concatenate([plan.source for plan in plans]),
+        "move_target": np.concatenate([plan.target for plan in plans]),
+        "move_sent": np.concatenate([plan.sent for plan in plans]),
+        "move_received": np.concatenate([plan.received for plan in plans]),
+        "moves_of_edge": np.array([len(plan.sent) for plan in plans]),
+        "fading": np.concatenate([plan.fading for plan in plans]),
+        "rising": np.concatenate([plan.rising for plan in plans]),
+    }
+
+
+def _write(group: Any, arrays: dict[str, np.ndarray]) -> None:
+    for name, dimensions in _ARRAYS.items():
+        array = np.ascontiguousarray(arrays[name])
+        for dimension, size in zip(dimensions, array.shape, strict=True):
+            if dimension not in group.dimensions:
+                group.dimensions[dimension] = size
+        if array.size:
+            group.create_variable(name, dimensions, data=array, fletcher32=True)
+
+
+def _fitted(group: h5py.Group) -> Fitted:
+    attributes = group.attrs
+    function, symmetry = str(attributes["function"]), str(attributes["symmetry"])
+    if function not in get_args(Function) or symmetry not in SYMMETRIES:
+        raise InputError(f"function {function!r} of symmetry {symmetry!r}")
+    smoothing = float(np.ravel(attributes["smoothing"])[0])
+    return Fitted(
+        Interpolant(_network(group), symmetry),
+        function,  # type: ignore[arg-type]
+        str(attributes["channel"]),
+        str(attributes["name"]),
+        FitOptions(
+            lobes=int(np.ravel(attributes["most_lobes"])[0]), smoothing=smoothing
+        ),
+    )
+
+
+def _network(group: h5py.Group) -> Network:
+    def array(name: str) -> np.ndarray:
+        data: np.ndarray = group[name][...]
+        return data
+
+    triangles = array("triangles") if "triangles" in group else np.zeros((0, 3), int)
+    edges = array("edges")
+    mesh = Mesh(array("vertices"), triangles, edges, array("rim").astype(bool))
+    count = array("lobes_of_vertex")
+    lobes = tuple(
+        Lobes(*parts)
+        for parts in zip(
+            *(
+                np.split(array(name), np.cumsum(count)[:-1])
+                for name in ("lobe_centre", "lobe_radius_rad", "lobe_flux")
+            ),
+            strict=True,
+        )
+    )
+    limits = np.cumsum(array("moves_of_edge"))[:-1]
+    moves = [
+        np.split(array(name), limits) if name in group else [np.zeros(0)] * len(edges)
+        for name in ("move_source", "move_target", "move_sent", "move_received")
+    ]
+    ends = [
+        np.split(array(name), np.cumsum(count[edges[:, side]])[:-1])
+        for side, name in enumerate(("fading", "rising"))
+    ]
+    plans = tuple(
+        Plan(source.astype(int), target.astype(int), sent, received, fading, rising)
+        for source, target, sent, received, fading, rising in zip(
+            *moves, *ends, strict=True
+        )
+    )
+    return Network(mesh, lobes, plans, array("quadrant"))

@@ -1,0 +1,194 @@
+"""Mesh of incident directions: Delaunay triangles on the hemisphere, or an arc.
+
+A stereographic projection keeps circles, so triangles that are Delaunay in the plane
+are Delaunay on the sphere. A direction in a triangle (A, B, C) is reached along the
+edge from A to B by the share s and from there towards C by the share t. Directions
+beyond the outermost ones are those of the nearest point of the rim, and a turn.
+
+Of an isotropic layer the directions lie on an arc from the normal, whose pieces are
+triangles without a third corner.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.spatial import Delaunay, QhullError
+
+from clerestory.array_types import Directions, Indices, Mask, Values, Vector, Vector2
+from clerestory.errors import InputError
+from clerestory.gonio.angles import angle_between, from_degrees
+
+# Barycentric coordinates this far below zero are still inside.
+_INSIDE = -1e-9
+
+# Thinnest triangle that is kept, as the sine of the volume its corners span.
+_THINNEST = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Incident directions and what joins them.
+
+    Attributes
+    ----------
+    vertices : unit vectors with z ≥ 0
+    triangles : corners, numbers growing; on an arc the third is -1
+    edges : pairs of vertices, numbers growing
+    rim : which edges have a triangle on one side only, or all of an arc
+
+    Examples
+    --------
+    >>> theta, phi = np.array([0, 60, 60, 60.0]), np.array([0, 0, 120, 240.0])
+    >>> mesh = triangulate(from_degrees(theta, phi))
+    >>> len(mesh.triangles), len(mesh.edges), int(mesh.rim.sum())
+    (3, 6, 3)
+    """
+
+    vertices: Float[np.ndarray, "vertices 3"]
+    triangles: Int[np.ndarray, "triangles 3"]
+    edges: Int[np.ndarray, "edges 2"]
+    rim: Bool[np.ndarray, " edges"]
+
+    @property
+    def arc(self) -> bool:
+        """Whether the directions lie on an arc."""
+        return bool(len(self.triangles) == 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where directions lie in a mesh.
+
+    Attributes
+    ----------
+    simplex : number of the triangle, or of an edge where `on_edge`
+    on_edge : nearest to an edge: on an arc, or beyond the rim
+    s : share of the way from the first corner to the second
+    t : share of the way from there to the third corner; 0 on edges
+    found : the direction itself, or the nearest one of the rim
+    """
+
+    simplex: Int[np.ndarray, " directions"]
+    on_edge: Bool[np.ndarray, " directions"]
+    s: Float[np.ndarray, " directions"]
+    t: Float[np.ndarray, " directions"]
+    found: Float[np.ndarray, "directions 3"]
+
+
+def triangulate(vertices: Directions) -> Mesh:
+    """Return the Delaunay mesh of directions on the hemisphere.
+
+    Raises
+    ------
+    InputError : fewer than three directions, or all in one plane
+    """
+    flat = vertices[:, :2] / (1 + vertices[:, 2:])
+    try:
+        corners = np.sort(Delaunay(flat).simplices, axis=1)
+    except (QhullError, ValueError) as error:
+        raise InputError(
+            f"{len(vertices)} incident directions in one plane; directions around the"
+            " normal expected, or an isotropic layer"
+        ) from error
+    volume = np.abs(np.linalg.det(vertices[corners]))
+    corners = corners[volume > _THINNEST].astype(int)
+    every = np.concatenate([corners[:, [0, 1]], corners[:, [0, 2]], corners[:, [1, 2]]])
+    edges, sides = np.unique(every, axis=0, return_counts=True)
+    return Mesh(vertices, corners, edges, sides == 1)
+
+
+def string(theta: Values) -> Mesh:
+    """Return the mesh of an isotropic layer: an arc of growing polar angles [rad].
+
+    >>> string(np.radians([0.0, 30.0, 60.0])).edges.tolist()
+    [[0, 1], [1, 2]]
+    """
+    vertices = from_degrees(np.degrees(theta), 0.0)
+    number = np.arange(len(theta) - 1)
+    edges = np.stack([number, number + 1], axis=-1)
+    none = np.zeros((0, 3), dtype=int)
+    return Mesh(vertices, none, edges, np.ones(len(edges), dtype=bool))
+
+
+def locate(mesh: Mesh, direction: Directions) -> Place:
+    """Find the triangle of each direction, or the nearest point of the rim."""
+    simplex, s, t = (np.zeros(len(direction)) for _ in range(3))
+    outside = np.ones(len(direction), dtype=bool)
+    found = direction.copy()
+    if not mesh.arc:
+        simplex, s, t, outside = _in_triangles(mesh, direction)
+    if np.any(outside):
+        number, share, point = _on_rim(mesh, direction[outside])
+        simplex[outside], s[outside], found[outside] = number, share, point
+        t[outside] = 0
+    return Place(simplex.astype(int), outside, s, t, found)
+
+
+def flat_weights(corners: Directions, direction: Vector) -> tuple[Vector, Vector2]:
+    """Weights of corners in the disc below the hemisphere, and the place they give.
+
+    In a triangle that is the place of the direction itself; of an edge the nearest.
+
+    >>> corners = from_degrees(np.array([0.0, 90]), np.array([0.0, 0]))
+    >>> weights, place = flat_weights(corners, from_degrees(30.0, 0.0))
+    >>> weights.round(6).tolist(), place.round(6).tolist()
+    ([0.5, 0.5, 0.0], [0.5, 0.0])
+    """
+    disc = corners[:, :2]
+    sides = (disc[1:] - disc[0]).T
+    wanted = direction[:2] - disc[0]
+    share, *_ = np.linalg.lstsq(sides, wanted, rcond=_THINNEST)
+    weights = np.zeros(3)
+    weights[0], weights[1 : len(corners)] = 1 - share.sum(), share
+    return weights, weights[: len(corners)] @ disc
+
+
+def _in_triangles(
+    mesh: Mesh, direction: Directions
+) -> tuple[
+    Values,
+    Values,
+    Values,
+    Mask,
+]:
+    corner = mesh.vertices[mesh.triangles]
+    inverse = np.linalg.inv(corner.transpose(0, 2, 1))
+    simplex, least = np.zeros(len(direction), dtype=int), np.zeros(len(direction))
+    step = max(1, 1_000_000 // len(corner))
+    for start in range(0, len(direction), step):
+        part = slice(start, start + step)
+        share = np.einsum("tij,dj->dti", inverse, direction[part]).min(axis=2)
+        simplex[part] = share.argmax(axis=1)
+        least[part] = share.max(axis=1)
+    a, b, c = corner[simplex].transpose(1, 0, 2)
+    share = np.einsum("dij,dj->di", inverse[simplex], direction)
+    share = np.maximum(share, 0)
+    from_c = share[:, :1] * a + share[:, 1:2] * b
+    length = np.linalg.norm(from_c, axis=1, keepdims=True)
+    point = np.where(length > 1e-12, from_c / np.maximum(length, 1e-300), a)
+    s = angle_between(a, point) / angle_between(a, b)
+    t = angle_between(point, direction) / angle_between(point, c)
+    return simplex.astype(float), np.clip(s, 0, 1), np.clip(t, 0, 1), least < _INSIDE
+
+
+def _on_rim(
+    mesh: Mesh, direction: Directions
+) -> tuple[
+    Indices,
+    Values,
+    Directions,
+]:
+    # The nearest point of each rim edge: of its great circle, or an end of it
+    rim = np.flatnonzero(mesh.rim)
+    a, b = mesh.vertices[mesh.edges[rim]].transpose(1, 0, 2)
+    angle = angle_between(a, b)
+    across = b - np.sum(a * b, axis=1, keepdims=True) * a
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    turn = np.arctan2(direction @ across.T, direction @ a.T)
+    turn = np.clip(turn, 0, angle)
+    point = np.cos(turn)[..., None] * a + np.sin(turn)[..., None] * across
+    nearest = np.einsum("dei,di->de", point, direction).argmax(axis=1)
+    row = np.arange(len(direction))
+    share = turn[row, nearest] / angle[nearest]
+    return rim[nearest], share, point[row, nearest]

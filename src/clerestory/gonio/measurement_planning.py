@@ -1,0 +1,78 @@
+"""Where more scans are worth most: far from the others, among those that predict badly.
+
+Leaving scans out shows where interpolation cannot be trusted: a direction beside scans
+of which others put much of the light elsewhere. What a scan there is worth is that
+share times the angle to the nearest scan, so new directions stand densely where light
+changes fast, and nowhere twice.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Directions
+from clerestory.gonio.angles import angle_between, from_degrees
+from clerestory.gonio.cross_validation import CrossValidation
+from clerestory.gonio.symmetry import Symmetry, fold, images, measured_quadrant
+
+# Directions over the hemisphere among which the best are sought, 2° apart.
+_CANDIDATES = 4000
+
+
+def worth_measuring(
+    validation: CrossValidation, *, symmetry: Symmetry, count: int
+) -> Directions:
+    """Incident directions that are worth most, the best first.
+
+    They lie in the measured part of the hemisphere, no farther from the normal than
+    the outermost scan.
+
+    Parameters
+    ----------
+    symmetry : of the layer
+
+    Examples
+    --------
+    >>> from clerestory.gonio.cross_validation import LeftOut
+    >>> scans = [LeftOut(t, 0, True, 0.5, 0.5, 1.0, 1.0, m, 0.01)
+    ...          for t, m in ((0, 0.05), (20, 0.05), (40, 0.6), (60, 0.6))]
+    >>> best = worth_measuring(
+    ...     CrossValidation(tuple(scans), 1.0), symmetry="isotropic", count=1)
+    >>> float(np.degrees(np.arccos(best[0, 2])).round())
+    50.0
+    """
+    scans = validation.scans
+    theta, phi = np.array(
+        [(scan.theta_deg, scan.phi_deg) for scan in scans], dtype=float
+    ).T
+    known = from_degrees(theta, phi)
+    share = np.array([min(scan.misplaced, 1.0) for scan in scans])
+    if symmetry == "isotropic":
+        azimuth = float(phi[np.argmax(theta)])
+        known = from_degrees(theta, azimuth)
+        candidates = from_degrees(np.linspace(0, theta.max(), 200), azimuth)
+        factors = np.ones((1, 3))
+    else:
+        candidates = _within(known, symmetry, float(theta.max()))
+        factors = images(symmetry)
+    about = (known[:, None] * factors).reshape(-1, 3)
+    away = angle_between(candidates[:, None], about)
+    near = away.min(axis=1)
+    expected = np.repeat(share, len(factors))[away.argmin(axis=1)]
+    chosen: list[int] = []
+    for _ in range(count):
+        chosen.append(int(np.argmax(expected * near)))
+        own = candidates[chosen[-1]] * factors
+        near = np.minimum(near, angle_between(candidates[:, None], own).min(axis=1))
+    return np.asarray(candidates[chosen])
+
+
+def _within(
+    known: Float[np.ndarray, "scans 3"], symmetry: Symmetry, most_deg: float
+) -> Float[np.ndarray, "candidates 3"]:
+    # Spread evenly over the measured part
+    turn = np.pi * (1 + 5**0.5) * (np.arange(_CANDIDATES) + 0.5)
+    height = 1 - (np.arange(_CANDIDATES) + 0.5) / _CANDIDATES
+    flat = np.sqrt(1 - height**2)
+    every = np.stack([flat * np.cos(turn), flat * np.sin(turn), height], axis=-1)
+    folded, _ = fold(every, symmetry, measured_quadrant(known))
+    return np.asarray(folded[height >= np.cos(np.radians(most_deg))])

@@ -1,0 +1,47 @@
+"""Lobes at incident directions, and the plans that say what becomes of their light."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.gonio.incident_mesh import Mesh
+from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.optimal_transport import Plan
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """Lobes at the vertices of a mesh, and a transport plan for each of its edges.
+
+    Attributes
+    ----------
+    mesh : of incident directions
+    lobes : one set a vertex
+    plans : one an edge
+    quadrant : signs of x and y of the measured part
+    """
+
+    mesh: Mesh
+    lobes: tuple[Lobes, ...]
+    plans: tuple[Plan, ...]
+    quadrant: Float[np.ndarray, "2"]
+
+    def plans_of(self, triangle: int) -> tuple[Plan, Plan, Plan]:
+        """Plans from A to B, from A to C and from B to C of a triangle."""
+        a, b, c = self.mesh.triangles[triangle]
+        return self._plan(a, b), self._plan(a, c), self._plan(b, c)
+
+    def known_plans(self) -> dict[bytes, Plan]:
+        """Return the plans by the directions that they join, for `join`."""
+        ends = self.mesh.vertices[self.mesh.edges]
+        return dict(zip(map(key_of, ends), self.plans, strict=True))
+
+    def _plan(self, start: int, end: int) -> Plan:
+        edges = self.mesh.edges
+        return self.plans[int(np.flatnonzero((edges == [start, end]).all(axis=1))[0])]
+
+
+def key_of(ends: Float[np.ndarray, "2 3"]) -> bytes:
+    """Return what tells an edge from others, by the directions at its ends."""
+    return np.round(ends, 9).tobytes()

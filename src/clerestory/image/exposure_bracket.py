@@ -1,0 +1,117 @@
+"""Brackets to pictures: each pixel from the photographs that show it well."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool
+
+from clerestory.errors import InputError
+from clerestory.image.camera_response import LEVELS, ResponseCurve, check_bracket
+from clerestory.image.opencv import opencv
+from clerestory.image.photograph import Exposure, Photograph
+from clerestory.image.picture import Picture
+
+# Values below and above are noise and overflow
+_DARKEST, _BRIGHTEST = 3, 252
+
+
+class Merged(NamedTuple):
+    """A picture out of a bracket.
+
+    Attributes
+    ----------
+    picture : radiances up to one common factor
+    overflow : pixels too bright for the shortest exposure: their radiance is too low
+    underflow : pixels too dark for the longest exposure
+    """
+
+    picture: Picture
+    overflow: Bool[np.ndarray, "row column"]
+    underflow: Bool[np.ndarray, "row column"]
+
+
+def merge_bracket(
+    photographs: Sequence[Photograph],
+    exposures: Sequence[Exposure],
+    response: ResponseCurve,
+) -> Merged:
+    """Return the picture that a bracket of photographs shows.
+
+    Each value counts by its distance from both ends of the scale and by the light it
+    stands for, so that noise is least where it can be.
+
+    Raises
+    ------
+    InputError : photographs and exposures that do not fit each other
+
+    Examples
+    --------
+    >>> from clerestory.image.camera_response import linear_response
+    >>> scene = np.array([[[10, 20, 30], [100, 110, 120]]])
+    >>> shots = [(scene * k).clip(0, 255).astype(np.uint8) for k in (1, 2)]
+    >>> merged = merge_bracket(
+    ...     shots, [Exposure(time=1), Exposure(time=2)], linear_response()
+    ... )
+    >>> values = merged.picture.radiance[0]
+    >>> (values[1] / values[0]).round(4).tolist()
+    [10.0, 5.5, 4.0]
+    """
+    check_bracket(photographs, exposures)
+    order = np.argsort([exposure.relative() for exposure in exposures])
+    value = np.arange(LEVELS)
+    trust = np.minimum(value, LEVELS - 1 - value).astype(float)
+    trust[(value < _DARKEST) | (value > _BRIGHTEST)] = 0
+
+    total = np.zeros(photographs[0].shape)
+    weight = np.zeros(photographs[0].shape)
+    for i in order:
+        light = exposures[i].relative()
+        for channel in range(3):
+            pixels = photographs[i][..., channel]
+            # Relative noise falls with the light: weigh by it
+            counts = (trust * light)[pixels]
+            total[..., channel] += (
+                counts * (response.exposure[:, channel] / light)[pixels]
+            )
+            weight[..., channel] += counts
+
+    # What no photograph shows well: the nearest that one of them can say
+    shortest, longest = photographs[order[0]], photographs[order[-1]]
+    least, most = (
+        _radiance(photographs[i], exposures[i], response) for i in (order[-1], order[0])
+    )
+    bright = (shortest > _BRIGHTEST) & (weight == 0)
+    dark = (longest < _DARKEST) & (weight == 0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        radiance = np.where(weight > 0, total / weight, np.where(bright, most, least))
+    return Merged(
+        Picture(radiance.astype(np.float32)), bright.any(axis=2), dark.all(axis=2)
+    )
+
+
+def _radiance(
+    photograph: Photograph, exposure: Exposure, response: ResponseCurve
+) -> np.ndarray:
+    channels = [response.exposure[photograph[..., c], c] for c in range(3)]
+    radiance: np.ndarray = np.stack(channels, axis=-1) / exposure.relative()
+    return radiance
+
+
+def align(photographs: Sequence[Photograph]) -> list[Photograph]:
+    """Return photographs shifted to lie over each other, for a camera that moved.
+
+    References
+    ----------
+    Ward, G. (2003): Fast, robust image registration for compositing high dynamic range
+    photographs from hand-held exposures. Journal of Graphics Tools 8(2). As in OpenCV.
+
+    Raises
+    ------
+    InputError : no photographs
+    """
+    if not photographs:
+        raise InputError("no photographs; two or more expected")
+    images = [np.ascontiguousarray(photograph) for photograph in photographs]
+    opencv().createAlignMTB().process(images, images)
+    return images

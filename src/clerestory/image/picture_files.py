@@ -1,0 +1,49 @@
+"""Picture files: Radiance's .hdr and .pic, and OpenEXR.
+
+The format is read from the first bytes of a file, and chosen by the suffix in writing.
+"""
+
+from pathlib import Path
+
+from clerestory.errors import InputError
+from clerestory.files import read_bytes
+from clerestory.image.exr import read_exr, write_exr
+from clerestory.image.picture import Picture
+from clerestory.image.radiance_hdr import read_radiance, write_radiance
+
+_EXR = b"\x76\x2f\x31\x01"
+
+
+def read_picture(path: str | Path) -> Picture:
+    """Return the picture of a file: Radiance's .hdr or .pic, or OpenEXR.
+
+    Raises
+    ------
+    InputError : the file is missing, broken, or in another format
+    """
+    start = read_bytes(path)[:4]
+    if start.startswith(b"#?"):
+        return read_radiance(path)
+    if start == _EXR:
+        return read_exr(path)
+    raise InputError(
+        "not a picture; Radiance's, which begins with #?, or OpenEXR expected",
+        file=path,
+    )
+
+
+def write_picture(picture: Picture, path: str | Path) -> None:
+    """Write a picture: .hdr and .pic are Radiance's format, .exr is OpenEXR's.
+
+    Raises
+    ------
+    InputError : another ending
+    OutputError : the file cannot be written
+    """
+    ending = Path(path).suffix.lower()
+    if ending in (".hdr", ".pic"):
+        write_radiance(picture, path)
+    elif ending == ".exr":
+        write_exr(picture, path)
+    else:
+        raise InputError(f'picture file "{path}"; .hdr, .pic or .exr expected')

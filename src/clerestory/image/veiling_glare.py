@@ -1,0 +1,114 @@
+"""Veiling glare: light of bright sources scattered in the eye over the whole view."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float32
+from scipy.ndimage import map_coordinates
+
+from clerestory.image.arithmetic import reduce
+from clerestory.image.picture import Picture
+from clerestory.scene.projection import PROJECTIONS
+from clerestory.scene.view import View
+
+# Share of the light that is scattered: Moon and Spencer (1945), as in Ward Larson et
+# al. (1997), eq. 8, and pcond
+_SCATTERED = 0.08
+
+# Width of the fovea [rad], and of a view that is not told [deg]
+_FOVEA = np.radians(1.0)
+_WIDTH = 40.0
+
+# Pairs of samples that are held at once, and the most samples: pairs take time
+_PAIRS = 1 << 22
+_MOST_SAMPLES = 8192
+
+
+@dataclass(frozen=True)
+class FovealView:
+    """A view in samples of a degree.
+
+    Attributes
+    ----------
+    view : the picture's, or a perspective 40° wide where it has none of use
+    columns, rows : samples of a degree at its centre
+    """
+
+    view: View
+    columns: int
+    rows: int
+
+
+def foveal_view(picture: Picture) -> FovealView:
+    """Return the view of a picture in samples of a degree.
+
+    A picture without view, in parallel projection or narrower than 5° counts as a
+    perspective whose longer side is 40°.
+    """
+    view = picture.view
+    if (
+        view is None
+        or view.kind == "parallel"
+        or min(view.horizontal, view.vertical) < 5
+    ):
+        shape = np.array([picture.columns, picture.pixel_aspect * picture.rows])
+        half = np.tan(np.radians(_WIDTH) / 2) * shape / shape.max()
+        width, height = np.degrees(2 * np.arctan(half))
+        view = View(horizontal=float(width), vertical=float(height))
+    size = PROJECTIONS[view.kind].extent(view.horizontal, view.vertical)
+    columns, rows = (max(int(2 * half / _FOVEA + 0.5), 2) for half in size)
+    return FovealView(view, columns, rows)
+
+
+def with_veil(picture: Picture) -> Picture:
+    """Return what reaches the retina: the picture under its veil.
+
+    8 % of the light is spread over the view with cos θ / θ², θ being the angle between
+    source and line of sight; the total over the picture stays about the same. Sources
+    are averages over a degree, over two in a fisheye.
+
+    References
+    ----------
+    G. Ward Larson, H. Rushmeier, C. Piatko, "A visibility matching tone reproduction
+    operator for high dynamic range scenes" (1997), section 5.1
+    """
+    fovea = foveal_view(picture)
+    coarser = max(np.sqrt(fovea.columns * fovea.rows / _MOST_SAMPLES), 1)
+    columns = min(int(fovea.columns / coarser), picture.columns)
+    rows = min(int(fovea.rows / coarser), picture.rows)
+    samples = reduce(picture, columns=columns, rows=rows).radiance
+    direction = fovea.view.rays(columns, rows).direction.reshape(-1, 3)
+    veil = _scatter(direction.astype(np.float32), samples.reshape(rows * columns, -1))
+    veil = veil.reshape(samples.shape)
+    # Between the samples, linear; outside the outermost, theirs
+    row = (np.arange(picture.rows) + 0.5) / picture.rows * rows - 0.5
+    column = (np.arange(picture.columns) + 0.5) / picture.columns * columns - 0.5
+    place = np.stack(np.meshgrid(row, column, indexing="ij"))
+    fine = np.stack(
+        [
+            map_coordinates(band, place, order=1, mode="nearest")
+            for band in np.moveaxis(veil, -1, 0)
+        ],
+        axis=-1,
+    )
+    seen = (1 - _SCATTERED) * picture.radiance + _SCATTERED * fine
+    return replace(picture, radiance=seen.astype(np.float32))
+
+
+def _scatter(
+    direction: Float32[np.ndarray, "samples 3"],
+    radiance: Float32[np.ndarray, "samples band"],
+) -> Float32[np.ndarray, "samples band"]:
+    # Average of all others, weighted with cos θ / θ²; 2 (1 − cos θ) stands for θ²
+    veil = np.zeros_like(radiance)
+    count = max(_PAIRS // len(direction), 1)
+    for start in range(0, len(direction), count):
+        here = slice(start, start + count)
+        cosine = direction[here] @ direction.T
+        apart = np.maximum(1 - cosine, 1e-7)
+        weight = np.where(cosine > 0, np.maximum(cosine, 0) / (2 * apart), 0)
+        own = np.arange(len(weight))
+        weight[own, start + own] = 0
+        total = np.maximum(weight.sum(axis=1, keepdims=True), 1e-12)
+        veil[here] = weight @ radiance / total
+    return veil

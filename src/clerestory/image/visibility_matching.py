@@ -1,0 +1,254 @@
+"""Tone mapping that keeps visibility: what an observer could tell apart stays visible.
+
+Luminance is mapped through its own cumulative distribution, but nowhere so steeply
+that contrasts appear which the eye would not have seen in the scene. The distribution
+is that of one-degree samples, about the field of the fovea to which the eye adapts,
+and in equal share of single pixels.
+
+References
+----------
+G. Ward Larson, H. Rushmeier, C. Piatko, "A visibility matching tone reproduction
+operator for high dynamic range scenes", IEEE Trans. Visualization and Computer
+Graphics 3 (1997) 291–306; Radiance's pcond. Its loss of acuity is left out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Float32
+
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.errors import InputError
+from clerestory.image.arithmetic import reduce
+from clerestory.image.picture import Picture, photometric
+from clerestory.image.veiling_glare import foveal_view, with_veil
+
+# Bins of the histogram, and the luminance [cd/m²] that counts as visible (pcond.h)
+_BINS = 100
+_DARKEST, _BRIGHTEST = 1e-7, 1e7
+
+# Share of samples that may stay above the ceiling (pcond3.c: CVRATIO)
+_TOLERANCE = 0.025
+
+# Between these only rods, rods and cones, and only cones see [cd/m²] (pcond.h)
+_RODS_ONLY, _CONES_ONLY = 5.62e-3, 5.62
+
+# Scotopic over photopic luminance of white; share of red, green and blue in it
+_SCOTOPIC_WHITE = 2.26
+_SCOTOPIC_WEIGHTS = (0.062, 0.608, 0.330)
+
+
+@dataclass(frozen=True)
+class Screen:
+    """What a picture is shown on.
+
+    Attributes
+    ----------
+    white : its largest luminance [cd/m²]
+    contrast : ratio of its largest to its smallest luminance
+
+    Raises
+    ------
+    InputError : a luminance that is not positive, a contrast of 1 or less
+    """
+
+    white: float = 100.0
+    contrast: float = 100.0
+
+    def __post_init__(self) -> None:
+        if not (0 < self.white < np.inf and 1 < self.contrast < np.inf):
+            raise InputError(
+                f"a screen of {self.white:g} cd/m² and contrast {self.contrast:g};"
+                " a positive luminance and a contrast above 1 expected"
+            )
+
+    @property
+    def black(self) -> float:
+        """Smallest luminance [cd/m²]."""
+        return self.white / self.contrast
+
+
+def human_vision(
+    picture: Picture,
+    *,
+    contrast_sensitivity: bool = True,
+    colour_loss: bool = True,
+    veil: bool = False,
+    screen: Screen | None = None,
+) -> Float32[np.ndarray, "row column 3"]:
+    """Display values, 0…1, that show what an observer would see.
+
+    Parameters
+    ----------
+    picture : what to show; without a view it counts as 40° wide
+    contrast_sensitivity : the eye's, which is worse in the dark; else the mapping
+        only never exaggerates contrast
+    colour_loss : less colour where it is dark
+    veil : light scattered in the eye around bright sources; seconds for a fisheye
+    screen : what it is shown on
+
+    Examples
+    --------
+    >>> values = np.geomspace(1e-3, 1e3, 300, dtype=np.float32)
+    >>> ramp = Picture(values[None, :, None] * np.ones(3, dtype=np.float32))
+    >>> shown = human_vision(ramp)
+    >>> bool((np.diff(shown[0, :, 1]) >= 0).all() and 0 <= shown.min() < shown.max())
+    True
+    """
+    screen = screen or Screen()
+    seen = with_veil(picture) if veil else picture
+    histogram = _histogram(seen)
+    values = _with_colour_loss(seen) if colour_loss else seen.rgb
+    if histogram is None:
+        return np.zeros_like(values)
+    luminance = photometric(seen)
+    shown = _shown(luminance, histogram, screen, sensitive=contrast_sensitivity)
+    # Keep colours: scale each pixel to its new luminance
+    ratio = LUMINOUS_EFFICACY * np.divide(
+        shown, luminance, out=np.zeros_like(luminance), where=luminance > _DARKEST
+    )
+    mapped: np.ndarray = values * ratio[..., None].astype(np.float32)
+    return mapped
+
+
+@dataclass(frozen=True)
+class _Histogram:
+    # Weights over bins of equal width in the logarithm of luminance, from `low` to
+    # `high`, and their mean
+    weight: Float[np.ndarray, " bins"]
+    low: float
+    high: float
+    mean: float
+
+    @property
+    def step(self) -> float:
+        return (self.high - self.low) / _BINS
+
+    def middles(self) -> Float[np.ndarray, " bins"]:
+        return self.low + (np.arange(_BINS) + 0.5) * self.step
+
+
+def _histogram(picture: Picture) -> _Histogram | None:
+    pixels = photometric(picture).ravel()
+    fovea = photometric(foveal_samples(picture)).ravel()
+    low, high = min(pixels.min(), fovea.min()), max(pixels.max(), fovea.max())
+    high = min(1.01 * float(high), _BRIGHTEST)
+    if high <= _DARKEST:
+        return None
+    top = np.log(high)
+    # Leave room for one more bin below the darkest
+    lit = low >= _DARKEST
+    bottom = (
+        top - (top - np.log(low)) * _BINS / (_BINS - 1) if lit else np.log(_DARKEST)
+    )
+    if top - bottom < 1e-9:
+        bottom = top - 1e-9
+    weight, total = np.zeros(_BINS), 0.0
+    for samples, share in ((fovea, 1.0), (pixels, fovea.size / pixels.size)):
+        inside = samples[(samples > np.exp(bottom)) & (samples < high)].astype(float)
+        brightness = np.log(inside)
+        place = (_BINS * (brightness - bottom) / (top - bottom)).astype(int)
+        weight += share * np.bincount(np.minimum(place, _BINS - 1), minlength=_BINS)
+        total += share * float(brightness.sum())
+    if weight.sum() == 0:
+        return None
+    mean = total / weight.sum()
+    if lit:
+        weight[1] *= 0.5
+        weight[0] += weight[1]
+    return _Histogram(weight, float(bottom), float(top), float(mean))
+
+
+def foveal_samples(picture: Picture) -> Picture:
+    """Return the picture averaged over a degree, where pixels are finer."""
+    view = foveal_view(picture)
+    columns = min(view.columns, picture.columns)
+    return reduce(picture, columns=columns, rows=min(view.rows, picture.rows))
+
+
+def _shown(
+    luminance: Float32[np.ndarray, "row column"],
+    histogram: _Histogram,
+    screen: Screen,
+    *,
+    sensitive: bool,
+) -> Float[np.ndarray, "row column"]:
+    # Share of the screen's white at which each luminance is shown
+    low, high = np.log(screen.black), np.log(screen.white)
+    cumulative = None
+    if histogram.high - histogram.low > high - low:
+        cumulative = _cumulative(histogram, screen, sensitive=sensitive)
+    if cumulative is None:
+        # The scene fits the screen: a straight line through the middle of both
+        middle, mean = np.exp((low + high) / 2), np.exp(histogram.mean)
+        factor = threshold(middle) / threshold(mean) if sensitive else middle / mean
+        straight: np.ndarray = luminance * (factor / screen.white)
+        return straight
+    borders = np.linspace(histogram.low, histogram.high, _BINS + 1)
+    brightness = np.log(np.maximum(luminance, _DARKEST))
+    place = np.interp(brightness, borders, cumulative)
+    shown: np.ndarray = np.exp(low + place * (high - low)) - screen.black
+    return np.where(luminance >= _DARKEST, shown / (screen.white - screen.black), 0)
+
+
+def _cumulative(
+    histogram: _Histogram, screen: Screen, *, sensitive: bool
+) -> Float[np.ndarray, " borders"] | None:
+    # Cut the histogram where its mapping is steeper than the eye allows; what is cut
+    # flattens the rest, so do it again. None where nothing remains to compress
+    range_shown = np.log(screen.contrast)
+    middles = histogram.middles()
+    scene = np.exp(middles)
+    weight = histogram.weight.copy()
+    while True:
+        total = weight.sum()
+        if total <= histogram.weight.sum() * _TOLERANCE:
+            return None
+        borders: np.ndarray = np.append(0, np.cumsum(weight)) / total
+        place = (borders[:-1] + borders[1:]) / 2
+        shown = np.exp(np.log(screen.black) + place * range_shown)
+        limit = threshold(shown) / threshold(scene) if sensitive else shown / scene
+        # Eq. 7 of the paper: the slope that keeps just noticeable differences
+        ceiling = total * histogram.step * limit * scene / (shown * range_shown)
+        cut = np.maximum(weight - ceiling, 0)
+        if cut.sum() <= total * _TOLERANCE:
+            return borders
+        weight -= cut
+
+
+def threshold(
+    luminance: Float[np.ndarray, "*batch"] | float,
+) -> Float[np.ndarray, "*batch"]:
+    """Smallest difference of luminance that an eye adapted to it sees [cd/m²].
+
+    References
+    ----------
+    J. Ferwerda, S. Pattanaik, P. Shirley, D. Greenberg, "A model of visual adaptation
+    for realistic image synthesis", SIGGRAPH 96; pieces as in Ward Larson et al.,
+    table 1
+
+    >>> round(float(threshold(100.0)), 2)  # a Weber fraction of 1/18
+    5.56
+    """
+    a = np.log10(np.maximum(np.asarray(luminance, dtype=float), 1e-30))
+    with np.errstate(invalid="ignore"):
+        pieces = [
+            np.full_like(a, -2.86),
+            np.maximum(0.405 * a + 1.6, 0) ** 2.18 - 2.86,
+            a - 0.395,
+            np.maximum(0.249 * a + 0.65, 0) ** 2.7 - 0.72,
+        ]
+    ends = [a < -3.94, a < -1.44, a < -0.0184, a < 1.9]
+    return np.asarray(10.0 ** np.select(ends, pieces, a - 1.255))
+
+
+def _with_colour_loss(picture: Picture) -> Float32[np.ndarray, "row column 3"]:
+    luminance = photometric(picture)
+    if luminance.min() >= _CONES_ONLY:
+        return picture.rgb
+    colour = np.clip((luminance - _RODS_ONLY) / (_CONES_ONLY - _RODS_ONLY), 0, 1)
+    grey = picture.rgb @ np.array(_SCOTOPIC_WEIGHTS, dtype=np.float32)
+    mixed: np.ndarray = (
+        colour[..., None] * picture.rgb + ((1 - colour) * grey)[..., None]
+    )
+    return mixed.astype(np.float32)

@@ -1,0 +1,107 @@
+"""The figures of merit of every sensor, with their error bars.
+
+The error bars are cautious. All hours of a sensor share the same traced
+matrices, so their errors are taken as fully correlated: a metric is taken once
+with every hour raised by its standard error and once with every hour lowered,
+and half the difference is the error.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool
+
+from clerestory.metrics.annual_statistics import (
+    annual_maximum,
+    annual_mean,
+    annual_median,
+)
+from clerestory.metrics.daylight_autonomy import (
+    TARGET_LUX,
+    continuous_autonomy,
+    daylight_autonomy,
+)
+from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX, useful_illuminance
+
+
+def sensor_metrics(
+    hourly: xr.Dataset,
+    hours: Bool[np.ndarray, " time"],
+    *,
+    target_lux: float = TARGET_LUX,
+) -> xr.Dataset:
+    """Return the metrics of each sensor over the hours that count.
+
+    Parameters
+    ----------
+    hourly : `illuminance` and `standard_error` [lux] over (sensor, time)
+    hours : which time steps count
+    target_lux : what daylight autonomy asks for
+
+    Returns
+    -------
+    `mean_illuminance`, `median_illuminance`, `maximum_illuminance` [lux];
+    `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) as shares
+    0…1; `useful_bands` over (band, sensor). Each but the median, the maximum and
+    the bands has an `…_error` beside it.
+    """
+    lux = hourly["illuminance"]
+
+    def autonomy(data: xr.DataArray) -> xr.DataArray:
+        return daylight_autonomy(data, hours, target_lux=target_lux)
+
+    def continuous(data: xr.DataArray) -> xr.DataArray:
+        return continuous_autonomy(data, hours, target_lux=target_lux)
+
+    bands = useful_illuminance(lux, hours)
+    result = xr.Dataset(
+        {
+            "mean_illuminance": annual_mean(lux, hours),
+            "mean_illuminance_error": annual_mean(hourly["standard_error"], hours),
+            "median_illuminance": annual_median(lux, hours),
+            "maximum_illuminance": annual_maximum(lux, hours),
+            "daylight_autonomy": autonomy(lux),
+            "daylight_autonomy_error": metric_error(autonomy, hourly),
+            "continuous_autonomy": continuous(lux),
+            "continuous_autonomy_error": metric_error(continuous, hourly),
+            "useful": bands.sel(band=list(BANDS[1:3])).sum("band"),
+            "useful_error": _useful_error(hourly, hours),
+            "useful_bands": bands,
+        }
+    )
+    attrs = {
+        "target_lux": target_lux,
+        "useful_limits_lux": list(LIMITS_LUX),
+        "hours": int(np.count_nonzero(hours)),
+    }
+    return result.assign_attrs(attrs)
+
+
+def metric_error(
+    metric: Callable[[xr.DataArray], xr.DataArray], hourly: xr.Dataset
+) -> xr.DataArray:
+    """Error of a metric that grows with the illuminance, as explained above.
+
+    Examples
+    --------
+    >>> axes = ("sensor", "time")
+    >>> lux, error = [[290.0, 310.0, 900.0]], [[20.0, 20.0, 20.0]]
+    >>> data = {"illuminance": (axes, lux), "standard_error": (axes, error)}
+    >>> half = metric_error(lambda e: (e >= 300).mean("time"), xr.Dataset(data))
+    >>> round(float(half[0]), 4)
+    0.3333
+    """
+    lux, error = hourly["illuminance"], hourly["standard_error"]
+    return (metric(lux + error) - metric(lux - error)) / 2
+
+
+def _useful_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
+    # Hours enter the useful range at one limit and leave it at the other
+
+    def spread(limit_lux: float) -> xr.DataArray:
+        return metric_error(
+            lambda lux: daylight_autonomy(lux, hours, target_lux=limit_lux), hourly
+        )
+
+    return spread(LIMITS_LUX[0]) + spread(LIMITS_LUX[2])

@@ -1,0 +1,250 @@
+"""From the results of a run to what its report shows."""
+
+import json
+import math
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool
+
+from clerestory.metrics.daylight_autonomy import TARGET_LUX, daylight_autonomy
+from clerestory.metrics.sensor_metrics import metric_error, sensor_metrics
+from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX
+from clerestory.report.animation import film
+from clerestory.report.content import (
+    FactTable,
+    ReportContent,
+    Room,
+    WindowSurface,
+)
+from clerestory.report.electric_lighting import lamp_zones
+from clerestory.report.five_phase_terms import equation_terms
+from clerestory.report.method_table import method_comparison
+from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.sunlight import sunlight_of
+from clerestory.report.view_glare import view_glare
+from clerestory.report.view_pictures import view_pictures
+from clerestory.report.window_layers import window_layers
+from clerestory.report.window_states import rule_words, window_states
+from clerestory.study.results import Results
+
+_SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
+_STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedule")
+# Sensors that a page shows: each has its place on plans and its figures as text
+_MOST_SENSORS = 5000
+
+# Longer lists of a study are told by their first and last item
+_MOST_ITEMS = 8
+
+_METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
+
+
+def from_results(
+    results: Results, *, pictures: str | Path | None = None
+) -> ReportContent:
+    """Return what the report of a run shows.
+
+    Parameters
+    ----------
+    results : of the run
+    pictures : folder that holds its pictures; without it the report has none
+
+    Raises
+    ------
+    InputError : the results hold values that are not numbers, or a picture is damaged
+    """
+    results = results.thinned(_MOST_SENSORS)
+    data, run = results.data, results.run
+    study = json.loads(data.attrs.get("study", "{}"))
+    occupied = np.asarray(data["occupied"].values, dtype=bool)
+    if not occupied.any():
+        occupied = np.ones(len(occupied), dtype=bool)
+    times = data["time"].values
+    lux = np.asarray(data["illuminance"].values, dtype=np.float32)
+    views = () if pictures is None else view_pictures(data, pictures)
+    return ReportContent(
+        title=results.title,
+        method=str(data.attrs.get("method", "")),
+        place=place_words(data.attrs, study),
+        times=times,
+        illuminance=lux,
+        standard_error=np.asarray(data["standard_error"].values, dtype=np.float32),
+        occupied=occupied,
+        schedule=schedule_words(study.get("schedule", {})),
+        metrics=_metrics(data, occupied),
+        sensors=SensorPoints(
+            tuple(map(str, data["sensor"].values)),
+            tuple(map(str, data["grid"].values)),
+            np.asarray(data["position"].values, dtype=float),
+            np.asarray(data["direction"].values, dtype=float),
+        ),
+        room=_room(data),
+        windows=_windows(data),
+        north=math.radians(float(study.get("sky", {}).get("rotation_deg", 0.0))),
+        tables=study_tables(study) + run_tables(run),
+        seconds={str(k): float(v) for k, v in dict(run.get("seconds", {})).items()},
+        warnings=tuple(map(str, run.get("warnings", ()))),
+        states=window_states(data),
+        glare=view_glare(data),
+        pictures=views,
+        film=film(views, times, brightness=lux.mean(axis=0)),
+        terms=equation_terms(data),
+        lamps=lamp_zones(data),
+        layers=window_layers(data),
+        methods=method_comparison(data),
+        sunlight=sunlight_of(data),
+    )
+
+
+def place_words(attrs: Mapping[Any, Any], study: Mapping[str, Any]) -> str:
+    """Return where the weather comes from, as much as the results say.
+
+    >>> place_words({"place": "Oslo", "latitude_deg": 59.9, "longitude_deg": 10.6}, {})
+    'Oslo (59.90° N, 10.60° E)'
+    """
+    place = str(attrs.get("place") or study.get("weather", {}).get("file", ""))
+    if "latitude_deg" not in attrs or "longitude_deg" not in attrs:
+        return place
+    latitude, longitude = float(attrs["latitude_deg"]), float(attrs["longitude_deg"])
+    north = f"{abs(latitude):.2f}° {'N' if latitude >= 0 else 'S'}"
+    east = f"{abs(longitude):.2f}° {'E' if longitude >= 0 else 'W'}"
+    return f"{place} ({north}, {east})".strip()
+
+
+def schedule_words(schedule: Mapping[str, Any]) -> str:
+    """Return the occupied hours in words.
+
+    >>> schedule_words({"from_hour": 8, "to_hour": 17.5})
+    'every day from 08:00 to 17:30'
+    """
+    if not schedule:
+        return "at all hours"
+    start, end = (
+        float(schedule.get(k, d)) for k, d in (("from_hour", 8), ("to_hour", 18))
+    )
+    clock = [f"{int(hour):02d}:{round(hour % 1 * 60):02d}" for hour in (start, end)]
+    return f"every day from {clock[0]} to {clock[1]}"
+
+
+def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
+    """Return the study file as tables, one for each of its own."""
+    tables = []
+    unused = () if "5-phase" in study.get("method", "") else ("sun",)
+    for name in sorted(set(study) - set(unused), key=_place_in_study):
+        value = study[name]
+        groups = value if isinstance(value, list) else [value]
+        for group in groups:
+            if isinstance(group, dict) and group and name not in _SHOWN_ELSEWHERE:
+                title = " ".join(filter(None, (name, str(group.get("name") or ""))))
+                shown = {_label(k): v for k, v in group.items() if k != "name"}
+                if isinstance(group.get("control"), dict):
+                    shown["Control"] = rule_words(group["control"])
+                tables.append(FactTable(_label(title), _rows(shown)))
+    return tuple(tables)
+
+
+def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
+    """Return the facts of the run as tables, in the run's own words."""
+    shown = {k: v for k, v in run.items() if k not in _SHOWN_ELSEWHERE}
+    plain = {_label(k): v for k, v in shown.items() if not isinstance(v, dict | list)}
+    tables = [FactTable("Run", _rows(plain))] if plain else []
+    for name, value in shown.items():
+        if isinstance(value, dict) and value:
+            tables.append(FactTable(_label(name), _rows(value)))
+    matrices = {
+        _short_name(str(name)): "kept from an earlier run"
+        if dict(facts).get("found")
+        else "traced in this run"
+        for name, facts in dict(run.get("matrices", {})).items()
+    }
+    if matrices:
+        tables.append(FactTable("Matrices", _rows(matrices)))
+    return tuple(tables)
+
+
+def _place_in_study(name: str) -> int:
+    return _STUDY_ORDER.index(name) if name in _STUDY_ORDER else len(_STUDY_ORDER)
+
+
+def _short_name(file: str) -> str:
+    # Of the hash in the name of a matrix, enough to tell it from others
+    stem, _, digest = file.removesuffix(".nc").rpartition("-")
+    return f"{stem}-{digest[:8]}"
+
+
+def _rows(values: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    return tuple(
+        (str(key), _one_line(value))
+        for key, value in values.items()
+        if value is not None and value not in ("", [], {})
+    )
+
+
+def _label(key: str) -> str:
+    words = key.replace("_deg", " [°]").replace("_lux", " [lux]").replace("_", " ")
+    words = words.replace("bsdf", "BSDF")
+    return words[:1].upper() + words[1:]
+
+
+def _one_line(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, dict):
+        return ", ".join(
+            f"{k} {_one_line(v)}"
+            for k, v in value.items()
+            if v is not None and v not in ("", [], {})
+        )
+    if isinstance(value, list | tuple):
+        if len(value) > _MOST_ITEMS:
+            return f"{len(value)}, {_one_line(value[0])} to {_one_line(value[-1])}"
+        return ", ".join(_one_line(item) for item in value)
+    return str(value)
+
+
+def _metrics(data: xr.Dataset, occupied: Bool[np.ndarray, " time"]) -> xr.Dataset:
+    # The metrics of the run, or fresh ones; the bands get their errors here
+    metrics = data
+    if not all(name in data for name in _METRICS):
+        target = float(data.attrs.get("target_lux", TARGET_LUX))
+        metrics = sensor_metrics(data, occupied, target_lux=target)
+    reached = [
+        metric_error(partial(daylight_autonomy, hours=occupied, target_lux=limit), data)
+        for limit in LIMITS_LUX
+    ]
+    low, middle, high = reached
+    errors = [low, low + middle, middle + high, high]
+    band = xr.DataArray(list(BANDS), dims="band", name="band")
+    return metrics.assign(useful_bands_error=xr.concat(errors, dim=band))
+
+
+def _room(data: xr.Dataset) -> Room:
+    if "triangle" not in data:
+        return Room(np.zeros((0, 3, 3)), np.zeros((0, 3)))
+    corners = np.asarray(data["triangle"].values, dtype=float)
+    if "triangle_colour" not in data:
+        return Room(corners, np.full((len(corners), 3), 0.5))
+    colour = np.asarray(data["triangle_colour"].values, dtype=float)
+    return Room(corners, np.clip(colour, 0, 1))
+
+
+def _windows(data: xr.Dataset) -> tuple[WindowSurface, ...]:
+    if "window_triangle" not in data:
+        return ()
+    index = np.asarray(data["window_index"].values)
+    corners = np.asarray(data["window_triangle"].values, dtype=float)
+    return tuple(
+        WindowSurface(
+            str(name),
+            corners[index == k],
+            np.asarray(data["window_normal"].values[k], dtype=float),
+            np.asarray(data["window_up"].values[k], dtype=float),
+        )
+        for k, name in enumerate(data["window"].values)
+    )

@@ -1,0 +1,258 @@
+"""The terms of the five-phase equation: what its direct correction did.
+
+I = V T D S − V_d T D_d S_ds + C_ds S_sun: all light as the three phases see it, less
+the direct sun spread over patches, plus the sun at its place. The page carries the
+whole year of a few sensors, and draws one day.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float, Int
+
+from clerestory.phases.five import TERMS
+from clerestory.report.embedded_data import code_step, illuminance_codes, packed
+from clerestory.report.markup import Markup, element
+from clerestory.report.period import date_words
+from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.uncertain_value import number
+
+# Sensors whose terms the page carries
+_MOST = 12
+
+# A correction of this share of the three phases is counted [1]
+_MUCH = 0.10
+
+# Lines of the drawing: class in the page, and words
+_LINES = (
+    ("three", "three phases, V T D S"),
+    ("spread", "less the sun in patches, V_d T D_d S_ds"),
+    ("sun", "plus the sun at its place, C_ds S_sun"),
+    ("five", "five phases, the sum"),
+)
+
+# Round steps of an axis within a decade
+_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
+
+_WIDTH, _HEIGHT, _LEFT, _TOP, _FOOT = 760, 250, 62, 12, 30
+
+
+@dataclass(frozen=True, eq=False)
+class EquationTerms:
+    """The three terms of the equation [lux].
+
+    Attributes
+    ----------
+    three_phase, direct_in_patches, direct_sun : of each sensor and step
+    """
+
+    three_phase: Float[np.ndarray, "sensor time"]
+    direct_in_patches: Float[np.ndarray, "sensor time"]
+    direct_sun: Float[np.ndarray, "sensor time"]
+
+    def correction(self) -> Float[np.ndarray, "sensor time"]:
+        """What the direct sun's true place changes [lux]."""
+        return np.asarray(self.direct_sun - self.direct_in_patches)
+
+    def lines(self, sensor: int) -> Float[np.ndarray, "4 time"]:
+        """The terms of a sensor and their sum, in the order of the drawing [lux]."""
+        terms = (self.three_phase, self.direct_in_patches, self.direct_sun)
+        three, spread, sun = (term[sensor] for term in terms)
+        return np.stack([three, spread, sun, three - spread + sun])
+
+    def chosen(self) -> list[int]:
+        """Sensors that the page carries: the one corrected most, others evenly."""
+        changed = np.abs(self.correction()).sum(axis=1)
+        count = len(changed)
+        places = np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
+        most = int(np.argmax(changed))
+        others = [k for k in np.unique(places).tolist() if k != most]
+        return [most, *others[: _MOST - 1]]
+
+    def strongest_day(self, sensor: int, times: np.ndarray) -> np.datetime64:
+        """Return the day on which a sensor's values change most."""
+        days, place = np.unique(times.astype("datetime64[D]"), return_inverse=True)
+        changed = np.bincount(place, weights=np.abs(self.correction()[sensor]))
+        return np.datetime64(days[int(np.argmax(changed))])
+
+
+def equation_terms(data: xr.Dataset) -> EquationTerms | None:
+    """Return the terms in results, none unless five phases made them."""
+    if not all(name in data for name in TERMS):
+        return None
+    terms = (
+        np.asarray(data[name].transpose("sensor", "time").values, dtype=np.float32)
+        for name in TERMS
+    )
+    return EquationTerms(*terms)
+
+
+def equation_data(
+    terms: EquationTerms, sensors: SensorPoints, times: np.ndarray
+) -> dict[str, Any]:
+    """Return the year of the carried sensors as plain values for JSON."""
+    days = times.astype("datetime64[D]")
+    first = terms.chosen()[0]
+    return {
+        "start": terms.strongest_day(first, times).astype(int).item(),
+        "day": packed(days.astype(np.int32)),
+        "minute": packed((times - days).astype("timedelta64[m]").astype(np.uint16)),
+        "code_step": code_step(),
+        "box": [_WIDTH, _HEIGHT, _LEFT, _TOP],
+        "steps": list(_STEPS),
+        "series": [
+            {
+                "name": sensors.names[sensor],
+                "codes": packed(illuminance_codes(terms.lines(sensor))),
+            }
+            for sensor in terms.chosen()
+        ],
+    }
+
+
+def equation_section(
+    terms: EquationTerms | None,
+    sensors: SensorPoints,
+    times: np.ndarray,
+    *,
+    occupied: Bool[np.ndarray, " time"],
+) -> Markup:
+    """Return the terms of one sensor on one day, and their means over grids."""
+    if terms is None:
+        return Markup("")
+    chosen = terms.chosen()
+    options = [
+        element("option", sensors.names[sensor], value=k)
+        for k, sensor in enumerate(chosen)
+    ]
+    day = terms.strongest_day(chosen[0], times)
+    intro = (
+        "Five phases are three phases whose direct sun, spread over patches of sky and"
+        " window, is taken out and put back at its true place. Where the orange line"
+        " lies above the dashed one, the patches gave the sensor too little direct sun;"
+        " where it lies below, too much. First shown: the sensor and the day that"
+        " change most."
+    )
+    names = ("Previous day", "Next day")
+    steps = [
+        element("button", sign, type="button", data_step=by, aria_label=name)
+        for sign, by, name in zip("‹›", (-1, 1), names, strict=True)
+    ]
+    chooser = (
+        element("label", "Sensor", for_="term-sensor"),
+        element("select", *options, id="term-sensor"),
+        steps[0],
+        element("output", date_words(day), id="term-day"),
+        steps[1],
+    )
+    return element(
+        "section",
+        element("h2", "What the direct correction did"),
+        element("p", intro, class_="note"),
+        element("div", *chooser, class_="chooser"),
+        element("div", _drawing(terms, chosen[0], day, times), class_="year-scroll"),
+        element("ul", *(_key(*line) for line in _LINES), class_="keys line-keys"),
+        _grid_table(terms, sensors, occupied),
+        id="equation",
+    )
+
+
+def _key(kind: str, words: str) -> Markup:
+    return element("li", element("i", class_=kind), words)
+
+
+def _drawing(
+    terms: EquationTerms, sensor: int, day: np.datetime64, times: np.ndarray
+) -> Markup:
+    steps = np.flatnonzero(times.astype("datetime64[D]") == day)
+    lux = np.maximum(terms.lines(sensor)[:, steps], 0)
+    top = ceiling(float(lux.max(initial=0)))
+    minute = (times[steps] - day).astype("timedelta64[m]").astype(int)
+    paths = [
+        element("path", d=_path(minute, values / top), class_=kind)
+        for (kind, _), values in zip(_LINES, lux, strict=True)
+    ]
+    label = "Terms of the five-phase equation over a day [lux]"
+    marks = [
+        element("text", f"{h:02d}:00", x=f"{_x(60 * h):.1f}", y=_TOP + _HEIGHT + 20)
+        for h in range(0, 25, 3)
+    ]
+    levels = [
+        element("text", number(top * k / 4), x=_LEFT - 8, y=_y(k / 4) + 4, class_="end")
+        for k in range(5)
+    ]
+    lines = [element("path", d=f"M{_LEFT},{_y(k / 4)}h{_WIDTH}") for k in range(5)]
+    return element(
+        "svg",
+        element("title", label),
+        element("g", *lines, class_="grid"),
+        element("g", *marks),
+        element("g", *levels, id="term-levels"),
+        element("text", "lux", x=_LEFT + 6, y=_TOP + 14, class_="start"),
+        element("g", *paths, id="term-lines"),
+        viewBox=f"0 0 {_LEFT + _WIDTH + 20} {_TOP + _HEIGHT + _FOOT}",
+        role="img",
+        aria_label=label,
+        class_="terms",
+        id="term-chart",
+    )
+
+
+def ceiling(lux: float) -> float:
+    """Return the top of an axis of four round steps that holds a value, 4 at least.
+
+    >>> ceiling(950.0), ceiling(0.0), ceiling(40_001.0)
+    (1000.0, 4.0, 60000.0)
+    """
+    steps = (4 * m * 10.0**d for d in range(6) for m in _STEPS)
+    return float(next((top for top in steps if top >= lux), 1e6))
+
+
+def _x(minute: float) -> float:
+    return _LEFT + _WIDTH * minute / 1440
+
+
+def _y(share: float) -> float:
+    return _TOP + _HEIGHT * (1 - share)
+
+
+def _path(minute: Int[np.ndarray, " step"], share: Float[np.ndarray, " step"]) -> str:
+    points = zip(minute.tolist(), share.tolist(), strict=True)
+    return "M" + "L".join(f"{_x(m):.1f},{_y(s):.1f}" for m, s in points)
+
+
+def _grid_table(
+    terms: EquationTerms, sensors: SensorPoints, occupied: Bool[np.ndarray, " time"]
+) -> Markup:
+    head = (
+        "Occupied hours",
+        "Three phases [lux]",
+        "− sun in patches",
+        "+ sun at its place",
+        "= five phases",
+        f"Steps changed by over {100 * _MUCH:.0f} %",
+    )
+    rows = []
+    for grid, members in sensors.by_grid().items():
+        part = np.ix_(members, np.flatnonzero(occupied))
+        three, spread, sun = (
+            term[part].astype(float)
+            for term in (terms.three_phase, terms.direct_in_patches, terms.direct_sun)
+        )
+        means = [three.mean(), spread.mean(), sun.mean(), (three - spread + sun).mean()]
+        lit = three > 0
+        much = np.abs(sun - spread)[lit] > _MUCH * three[lit]
+        share = 100 * float(much.mean()) if much.size else 0.0
+        cells = [*(number(float(m)) for m in means), f"{share:.1f} %"]
+        label = element("th", grid, scope="row")
+        rows.append(element("tr", label, *(element("td", cell) for cell in cells)))
+    titles = (element("th", title, scope="col") for title in head)
+    table = element(
+        "table",
+        element("thead", element("tr", *titles)),
+        element("tbody", *rows),
+        class_="numbers",
+    )
+    return element("div", table, class_="wide")

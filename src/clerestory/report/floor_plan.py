@@ -1,0 +1,243 @@
+"""Plans in false colour: what every sensor receives, where it stands.
+
+Walls are the cut through the scene at the height of the sensors. Sensors that
+face up or down colour their share of the floor, others are arrows.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.report.colour import ColourScale, nice_step
+from clerestory.report.content import ReportContent, WindowSurface
+from clerestory.report.feature_edges import feature_edges, weld
+from clerestory.report.horizontal_section import horizontal_section, visible_extent
+from clerestory.report.markup import Markup, element, join
+from clerestory.report.metric_maps import MetricMap
+from clerestory.report.orientation import orientation
+from clerestory.report.sensor_cells import sensor_cells
+
+_WIDTH, _HEIGHT = 320.0, 380.0
+_MARGIN, _FOOT = 16.0, 30.0
+_MOST_SEGMENTS = 12_000
+
+
+@dataclass(frozen=True, eq=False)
+class PlanFrame:
+    """The part of the plane that a plan shows, and what is common to its metrics.
+
+    Attributes
+    ----------
+    identifier : of the walls in the page
+    low, high : corners of what is shown [m]
+    scale : units of the drawing per metre
+    walls : path data of the cut
+    level : most of the sensors face up or down
+    cells : outline of the cell or arrow of each sensor [m]
+    points : of the sensors [m]
+    """
+
+    identifier: str
+    low: Float[np.ndarray, "2"]
+    high: Float[np.ndarray, "2"]
+    scale: float
+    walls: str
+    level: bool
+    cells: Float[np.ndarray, "sensor corner 2"]
+    points: Float[np.ndarray, "sensor 2"]
+
+    def place(
+        self, points: Float[np.ndarray, "*batch 2"]
+    ) -> Float[np.ndarray, "*batch 2"]:
+        """Return where points of the plane [m] lie in the drawing; north is up."""
+        x = _MARGIN + (points[..., 0] - self.low[0]) * self.scale
+        y = _MARGIN + (self.high[1] - points[..., 1]) * self.scale
+        return np.stack([x, y], axis=-1)
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height of the drawing."""
+        width, height = (self.high - self.low) * self.scale + 2 * _MARGIN
+        return float(width), float(height) + _FOOT
+
+
+def plan_frame(
+    content: ReportContent, members: Int[np.ndarray, " member"], *, identifier: str
+) -> PlanFrame:
+    """Return the frame of the plan of some sensors: the room that they can see."""
+    position = content.sensors.position[members]
+    points = position[:, :2]
+    height = float(np.median(position[:, 2]))
+    segments = horizontal_section(content.room.corners, height=height)
+    low, high = visible_extent(segments, points)
+    for window in content.windows:
+        corners = window.corners[:, :, :2].reshape(-1, 2)
+        near = np.linalg.norm(window.centre[:2] - points.mean(axis=0)) < 50
+        low = np.minimum(low, corners.min(axis=0)) if near else low
+        high = np.maximum(high, corners.max(axis=0)) if near else high
+
+    # A lone sensor in the open still needs some room around it
+    lack = np.maximum(0, 2.0 - (high - low)) / 2 + 0.02
+    low, high = low - lack, high + lack
+    scale = float(np.min((_WIDTH, _HEIGHT) / (high - low)))
+
+    level = bool(np.median(np.abs(content.sensors.direction[members, 2])) > 0.7)
+    cells = (
+        sensor_cells(points)
+        if level
+        else _arrows(points, content.sensors.direction[members, :2], size=36 / scale)
+    )
+    frame = PlanFrame(identifier, low, high, scale, "", level, cells, points)
+    inside = np.all((segments > low - 1) & (segments < high + 1), axis=2).any(axis=1)
+    walls = _paths(frame.place(_longest(segments[inside])))
+    return replace(frame, walls=walls)
+
+
+def plan(
+    frame: PlanFrame,
+    metric: MetricMap,
+    members: Int[np.ndarray, " member"],
+    *,
+    scale: ColourScale,
+    content: ReportContent,
+    label: str,
+) -> Markup:
+    """Return the drawing of one metric over some sensors."""
+    width, height = frame.size
+    colours = scale.hexadecimal(metric.values[members])
+    cells = frame.place(frame.cells)
+
+    # One path per colour keeps pages of many sensors small
+    painted = [
+        element(
+            "path",
+            d=_paths(cells[[k for k, used in enumerate(colours) if used == colour]]),
+            fill=colour,
+            stroke=colour,
+        )
+        for colour in dict.fromkeys(colours)
+    ]
+    return element(
+        "svg",
+        element("title", label),
+        element("g", *painted, class_="cells"),
+        element("use", href=f"#{frame.identifier}", class_="halo"),
+        element("use", href=f"#{frame.identifier}", class_="walls"),
+        *(
+            _window(frame, window, doubt=bool(orientation(window, content).doubt))
+            for window in content.windows
+        ),
+        element("circle", class_="chosen", r=5, cx=-99, cy=-99),
+        _scale_bar(frame),
+        _north_arrow(frame, content.north),
+        viewBox=f"0 0 {width:.0f} {height:.0f}",
+        role="img",
+        aria_label=label,
+        class_="plan",
+        data_arrows=None if frame.level else 1,
+        data_metric=metric.key,
+        data_grid=frame.identifier,
+    )
+
+
+def walls_definition(frame: PlanFrame) -> Markup:
+    """Return the walls of a frame, drawn once and used by each of its plans."""
+    path = element("path", d=frame.walls, id=frame.identifier)
+    return element(
+        "svg", element("defs", path), class_="definitions", aria_hidden="true"
+    )
+
+
+def _arrows(
+    points: Float[np.ndarray, "sensor 2"],
+    towards: Float[np.ndarray, "sensor 2"],
+    *,
+    size: float,
+) -> Float[np.ndarray, "sensor corner 2"]:
+    # Kites whose tails stand on the sensors
+    length = np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-6)
+    ahead = size * towards / length
+    aside = np.stack([-ahead[:, 1], ahead[:, 0]], axis=-1)
+    outline = [
+        (0, 0.09),
+        (0.5, 0.09),
+        (0.5, 0.26),
+        (1, 0),
+        (0.5, -0.26),
+        (0.5, -0.09),
+        (0, -0.09),
+    ]
+    return np.stack([points + a * ahead + b * aside for a, b in outline], axis=1)
+
+
+def _longest(
+    segments: Float[np.ndarray, "segment 2 2"],
+) -> Float[np.ndarray, "kept 2 2"]:
+    # Of a crowded cut, what is large enough to be seen
+    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    return segments[np.sort(np.argsort(-length)[:_MOST_SEGMENTS])]
+
+
+def _paths(outlines: Float[np.ndarray, "outline corner 2"]) -> str:
+    # Path data of closed outlines, or of single segments
+    end = "Z" if outlines.shape[1] > 2 else ""
+    return "".join(
+        "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in outline) + end
+        for outline in outlines.tolist()
+    )
+
+
+def _window(frame: PlanFrame, window: WindowSurface, *, doubt: bool) -> Markup:
+    vertices, faces = weld(window.corners)
+    edges = feature_edges(vertices, faces)
+    outline = frame.place(vertices[edges[:, :2], :2])
+    overhead = " overhead" if abs(window.normal[2]) > 0.7 else ""
+    glass = element("path", d=_paths(outline), class_=f"window{overhead}")
+    flat = window.normal[:2]
+    if np.linalg.norm(flat) < 0.3:
+        return glass
+    tail, tip = frame.place(
+        np.stack([window.centre[:2], window.centre[:2] + flat * 22 / frame.scale])
+    )
+    return join(glass, _arrow(tail, tip, "normal wrong" if doubt else "normal"))
+
+
+def _arrow(
+    tail: Float[np.ndarray, "2"], tip: Float[np.ndarray, "2"], class_: str
+) -> Markup:
+    ahead = (tip - tail) / np.linalg.norm(tip - tail)
+    aside = np.array([-ahead[1], ahead[0]])
+    neck = tip - 7 * ahead
+    head = np.stack([tip, neck + 3.5 * aside, neck - 3.5 * aside])[None]
+    return element(
+        "g",
+        element("path", d=_paths(np.stack([tail, neck])[None])),
+        element("path", d=_paths(head), class_="head"),
+        class_=class_,
+    )
+
+
+def _scale_bar(frame: PlanFrame) -> Markup:
+    length = nice_step(70 / frame.scale)
+    x, y = _MARGIN, frame.size[1] - 12
+    end = x + length * frame.scale
+    return element(
+        "g",
+        element("path", d=f"M{x:.1f},{y - 4:.1f}v4H{end:.1f}v-4"),
+        element("text", f"{length:g} m", x=f"{end + 6:.1f}", y=f"{y:.1f}"),
+        class_="scale-bar",
+    )
+
+
+def _north_arrow(frame: PlanFrame, north: float) -> Markup:
+    # The scene's +y points to the azimuth `north`, so north lies that much to the left
+    ahead = np.array([-np.sin(north), -np.cos(north)])
+    middle = np.array([frame.size[0] - _MARGIN - 10, frame.size[1] - 16])
+    letter = middle - 1.9 * 9 * np.array([1, 0])
+    return element(
+        "g",
+        _arrow(middle - 9 * ahead, middle + 9 * ahead, "needle"),
+        element("text", "N", x=f"{letter[0]:.1f}", y=f"{letter[1] + 4:.1f}"),
+        class_="north",
+    )

@@ -1,0 +1,94 @@
+"""The few figures that stand for a grid of sensors, with cautious error bars.
+
+The sensors of a grid share the traced daylight matrix, so their errors are taken
+as fully correlated: the error of a mean is the mean of the errors.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, Int
+
+from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX
+from clerestory.report.content import ReportContent
+from clerestory.report.uncertain_value import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class MetricMap:
+    """One metric over the sensors, ready to be drawn.
+
+    Attributes
+    ----------
+    key : short name for the page
+    title, note : what it is, in words
+    values, errors : per sensor, in the unit shown
+    unit : lux or %
+    """
+
+    key: str
+    title: str
+    note: str
+    values: Float[np.ndarray, " sensor"]
+    errors: Float[np.ndarray, " sensor"]
+    unit: str
+
+    def mean(self, members: Int[np.ndarray, " member"]) -> Figure:
+        """Mean over some sensors."""
+        return Figure(
+            float(self.values[members].mean()),
+            float(self.errors[members].mean()),
+            self.unit,
+        )
+
+
+def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
+    """Return what a plan can show: the mean, the autonomy, the four useful bands."""
+    target = float(metrics.attrs.get("target_lux", 300.0))
+    low, middle, high = (f"{limit:,.0f}" for limit in LIMITS_LUX)
+    notes = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")
+    maps = [
+        MetricMap(
+            "mean",
+            "Mean illuminance",
+            "over the occupied hours",
+            _values(metrics, "mean_illuminance"),
+            _values(metrics, "mean_illuminance_error"),
+            "lux",
+        ),
+        MetricMap(
+            "autonomy",
+            "Daylight autonomy",
+            f"hours with {target:,.0f} lux or more",
+            100 * _values(metrics, "daylight_autonomy"),
+            100 * _values(metrics, "daylight_autonomy_error"),
+            "%",
+        ),
+    ]
+    for band, note in zip(BANDS, (*notes, f"{high} lux or more"), strict=True):
+        shares, errors = (
+            100 * np.asarray(metrics[name].sel(band=band).values, dtype=float)
+            for name in ("useful_bands", "useful_bands_error")
+        )
+        title = f"Useful illuminance: {band}"
+        maps.append(MetricMap(band.replace(" ", "-"), title, note, shares, errors, "%"))
+    return tuple(maps)
+
+
+def useful_share(metrics: xr.Dataset, members: Int[np.ndarray, " member"]) -> Figure:
+    """Return the mean share of hours in the useful range [%]."""
+    value = 100 * _values(metrics, "useful")[members].mean()
+    error = 100 * _values(metrics, "useful_error")[members].mean()
+    return Figure(float(value), float(error), "%")
+
+
+def relative_errors(content: ReportContent, *, above: float) -> Float[np.ndarray, " n"]:
+    """Relative standard errors [%] of all hourly values above a limit [lux]."""
+    counted = content.illuminance > above
+    lux, error = content.illuminance[counted], content.standard_error[counted]
+    return np.asarray(100 * error / lux)
+
+
+def _values(metrics: xr.Dataset, name: str) -> Float[np.ndarray, " sensor"]:
+    return np.asarray(metrics[name].values, dtype=float)

@@ -1,0 +1,114 @@
+"""How sure the numbers are: the standard errors of all hourly values."""
+
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.report.content import ReportContent
+from clerestory.report.markup import Markup, element
+from clerestory.report.metric_maps import relative_errors
+
+# Below this, an error in per cent says nothing about daylight [lux]
+LIT_LUX = 10.0
+_BANDS = (10.0, 100.0, 300.0, 1000.0, 3000.0, np.inf)
+_WIDTH, _HEIGHT, _LEFT, _FOOT = 480, 150, 40, 42
+_BARS = 32
+
+
+def error_words(content: ReportContent) -> str:
+    """Return one sentence on the accuracy of the hourly values."""
+    errors = relative_errors(content, above=LIT_LUX)
+    if not errors.size:
+        return f"No sensor receives more than {LIT_LUX:.0f} lux in any time step."
+    if not errors.any():
+        return "The results carry no statistical error: nothing in them was sampled."
+    middle, most = (f"{float(np.quantile(errors, q)):.2g}" for q in (0.5, 0.95))
+    return (
+        "Every hour’s illuminance carries a standard error: half of them are below"
+        f" {middle} %, 95 % below {most} %."
+    )
+
+
+def error_histogram(content: ReportContent) -> Markup:
+    """Return the distribution of the relative standard errors as a bar chart."""
+    errors = relative_errors(content, above=LIT_LUX)
+    if not errors.size or not errors.any():
+        return element("p", error_words(content), class_="note")
+    high = 1.25 * float(np.quantile(errors, 0.99))
+    share, _ = np.histogram(np.minimum(errors, high), bins=_BARS, range=(0, high))
+    share = 100 * share / errors.size
+    label = f"Distribution of the relative standard errors. {error_words(content)}"
+    width = _WIDTH / _BARS
+    bars = [
+        element(
+            "rect",
+            x=f"{_LEFT + k * width + 0.5:.1f}",
+            y=f"{10 + _HEIGHT * (1 - s / share.max()):.1f}",
+            width=f"{width - 1:.1f}",
+            height=f"{_HEIGHT * s / share.max():.1f}",
+        )
+        for k, s in enumerate(share.tolist())
+    ]
+    median = _LEFT + _WIDTH * min(float(np.median(errors)) / high, 1)
+    return element(
+        "svg",
+        element("title", label),
+        element("g", *bars, class_="bars"),
+        element("path", d=f"M{_LEFT},{10 + _HEIGHT}h{_WIDTH}", class_="base"),
+        *(_tick(x, high) for x in _round_values(high)),
+        element("path", d=f"M{median:.1f},4v{_HEIGHT + 6}", class_="median"),
+        element("text", "median", x=f"{median + 5:.1f}", y=14, class_="start"),
+        element(
+            "text",
+            f"relative standard error of the hours above {LIT_LUX:.0f} lux [%];"
+            " the last bar holds all beyond",
+            x=_LEFT + _WIDTH / 2,
+            y=_HEIGHT + _FOOT,
+        ),
+        viewBox=f"0 0 {_LEFT + _WIDTH + 20} {_HEIGHT + _FOOT + 8}",
+        role="img",
+        aria_label=label,
+        class_="histogram",
+    )
+
+
+def error_table(content: ReportContent) -> Markup:
+    """Return the errors by how bright it is."""
+    head = ("Illuminance", "Values", "Median error", "95 % are below")
+    rows = []
+    for low, high in pairwise(_BANDS):
+        within = (content.illuminance > low) & (content.illuminance <= high)
+        if not within.any():
+            continue
+        lux, error = content.illuminance[within], content.standard_error[within]
+        relative = 100 * error / lux
+        name = (
+            f"{low:,.0f}–{high:,.0f} lux"
+            if np.isfinite(high)
+            else f"over {low:,.0f} lux"
+        )
+        cells = (
+            f"{np.count_nonzero(within):,}",
+            *(f"{float(np.quantile(relative, q)):.2g} %" for q in (0.5, 0.95)),
+        )
+        row = (element("th", name, scope="row"), *(element("td", c) for c in cells))
+        rows.append(element("tr", *row))
+    titles = (element("th", title, scope="col") for title in head)
+    return element(
+        "table",
+        element("thead", element("tr", *titles)),
+        element("tbody", *rows),
+        class_="numbers",
+    )
+
+
+def _round_values(high: float) -> Float[np.ndarray, " tick"]:
+    step = 10.0 ** np.floor(np.log10(high))
+    step *= next(m for m in (0.1, 0.2, 0.5, 1, 2, 5) if high / (m * step) <= 7)
+    return np.arange(0, high, step)
+
+
+def _tick(value: float, high: float) -> Markup:
+    x = _LEFT + _WIDTH * value / high
+    return element("text", f"{value:.3g}", x=f"{x:.1f}", y=_HEIGHT + 26)

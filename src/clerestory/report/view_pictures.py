@@ -1,0 +1,132 @@
+"""The pictures of a run, moment by moment: which there are, and how they are shown.
+
+Pictures keep the radiance of every pixel. For the page they are exposed like film:
+between what suits the moment and what suits all moments, so that a dim morning looks
+dimmer than noon and can still be seen.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, UInt8
+
+from clerestory.image.arithmetic import reduce, within_view
+from clerestory.image.picture import Picture, photometric
+from clerestory.image.picture_files import read_picture
+from clerestory.image.srgb_display import to_srgb
+from clerestory.image.tone_curves import filmic, key_luminance
+from clerestory.report.colour import ColourScale
+
+Pixels = UInt8[np.ndarray, "row column 3"]
+
+# How far the exposure follows the moment: 0 not at all, 1 like an automatic camera
+_ADAPTATION = 0.5
+
+# False colour: factor that it spans, and the share of pixels below its upper end
+_SPAN = 1000.0
+_COVERED = 0.997
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A picture of a run: the number of its time step, and its file."""
+
+    step: int
+    file: Path
+
+
+@dataclass(frozen=True)
+class ViewPictures:
+    """The pictures of one view, in the order of time."""
+
+    view: str
+    moments: tuple[Moment, ...]
+
+
+def view_pictures(data: xr.Dataset, folder: str | Path) -> tuple[ViewPictures, ...]:
+    """Return the pictures that the study asked for and the folder holds.
+
+    What an earlier run left there and this study did not ask for is not taken.
+    """
+    study = json.loads(data.attrs.get("study", "{}"))
+    stamps = np.datetime_as_string(data["time"].values, unit="m")
+    found = []
+    for table in study.get("view", []):
+        view = str(table.get("name") or Path(str(table.get("file", ""))).stem)
+        asked = table.get("pictures") or []
+        moments = [
+            Moment(step, Path(folder) / _file_name(view, stamp[5:]))
+            for step, stamp in enumerate(stamps.tolist())
+            if "every" in asked or stamp[5:] in asked
+        ]
+        there = tuple(moment for moment in moments if moment.file.is_file())
+        if there:
+            found.append(ViewPictures(view, there))
+    return tuple(found)
+
+
+def _file_name(view: str, stamp: str) -> str:
+    # As a run names its pictures
+    return f"{view}_{stamp.replace(':', '')}.hdr"
+
+
+def read_small(file: str | Path, *, width: int) -> Picture:
+    """Return a picture, averaged to a width [pixels] if it is wider.
+
+    Raises
+    ------
+    InputError : the file is no picture
+    """
+    picture = read_picture(file)
+    if picture.columns <= width:
+        return picture
+    rows = max(1, round(picture.rows * width / picture.columns))
+    return reduce(picture, columns=width, rows=rows)
+
+
+def exposures(pictures: Sequence[Picture]) -> list[float]:
+    """Return the luminance that each picture shows as white [cd/m²].
+
+    The geometric mean of what suits the picture and what suits them all.
+
+    Examples
+    --------
+    >>> dim, bright = (
+    ...     Picture(np.full((1, 1, 3), x, dtype=np.float32)) for x in (1, 16)
+    ... )
+    >>> low, high = exposures([dim, bright])
+    >>> round(high / low, 3)
+    4.0
+    """
+    keys = np.log([key_luminance(picture) for picture in pictures])
+    mixed = _ADAPTATION * keys + (1 - _ADAPTATION) * keys.mean()
+    return [float(x) for x in np.exp(mixed)]
+
+
+def as_seen(picture: Picture, white: float) -> Pixels:
+    """Return a picture as a photograph would show it, sRGB; white out of view."""
+    return _on_paper(to_srgb(filmic(picture, white=white)), picture)
+
+
+def luminance_scale(pictures: Sequence[Picture]) -> ColourScale:
+    """Return one scale of false colour for some pictures, three decades wide."""
+    seen: list[Any] = [photometric(p)[within_view(p)] for p in pictures]
+    top = float(np.quantile(np.concatenate(seen), _COVERED))
+    steps = [m * 10.0**decade for decade in range(7) for m in (1, 3)]
+    high = next((x for x in steps if x >= top), steps[-1])
+    return ColourScale(high / _SPAN, high, "cd/m²", palette="inferno", logarithmic=True)
+
+
+def as_luminance(picture: Picture, scale: ColourScale) -> Pixels:
+    """Return the luminance of a picture in false colour, sRGB; white out of view."""
+    values: Float[np.ndarray, "row column"] = photometric(picture).astype(float)
+    return _on_paper(scale.colours(values), picture)
+
+
+def _on_paper(pixels: Pixels, picture: Picture) -> Pixels:
+    return np.where(within_view(picture)[..., None], pixels, np.uint8(255))

@@ -1,0 +1,102 @@
+"""The layers in the windows: where they send light, and how much passes."""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from matplotlib.figure import Figure as Drawing
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.product_data import Product
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.hemisphere.klems import klems
+from clerestory.report.bsdf_plot import (
+    direction_from_angles,
+    lobe_figure,
+    share_figure,
+)
+from clerestory.report.embedded_data import png_address
+from clerestory.report.markup import Markup, element
+
+# Layers drawn as discs, as curves; the light of the discs [°]; dots per inch
+_MOST_DISCS, _MOST = 5, 8
+_SOURCES = ((0.0, 90.0), (45.0, 90.0))
+_DPI = 80
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A layer in a window.
+
+    Attributes
+    ----------
+    name : of the window and of its state
+    transmission : of light from outside, on Klems' full basis [1/sr]
+    """
+
+    name: str
+    transmission: Float[np.ndarray, "exit incident"]
+
+    def bsdf(self) -> Bsdf:
+        """Return the layer as a BSDF."""
+        patches = klems("full")
+        part = ScatteringMatrix(self.transmission, patches, patches)
+        return Bsdf({("visible", "transmission_front"): part}, Product(name=self.name))
+
+
+def window_layers(data: xr.Dataset) -> tuple[Layer, ...]:
+    """Return the layers in results."""
+    if "layer_transmission" not in data:
+        return ()
+    values = np.asarray(data["layer_transmission"].values, dtype=float)
+    names = data["layer"].values.tolist()
+    return tuple(Layer(str(n), v) for n, v in zip(names, values, strict=True))
+
+
+def layers_section(layers: Sequence[Layer]) -> Markup:
+    """Return discs of the light sent into the room, and curves of what passes."""
+    if not layers:
+        return Markup("")
+    shown = [layer.bsdf() for layer in layers[:_MOST]]
+    intro = (
+        "Above, where light from outside goes in the room, seen from the room: right is"
+        " right, up is up, the distance from the middle is the angle to the window’s"
+        " normal; the ring marks where light goes straight on. Below, the share that"
+        " passes."
+    )
+    if len(layers) > _MOST_DISCS:
+        intro += (
+            f" Of {len(layers)} layers the first {_MOST_DISCS} are shown above,"
+            f" {len(shown)} below."
+        )
+    sources = [
+        direction_from_angles(*source, "transmission_front") for source in _SOURCES
+    ]
+    names = ", ".join(layer.name for layer in layers[:_MOST])
+    discs = shown[:_MOST_DISCS]
+    lobes = _image(
+        lobe_figure(discs, sources),
+        f"Light sent into the room by {names}, along the normal and from 45° above",
+    )
+    shares = _image(
+        share_figure(shown), f"Share of light that passes {names}, by angle"
+    )
+    return element(
+        "section",
+        element("h2", "The layers in the windows"),
+        element("p", intro, class_="note"),
+        element("div", lobes, class_="drawing"),
+        element("div", shares, class_="drawing"),
+        id="layers",
+    )
+
+
+def _image(drawing: Drawing, words: str) -> Markup:
+    stream = io.BytesIO()
+    drawing.savefig(stream, format="png", dpi=_DPI, metadata={"Software": None})
+    width, height = (drawing.get_size_inches() * _DPI).round().astype(int).tolist()
+    address = png_address(stream.getvalue())
+    return element("img", src=address, alt=words, width=width, height=height)

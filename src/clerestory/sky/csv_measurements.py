@@ -1,0 +1,221 @@
+"""Measured irradiance in CSV files, in columns that the user names.
+
+Times are read as they stand: ISO 8601 or a given format, with or without an
+offset from UTC. Times with an offset may change it over the year (daylight
+saving); times without one are local standard time, or what a clock shows that is
+named by its time zone. Where such a clock is put back, the hour that it shows
+twice is told apart by the order of the rows.
+"""
+
+import csv
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta, timezone
+from pathlib import Path
+from typing import get_args
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.sky.irradiance_decomposition import Decomposition
+from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
+from clerestory.sky.table_cells import column
+from clerestory.sky.time_steps import StandsFor, centres, require_growth, typical_step
+from clerestory.sky.weather import Site, Weather
+
+# Values that loggers write for missing data
+_MISSING = (-9999.9, -9999.0, -999.0, 9999.0, 99999.0)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What the columns of a CSV file are called.
+
+    Attributes
+    ----------
+    time : one column, or several that together give the time
+    global_horizontal, diffuse_horizontal, direct_normal : irradiance [W/m²];
+        None where there is none
+    global_illuminance, diffuse_illuminance, direct_illuminance : [lux]
+    dew_point : [°C]
+    """
+
+    time: str | tuple[str, ...]
+    global_horizontal: str | None = None
+    diffuse_horizontal: str | None = None
+    direct_normal: str | None = None
+    global_illuminance: str | None = None
+    diffuse_illuminance: str | None = None
+    direct_illuminance: str | None = None
+    dew_point: str | None = None
+
+    def series(self) -> dict[Quantity, str]:
+        """Return the columns of light that there are, by quantity."""
+        named = {q: getattr(self, q) for q in get_args(Quantity)}
+        return {q: name for q, name in named.items() if name is not None}
+
+
+def read_measured(
+    path: str | Path,
+    *,
+    columns: Columns,
+    site: Site,
+    time_format: str | None = None,
+    stands_for: StandsFor = "centre",
+    clock: str | None = None,
+    separator: str = ",",
+    skip_lines: int = 0,
+    decomposition: Decomposition = "erbs",
+) -> Weather:
+    """Return the weather in a CSV file of measured irradiance, in its own years.
+
+    Parameters
+    ----------
+    columns : their names in the header line
+    site : where the measurement was made
+    time_format : as for `datetime.strptime`, its parts separated by one space
+        where the time is in several columns; None reads ISO 8601
+    stands_for : the moment of its step that a time stands for
+    clock : time zone of the clock, such as "Europe/Berlin", with its daylight
+        saving; None for local standard time
+    separator : between cells
+    skip_lines : lines before the header
+    decomposition : model that splits global irradiance where it stands alone
+
+    Raises
+    ------
+    InputError : a column is missing, a cell is not a number or time, time does
+        not grow, or there is too little irradiance
+    """
+    table = read_table(path, separator, skip_lines)
+
+    # Go from the stated moment of each step to its centre
+    times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
+    require_growth(times, file=path, lines=table.lines)
+    step = typical_step(times)
+    times = centres(times, step, stands_for)
+
+    series = {
+        quantity: table.numbers(name) for quantity, name in columns.series().items()
+    }
+    dew_point = table.numbers(columns.dew_point) if columns.dew_point else None
+    return weather_of(
+        Measurement(
+            site, times, step, series, path, table.lines, columns.series(), dew_point
+        ),
+        decomposition=decomposition,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class LoggerTable:
+    """A CSV file as text: names of its columns, and the rows with their lines."""
+
+    path: str | Path
+    header_line: int
+    names: list[str]
+    rows: list[list[str]]
+    lines: Int[np.ndarray, " time"]
+
+    def index(self, name: str) -> int:
+        """Place of a column, which must be there."""
+        if name not in self.names:
+            raise InputError(
+                f"no column {name!r}; one of {', '.join(self.names)} expected",
+                file=self.path,
+                line=self.header_line,
+            )
+        return self.names.index(name)
+
+    def numbers(self, name: str) -> Float[np.ndarray, " time"]:
+        """Return a column of numbers; NaN where it is missing."""
+        values = column(
+            self.rows,
+            self.index(name),
+            name=name,
+            file=self.path,
+            lines=self.lines,
+            may_miss=True,
+        )
+        return np.where(np.isin(values, _MISSING), np.nan, values)
+
+
+def read_table(path: str | Path, separator: str, skip_lines: int) -> LoggerTable:
+    """Return the cells of a CSV file whose header follows `skip_lines` lines.
+
+    Raises
+    ------
+    InputError : no rows follow the header
+    """
+    table = list(csv.reader(read_text(path).splitlines(), delimiter=separator))
+    numbers = [i for i, row in enumerate(table) if i > skip_lines and any(row)]
+    if not numbers:
+        line = max(len(table), 1)
+        raise InputError("no data rows after the header", file=path, line=line)
+    names = [name.strip() for name in table[skip_lines]]
+    rows = [table[i] for i in numbers]
+    return LoggerTable(path, skip_lines + 1, names, rows, np.array(numbers) + 1)
+
+
+def local_times(
+    table: LoggerTable,
+    names: str | tuple[str, ...],
+    time_format: str | None,
+    clock: str | None,
+    utc_offset_hours: float,
+) -> np.ndarray:
+    """Return the moments of the rows in local standard time.
+
+    Raises
+    ------
+    InputError : a column is missing, a cell is not a time, an unknown time zone
+    """
+    standard = timezone(timedelta(hours=utc_offset_hours))
+    zone = _zone(clock)
+    where = [
+        table.index(name) for name in ((names,) if isinstance(names, str) else names)
+    ]
+    moments: list[float] = []
+    for row, line in zip(table.rows, table.lines, strict=True):
+        text = " ".join(row[i].strip() for i in where if i < len(row))
+        try:
+            if time_format is None:
+                moment = datetime.fromisoformat(text)
+            else:
+                moment = datetime.strptime(text, time_format)  # noqa: DTZ007
+        except ValueError as error:
+            raise InputError(
+                f"time {text!r}; {time_format or 'ISO 8601'} expected",
+                file=table.path,
+                line=int(line),
+            ) from error
+        if moment.tzinfo is None and zone is not None:
+            before = moments[-1] if moments else -np.inf
+            moment = _on_clock(moment, zone, standard, before)
+        if moment.tzinfo is not None:
+            moment = moment.astimezone(standard)
+        moments.append(moment.replace(tzinfo=UTC).timestamp())
+    return np.round(moments).astype("datetime64[s]")
+
+
+def _zone(clock: str | None) -> ZoneInfo | None:
+    if clock is None:
+        return None
+    try:
+        return ZoneInfo(clock)
+    except (ZoneInfoNotFoundError, ValueError, OSError) as error:
+        raise InputError(
+            f"unknown time zone {clock!r}; a name such as 'Europe/Berlin' expected"
+        ) from error
+
+
+def _on_clock(
+    moment: datetime, zone: ZoneInfo, standard: timezone, before: float
+) -> datetime:
+    # The hour shown twice is the second one when time would not grow otherwise
+    first = moment.replace(tzinfo=zone).astimezone(standard)
+    if first.replace(tzinfo=UTC).timestamp() > before:
+        return first
+    return moment.replace(tzinfo=zone, fold=1)

@@ -1,0 +1,149 @@
+"""The stated rules by which doubtful irradiance in a weather file is repaired.
+
+1. Values down to -10 W/m² are the zero offset of a pyranometer: set to 0.
+2. Lower values, values above 1500 W/m² (no place on Earth receives that) and
+   codes for missing data are gaps: filled by interpolation in time, as long as
+   they are at most a tenth of the steps. More is an error.
+3. Direct irradiance above the extraterrestrial is cut to it.
+
+Every repair is counted; the counts go into the notes of the weather and into
+one warning.
+"""
+
+import warnings
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.sky.irradiance_decomposition import cut_to_extraterrestrial
+from clerestory.sky.weather import Site, Weather
+
+_ZERO_OFFSET = -10.0
+_LARGEST = 1500.0
+_LARGEST_SHARE_OF_GAPS = 0.1
+
+
+def repair_irradiance(
+    values: Float[np.ndarray, " time"],
+    *,
+    name: str,
+    times: np.ndarray,
+    file: str | Path,
+    lines: Int[np.ndarray, " time"],
+    scale: float = 1.0,
+    unit: str = "W/m²",
+) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
+    """Return irradiance without gaps, and notes on what was done.
+
+    Parameters
+    ----------
+    values : irradiance; NaN where the file says it is missing
+    name : what the values are, for messages
+    times : centres of the steps
+    file, lines : where each value stands
+    scale, unit : of the values, in place of W/m²
+
+    Raises
+    ------
+    InputError : more than a tenth of the values is missing or impossible
+    """
+    notes = []
+    lowest, largest = scale * _ZERO_OFFSET, scale * _LARGEST
+    offset = (values < 0) & (values >= lowest)
+    gap = ~((values >= lowest) & (values <= largest))
+    if np.any(offset):
+        notes.append(
+            f"{name}: {np.count_nonzero(offset)} values just below zero set to zero"
+        )
+    if np.any(gap):
+        first = int(lines[np.argmax(gap)])
+        count = f"{np.count_nonzero(gap)} of {len(values)} values"
+        if np.mean(gap) > _LARGEST_SHARE_OF_GAPS:
+            raise InputError(
+                f"{count} of {name} are missing or impossible;"
+                f" {lowest:g} to {largest:g} {unit} in nine of ten expected",
+                file=file,
+                line=first,
+            )
+        notes.append(
+            f"{name}: {count} missing or impossible, interpolated (first: line"
+            f" {first}; at most {_longest(gap)} in a row)"
+        )
+
+    # Fill the gaps from their neighbours in time
+    moment = (times - times[0]).astype(float)
+    filled = np.where(offset, 0.0, values)
+    filled[gap] = np.interp(moment[gap], moment[~gap], filled[~gap])
+    return filled, tuple(notes)
+
+
+def repaired_weather(
+    site: Site,
+    times: np.ndarray,
+    *,
+    direct_normal: Float[np.ndarray, " time"],
+    diffuse_horizontal: Float[np.ndarray, " time"],
+    dew_point_c: Float[np.ndarray, " time"] | None = None,
+    step_minutes: float,
+    file: str | Path,
+    lines: Int[np.ndarray, " time"],
+    notes: tuple[str, ...] = (),
+) -> Weather:
+    """Return weather from the columns of a file, repaired and reported.
+
+    Parameters
+    ----------
+    site : the place
+    times : centres of the steps
+    direct_normal, diffuse_horizontal : irradiance [W/m²]; NaN where missing
+    dew_point_c : [°C]; NaN where missing
+    step_minutes : length of a step [min]
+    file, lines : where each step stands
+    notes : repairs made before
+
+    Raises
+    ------
+    InputError : more than a tenth of the irradiance is missing or impossible
+    """
+    direct, first = repair_irradiance(
+        direct_normal,
+        name="direct normal irradiance",
+        times=times,
+        file=file,
+        lines=lines,
+    )
+    diffuse, second = repair_irradiance(
+        diffuse_horizontal,
+        name="diffuse horizontal irradiance",
+        times=times,
+        file=file,
+        lines=lines,
+    )
+    direct, third = cut_to_extraterrestrial(direct, times)
+    notes += first + second + third
+    report(notes, file=file)
+    return Weather(
+        **asdict(site),
+        times=times,
+        step_minutes=step_minutes,
+        direct_normal=direct,
+        diffuse_horizontal=diffuse,
+        dew_point_c=dew_point_c,
+        source=str(file),
+        notes=notes,
+    )
+
+
+def report(notes: tuple[str, ...], *, file: str | Path) -> None:
+    """Warn once about all the repairs made to a file."""
+    if notes:
+        warnings.warn(f"{file}: {'; '.join(notes)}", ClerestoryWarning, stacklevel=5)
+
+
+def _longest(gap: Bool[np.ndarray, " time"]) -> int:
+    # Length of the longest run of gaps
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], gap.astype(int), [0]])))
+    return int(np.max(ends[1::2] - ends[::2]))

@@ -1,0 +1,76 @@
+"""Measured illuminance: the irradiance that goes with it.
+
+Perez's models take irradiance. Where only illuminance was measured, the irradiance
+is the one whose luminous efficacy gives that illuminance back. Efficacy depends
+on irradiance in turn, so it is found by going round in circles; it jumps between
+the categories of clearness, so some skies have two answers, and a few of the
+rarest none. The illuminance itself is kept beside it, and is what the sky matrix
+sends.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.sky.sky_state import (
+    DEFAULT_DEW_POINT_C,
+    sky_state,
+    visible_irradiance,
+)
+from clerestory.sky.solar_position import SunPosition, day_of_year
+from clerestory.sky.weather import Illuminance
+
+# Efficacy to begin with, that of a mean sky [lm/W]
+_MEAN_EFFICACY = 110.0
+_ROUNDS = 40
+
+# Bounds of the efficacy of daylight [lm/W]
+_EFFICACIES = (20.0, 250.0)
+
+
+def irradiance_of(
+    illuminance: Illuminance,
+    *,
+    times: np.ndarray,
+    sun: SunPosition,
+    dew_point_c: Float[np.ndarray, " time"] | None = None,
+) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+    """Return direct normal and diffuse horizontal irradiance [W/m²].
+
+    Parameters
+    ----------
+    illuminance : what was measured
+    times : centres of the steps
+    sun : its position then
+    dew_point_c : [°C], NaN where unknown; None takes 11 °C
+
+    Examples
+    --------
+    Skylight has more lumens in a watt than sunlight.
+
+    >>> noon = np.array(["2023-06-21T12:00"], "datetime64[s]")
+    >>> lux = Illuminance(np.array([80_000.0]), np.array([15_000.0]))
+    >>> high = SunPosition(np.radians([60.0]), np.radians([180.0]))
+    >>> direct, diffuse = irradiance_of(lux, times=noon, sun=high)
+    >>> round(80_000 / float(direct[0])), round(15_000 / float(diffuse[0]))
+    (103, 132)
+    """
+    lux = np.stack([illuminance.direct_normal, illuminance.diffuse_horizontal])
+    dew_point = np.full(lux.shape[1], DEFAULT_DEW_POINT_C)
+    if dew_point_c is not None:
+        dew_point = np.where(np.isfinite(dew_point_c), dew_point_c, dew_point)
+    efficacy = np.full(lux.shape, _MEAN_EFFICACY)
+    day = day_of_year(times)
+    for turn in range(_ROUNDS):
+        irradiance = lux / efficacy
+        state = sky_state(*irradiance, altitude=sun.altitude, day_of_year=day)
+        visible = visible_irradiance(*irradiance, state=state, dew_point_c=dew_point)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = LUMINOUS_EFFICACY * np.stack(visible) / irradiance
+        found = np.where(lux > 0, found, _MEAN_EFFICACY)
+
+        # Go half way later on, so that pairs of categories do not alternate
+        share = 1.0 if turn < _ROUNDS / 4 else 0.5
+        efficacy = np.clip(efficacy + share * (found - efficacy), *_EFFICACIES)
+    direct, diffuse = lux / efficacy
+    return direct, diffuse

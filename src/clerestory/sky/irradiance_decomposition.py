@@ -1,0 +1,169 @@
+"""Sun and sky apart, from whichever irradiance was measured.
+
+Global, direct and diffuse obey  GHI = DHI + DNI sin h,  so any two give the
+third. Near the horizon the division by sin h blows errors up; the rules:
+
+1. Where the direct irradiance is computed, sin h is taken as at least sin 3°.
+2. It never exceeds the extraterrestrial irradiance: computed, what is left over is
+   diffuse; measured, it is cut.
+3. Diffuse above global is cut to global.
+4. With the sun more than 6° below the horizon (civil twilight) all is dark.
+5. Global alone is split by a statistical model: Erbs (hourly) or DIRINT.
+"""
+
+import importlib
+import warnings
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.sky.sky_state import SOLAR_CONSTANT, orbit_factor
+from clerestory.sky.solar_position import SunPosition, day_of_year
+
+Decomposition = Literal["erbs", "dirint"]
+
+_LOWEST_SINE = np.sin(np.radians(3.0))
+_TWILIGHT = np.radians(-6.0)
+
+# Diffuse may exceed global by this before it counts as a repair [W/m²]
+_TOLERANCE = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Irradiance:
+    """Irradiance from sun and sky, and notes on what had to be repaired.
+
+    Attributes
+    ----------
+    direct_normal, diffuse_horizontal : [W/m²]
+    notes : repairs, each with its count
+    """
+
+    direct_normal: Float[np.ndarray, " time"]
+    diffuse_horizontal: Float[np.ndarray, " time"]
+    notes: tuple[str, ...] = ()
+
+
+def split_irradiance(
+    times: np.ndarray,
+    sun: SunPosition,
+    *,
+    global_horizontal: Float[np.ndarray, " time"] | None = None,
+    diffuse_horizontal: Float[np.ndarray, " time"] | None = None,
+    direct_normal: Float[np.ndarray, " time"] | None = None,
+    decomposition: Decomposition = "erbs",
+) -> Irradiance:
+    """Return direct normal and diffuse horizontal irradiance [W/m²].
+
+    Parameters
+    ----------
+    times : centres of the steps
+    sun : its position then
+    global_horizontal, diffuse_horizontal, direct_normal : what was measured
+        [W/m²]; global alone, or any two; with all three, global is not used
+    decomposition : model that splits global irradiance where it stands alone
+
+    Raises
+    ------
+    InputError : too little was measured, or another decomposition
+    """
+    notes: tuple[str, ...] = ()
+    if direct_normal is not None:
+        direct_normal, notes = cut_to_extraterrestrial(direct_normal, times)
+    if direct_normal is not None and diffuse_horizontal is not None:
+        split = Irradiance(direct_normal, diffuse_horizontal)
+    elif global_horizontal is None:
+        raise InputError(
+            "too little irradiance; global, or any two of global, diffuse and"
+            " direct expected"
+        )
+    elif diffuse_horizontal is not None:
+        split = _from_diffuse(global_horizontal, diffuse_horizontal, times, sun)
+    elif direct_normal is not None:
+        level = direct_normal * np.maximum(np.sin(sun.altitude), 0)
+        split = Irradiance(direct_normal, np.maximum(global_horizontal - level, 0))
+    else:
+        split = _decompose(global_horizontal, times, sun, decomposition)
+
+    # Darken what lies beyond civil twilight
+    dark = sun.altitude < _TWILIGHT
+    stray = dark & (split.direct_normal + split.diffuse_horizontal > _TOLERANCE)
+    notes += split.notes
+    if np.any(stray):
+        notes += (
+            f"{np.count_nonzero(stray)} steps with light and the sun 6° and more below"
+            " the horizon set to zero: is the time zone right?",
+        )
+    return Irradiance(
+        np.where(dark, 0, split.direct_normal),
+        np.where(dark, 0, split.diffuse_horizontal),
+        notes,
+    )
+
+
+def cut_to_extraterrestrial(
+    direct_normal: Float[np.ndarray, " time"], times: np.ndarray
+) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
+    """Return direct irradiance [W/m²] not above that outside the air, and notes."""
+    limit = SOLAR_CONSTANT * orbit_factor(day_of_year(times))
+    above = direct_normal > limit + _TOLERANCE
+    notes: tuple[str, ...] = ()
+    if np.any(above):
+        notes = (
+            f"{np.count_nonzero(above)} direct values above the extraterrestrial"
+            " irradiance cut to it",
+        )
+    return np.minimum(direct_normal, limit), notes
+
+
+def _from_diffuse(
+    level: Float[np.ndarray, " time"],
+    diffuse: Float[np.ndarray, " time"],
+    times: np.ndarray,
+    sun: SunPosition,
+) -> Irradiance:
+    notes: tuple[str, ...] = ()
+    above = diffuse > level + _TOLERANCE
+    if np.any(above):
+        notes = (
+            f"{np.count_nonzero(above)} diffuse values above global cut to global",
+        )
+    diffuse = np.minimum(diffuse, level)
+    sine = np.maximum(np.sin(sun.altitude), _LOWEST_SINE)
+    direct = np.where(sun.altitude > 0, (level - diffuse) / sine, 0)
+    direct = np.minimum(direct, SOLAR_CONSTANT * orbit_factor(day_of_year(times)))
+    rest = level - direct * np.maximum(np.sin(sun.altitude), 0)
+    return Irradiance(direct, np.maximum(rest, diffuse), notes)
+
+
+def _decompose(
+    level: Float[np.ndarray, " time"],
+    times: np.ndarray,
+    sun: SunPosition,
+    decomposition: Decomposition,
+) -> Irradiance:
+    # pvlib and pandas take a second to load, which only these models should wait for
+    models = importlib.import_module("pvlib.irradiance")
+    zenith = np.degrees(np.pi / 2 - sun.altitude)
+    if decomposition == "erbs":
+        parts = models.erbs(level, zenith, day_of_year(times))
+        direct = np.nan_to_num(np.asarray(parts["dni"]))
+    elif decomposition == "dirint":
+        pd = importlib.import_module("pandas")
+        index = pd.DatetimeIndex(times)
+        series = pd.Series(level, index)
+        with warnings.catch_warnings():
+            # pvlib 0.16 asks pandas 3 for a name that pandas 4 will drop
+            warnings.simplefilter("ignore", DeprecationWarning)
+            direct = models.dirint(series, pd.Series(zenith, index), index)
+        direct = np.nan_to_num(direct.to_numpy())
+    else:
+        raise InputError(
+            f"unknown decomposition {decomposition!r}; 'erbs' or 'dirint' expected"
+        )
+    direct = np.maximum(direct, 0)
+    diffuse = level - direct * np.maximum(np.sin(sun.altitude), 0)
+    return Irradiance(direct, np.maximum(diffuse, 0))

@@ -1,0 +1,198 @@
+"""From measured series to weather: repaired, parted into sun and sky, reported.
+
+Loggers and networks measure global, diffuse or direct light, as irradiance or as
+illuminance. Any two of the three of one kind are enough.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.sky.gap_filling import repair_irradiance, report
+from clerestory.sky.illuminance_conversion import irradiance_of
+from clerestory.sky.irradiance_decomposition import (
+    Decomposition,
+    Irradiance,
+    split_irradiance,
+)
+from clerestory.sky.solar_position import SunPosition, sun_position
+from clerestory.sky.weather import Illuminance, Site, Weather
+
+Quantity = Literal[
+    "global_horizontal",
+    "diffuse_horizontal",
+    "direct_normal",
+    "global_illuminance",
+    "diffuse_illuminance",
+    "direct_illuminance",
+]
+
+_Role = Literal["global_horizontal", "diffuse_horizontal", "direct_normal"]
+
+# What the closure of global, diffuse and direct light calls them
+_IRRADIANCE: dict[Quantity, _Role] = {
+    "global_horizontal": "global_horizontal",
+    "diffuse_horizontal": "diffuse_horizontal",
+    "direct_normal": "direct_normal",
+}
+_ILLUMINANCE: dict[Quantity, _Role] = {
+    "global_illuminance": "global_horizontal",
+    "diffuse_illuminance": "diffuse_horizontal",
+    "direct_illuminance": "direct_normal",
+}
+
+# The same rules serve for illuminance, a hundred lux for a watt: no place on
+# Earth receives 150,000 lux
+_LUX_PER_WATT = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What was measured at one place.
+
+    Attributes
+    ----------
+    site : the place
+    times : centres of the steps, local standard time
+    step_minutes : length of a step [min]
+    series : by quantity, [W/m²] or [lux]; NaN where missing
+    file, lines : where each step stands
+    names : what the file calls the quantities
+    dew_point_c : [°C], NaN where missing
+    """
+
+    site: Site
+    times: np.ndarray
+    step_minutes: float
+    series: Mapping[Quantity, Float[np.ndarray, " time"]]
+    file: str | Path
+    lines: Int[np.ndarray, " time"]
+    names: Mapping[Quantity, str] = field(default_factory=dict)
+    dew_point_c: Float[np.ndarray, " time"] | None = None
+
+
+def weather_of(
+    measurement: Measurement, *, decomposition: Decomposition = "erbs"
+) -> Weather:
+    """Return the weather that was measured; one warning tells of all repairs.
+
+    Parameters
+    ----------
+    decomposition : model that splits global irradiance where it stands alone
+
+    Raises
+    ------
+    InputError : too little was measured, or too much of it is missing
+    """
+    site, times = measurement.site, measurement.times
+    sun = sun_position(
+        times,
+        latitude_deg=site.latitude_deg,
+        longitude_deg=site.longitude_deg,
+        utc_offset_hours=site.utc_offset_hours,
+        elevation=site.elevation,
+    )
+    watts, notes = _repaired(measurement, _IRRADIANCE, scale=1.0, unit="W/m²")
+    lux, more = _repaired(measurement, _ILLUMINANCE, scale=_LUX_PER_WATT, unit="lux")
+    notes += more
+    illuminance = None
+    if lux:
+        illuminance, more = _illuminance(lux, times, sun, file=measurement.file)
+        notes += more
+    if watts or illuminance is None:
+        parts = _split(watts, times, sun, decomposition=decomposition)
+    else:
+        parts = Irradiance(
+            *irradiance_of(
+                illuminance, times=times, sun=sun, dew_point_c=measurement.dew_point_c
+            )
+        )
+    notes += parts.notes
+    report(notes, file=measurement.file)
+    return Weather(
+        **asdict(site),
+        times=times,
+        step_minutes=measurement.step_minutes,
+        direct_normal=parts.direct_normal,
+        diffuse_horizontal=parts.diffuse_horizontal,
+        dew_point_c=measurement.dew_point_c,
+        illuminance=illuminance,
+        source=str(measurement.file),
+        notes=notes + _assumptions(watts, illuminance, decomposition),
+    )
+
+
+def _assumptions(
+    watts: Mapping[_Role, np.ndarray],
+    illuminance: Illuminance | None,
+    decomposition: Decomposition,
+) -> tuple[str, ...]:
+    if set(watts) == {"global_horizontal"}:
+        return (f"global irradiance split into sun and sky by {decomposition}",)
+    if not watts and illuminance is not None:
+        return ("irradiance from illuminance by Perez's luminous efficacy",)
+    return ()
+
+
+def _repaired(
+    measurement: Measurement, kind: Mapping[Quantity, _Role], *, scale: float, unit: str
+) -> tuple[dict[_Role, Float[np.ndarray, " time"]], tuple[str, ...]]:
+    # What there is of one kind, in watts or hundreds of lux, as the closure calls it
+    notes: tuple[str, ...] = ()
+    series = {}
+    for quantity, role in kind.items():
+        if quantity in measurement.series:
+            values, made = repair_irradiance(
+                measurement.series[quantity],
+                name=measurement.names.get(quantity, quantity.replace("_", " ")),
+                times=measurement.times,
+                file=measurement.file,
+                lines=measurement.lines,
+                scale=scale,
+                unit=unit,
+            )
+            series[role] = values / scale
+            notes += made
+    return series, notes
+
+
+def _illuminance(
+    series: Mapping[_Role, Float[np.ndarray, " time"]],
+    times: np.ndarray,
+    sun: SunPosition,
+    *,
+    file: str | Path,
+) -> tuple[Illuminance, tuple[str, ...]]:
+    if len(series) < 2:
+        raise InputError(
+            "one kind of illuminance; two of global, diffuse and direct expected,"
+            " since models that split it want irradiance",
+            file=file,
+        )
+    parts = _split(series, times, sun)
+    lux = Illuminance(
+        parts.direct_normal * _LUX_PER_WATT, parts.diffuse_horizontal * _LUX_PER_WATT
+    )
+    return lux, parts.notes
+
+
+def _split(
+    series: Mapping[_Role, Float[np.ndarray, " time"]],
+    times: np.ndarray,
+    sun: SunPosition,
+    *,
+    decomposition: Decomposition = "erbs",
+) -> Irradiance:
+    return split_irradiance(
+        times,
+        sun,
+        global_horizontal=series.get("global_horizontal"),
+        diffuse_horizontal=series.get("diffuse_horizontal"),
+        direct_normal=series.get("direct_normal"),
+        decomposition=decomposition,
+    )

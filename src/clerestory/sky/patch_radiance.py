@@ -1,0 +1,294 @@
+"""The sky matrix S: radiance of every sky patch at every time step.
+
+Stored as its factors: a grey sky times a colour per patch, plus a sparse sun. Memory
+and, with `SkyResponse`, the time of a product are those of one band.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float, Float32
+from scipy.sparse import csc_array, csr_array
+
+from clerestory.bands import GREY, RGB, Bands, common_bands
+from clerestory.constants import SKY_COLOUR
+from clerestory.errors import MatrixError
+from clerestory.hemisphere.reinhart import SkyPartition
+from clerestory.matrix.axis import Axis, sky_axis, time_axis
+from clerestory.matrix.transfer_matrix import (
+    TransferMatrix,
+    illuminance_dataset,
+    require_fit,
+)
+from clerestory.sky.sky_product import fold, lit_steps, product_blocks, row_blocks
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Time steps that are turned from columns into rows at once, in the cache
+_BLOCK = 64
+
+
+def default_colour(bands: Bands) -> tuple[float, ...]:
+    """Return the factor of each band of a sky: gendaymtx's in RGB, white in others."""
+    return SKY_COLOUR if bands == RGB else (1.0,) * len(bands)
+
+
+@dataclass(frozen=True, eq=False)
+class SkyMatrix:
+    """Radiance of ground and sky patches over time.
+
+    The radiance in band b is colour[b] · diffuse + sun_colour[b] · sun.
+
+    Attributes
+    ----------
+    partition : the patches, with the ground as patch 0
+    times : centres of the steps, local standard time
+    diffuse : grey radiance of ground and sky [W/(m²·sr)]
+    colour : factor of each band, per patch; the ground's reflectance for patch 0
+    sun : radiance that the sun adds to the patches [W/(m²·sr)], (patch, time)
+    sun_colour : factor of each band
+    attributes : how it was made
+    bands : spectral bands
+
+    Raises
+    ------
+    MatrixError : the shapes disagree, or a radiance is negative or not finite
+    """
+
+    partition: SkyPartition
+    times: np.ndarray
+    diffuse: Float32[np.ndarray, "patch time"]
+    colour: Float[np.ndarray, "band patch"]
+    sun: csc_array
+    sun_colour: Float[np.ndarray, " band"]
+    attributes: Mapping[str, str | float]
+    bands: Bands = RGB
+
+    # Leave `array @ sky` to this class, which refuses it
+    __array_ufunc__ = None
+
+    def __post_init__(self) -> None:
+        shape = (len(self.partition), len(self.times))
+        if self.diffuse.shape != shape or self.sun.shape != shape:
+            raise MatrixError(
+                f"sky of shape {self.diffuse.shape}, sun of shape {self.sun.shape};"
+                f" {self.rows.describe()} by {self.columns.describe()} expected"
+            )
+        bands = len(self.bands)
+        if self.colour.shape != (bands, shape[0]) or self.sun_colour.shape != (bands,):
+            raise MatrixError(
+                f"colours of shape {self.colour.shape} and {self.sun_colour.shape};"
+                f" ({bands}, {shape[0]}) and ({bands},) expected"
+            )
+        # NaN fails the first comparison, infinity the second
+        for part in (self.diffuse, self.sun.data, self.colour, self.sun_colour):
+            if part.size and not (part.min() >= 0 and part.max() < np.inf):
+                raise MatrixError("radiance or colour is negative or not finite")
+
+    @property
+    def rows(self) -> Axis:
+        """The sky patches."""
+        return sky_axis(self.partition)
+
+    @property
+    def columns(self) -> Axis:
+        """The time steps."""
+        return time_axis(self.times)
+
+    @property
+    def values(self) -> Float32[np.ndarray, "band patch time"]:
+        """Radiance of all patches and steps [W/(m²·sr)], dense."""
+        return self.block(slice(None))
+
+    def block(self, steps: slice) -> Float32[np.ndarray, "band patch block"]:
+        """Radiance of all patches [W/(m²·sr)] in some time steps."""
+        colour = self.colour.astype(np.float32)[:, :, None]
+        radiance = colour * self.diffuse[None, :, steps]
+        sun = self.sun[:, steps].tocoo()
+        patch, step = sun.coords
+        tint = self.sun_colour.astype(np.float32)[:, None]
+        radiance[:, patch, step] += tint * sun.data
+        return np.asarray(radiance)
+
+    def select(self, steps: slice | np.ndarray) -> "SkyMatrix":
+        """Return some of the time steps, by slice or boolean mask."""
+        chosen = np.arange(len(self.times))[steps]
+        return replace(
+            self,
+            times=self.times[chosen],
+            diffuse=self.diffuse.T[steps].T,
+            sun=self.sun[:, chosen],
+        )
+
+    def mean(self) -> "SkyMatrix":
+        """Return the mean over all steps, nights too, as a matrix of one step.
+
+        It is stamped with the first of the times.
+        """
+        share = 1 / len(self.times)
+        weight = np.full((len(self.times), 1), share)
+        return replace(
+            self,
+            times=self.times[:1],
+            diffuse=self.diffuse.mean(axis=1, keepdims=True, dtype=float).astype(
+                np.float32
+            ),
+            sun=csc_array(self.sun @ csc_array(weight)).astype(np.float32),
+        )
+
+    def to_transfer_matrix(self) -> TransferMatrix:
+        """Return the same as a dense matrix of all bands, stored row by row."""
+        shape = len(self.bands), len(self.partition), len(self.times)
+        values = np.empty(shape, np.float32)
+        for start in range(0, len(self.times), _BLOCK):
+            steps = slice(start, start + _BLOCK)
+            values[:, :, steps] = self.block(steps)
+        return TransferMatrix(values, self.rows, self.columns, bands=self.bands)
+
+    def luminance(self) -> TransferMatrix:
+        """Return the luminance of the patches [cd/m²], as a matrix of one channel."""
+        weights = self.bands.weights
+        tint = (weights @ self.colour).astype(np.float32)
+        sun = self.sun.tocoo()
+        values = self.diffuse * tint[:, None]
+        values[sun.coords] += np.float32(weights @ self.sun_colour) * sun.data
+        return TransferMatrix(values[None], self.rows, self.columns, bands=GREY)
+
+    def row_blocks(self) -> Iterator[Float32[np.ndarray, "patch time band"]]:
+        """Yield the radiance of successive blocks of patches, bands side by side.
+
+        The order is that of matrix files; the matrix is never held in all bands.
+        """
+        sun = csr_array(self.sun)
+        tint = self.sun_colour.astype(np.float32)
+        for start in range(0, len(self.partition), _BLOCK):
+            patches = slice(start, start + _BLOCK)
+            grey = np.ascontiguousarray(self.diffuse[patches])
+            radiance = np.empty((*grey.shape, len(self.bands)), np.float32)
+            for channel, colour in enumerate(self.colour[:, patches, None]):
+                factor = colour.astype(np.float32)
+                np.multiply(grey, factor, out=radiance[:, :, channel])
+            shining = sun[patches].tocoo()
+            radiance[shining.coords] += shining.data[:, None] * tint
+            yield radiance
+
+    def __rmatmul__(self, transfer: object) -> "SkyResponse":
+        """Return the product with what sends from the sky, not yet multiplied out.
+
+        Raises
+        ------
+        MatrixError : the columns of the left matrix are not these sky patches
+        """
+        if not isinstance(transfer, TransferMatrix):
+            return NotImplemented
+        return SkyResponse(transfer, self)
+
+
+@dataclass(frozen=True, eq=False)
+class SkyResponse:
+    """What sensors receive from the sky: a product that is multiplied out when asked.
+
+    Attributes
+    ----------
+    transfer : from sky patches to sensors
+    sky : radiance of the patches over time
+
+    Raises
+    ------
+    MatrixError : the two do not fit
+    """
+
+    transfer: TransferMatrix
+    sky: SkyMatrix
+
+    def __post_init__(self) -> None:
+        require_fit(self.transfer.columns, self.sky.rows)
+        common_bands(self._parts())
+
+    def _parts(self) -> Iterator[tuple[Bands, int]]:
+        yield self.transfer.bands, len(self.transfer.values)
+        yield self.sky.bands, len(self.sky.colour)
+
+    def illuminance(self) -> "xr.Dataset":
+        """Illuminance [lux] of sensors per time step, with its standard error.
+
+        The bands are folded into luminance before the product; hours without light
+        are skipped.
+        """
+        weights = common_bands(self._parts()).weights
+        lux = self._weighted(self.transfer.values[None], weights)[0]
+        error = self._error(weights)
+        return illuminance_dataset(
+            lux, error, sensors=self.transfer.rows, times=self.sky.columns
+        )
+
+    def rgb(self) -> TransferMatrix:
+        """Return the product in all bands, dense, with its error components."""
+        values, parts = [], []
+        bands = common_bands(self._parts())
+        for channel in np.eye(len(bands)):
+            values.append(self._weighted(self.transfer.values[None], channel)[0])
+            if self.transfer.components is not None:
+                parts.append(self._weighted(self.transfer.components, channel))
+        components = np.stack(parts, axis=1) if parts else None
+        return TransferMatrix(
+            np.stack(values),
+            self.transfer.rows,
+            self.sky.columns,
+            components,
+            bands,
+        )
+
+    def _weighted(
+        self,
+        values: Float[np.ndarray, "layer channel row patch"],
+        weights: Float[np.ndarray, " band"],
+    ) -> Float[np.ndarray, "layer row time"]:
+        # Weighted sum of channels of several matrices times the sky
+        layers, _, rows, patches = values.shape
+        total = np.zeros((layers, rows, len(self.sky.times)))
+        for layer in range(layers):
+            for part in row_blocks(rows, layers=1, patches=patches):
+                for steps, received in self._blocks(
+                    values[layer : layer + 1, :, part], weights
+                ):
+                    total[layer, part][:, steps] = received
+        return total
+
+    def _error(
+        self, weights: Float[np.ndarray, " band"]
+    ) -> Float[np.ndarray, "row time"]:
+        # Root of the sum of squares over the error components
+        components = self.transfer.components
+        rows = self.transfer.rows.size
+        error = np.zeros((rows, len(self.sky.times)))
+        if components is None:
+            return error
+        layers, _, _, patches = components.shape
+        for part in row_blocks(rows, layers=layers, patches=patches):
+            for steps, received in self._blocks(components[:, :, part], weights):
+                spread = received.reshape(layers, -1, len(steps))
+                error[part][:, steps] = np.sqrt(np.sum(np.square(spread), axis=0))
+        return error
+
+    def _blocks(
+        self,
+        values: Float[np.ndarray, "layer channel row patch"],
+        weights: Float[np.ndarray, " band"],
+    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        # Blocks of time steps, with the rows of all layers below each other
+        sky = self.sky
+        patches = values.shape[-1]
+        folded = (
+            fold(values, np.broadcast_to(tint, (len(weights), patches)), weights)
+            for tint in (sky.colour, sky.sun_colour[:, None])
+        )
+        return product_blocks(
+            *(part.reshape(-1, patches) for part in folded),
+            diffuse=sky.diffuse,
+            direct=sky.sun,
+            steps=lit_steps(sky.diffuse, sky.sun),
+        )

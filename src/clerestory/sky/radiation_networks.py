@@ -1,0 +1,203 @@
+"""Files of measuring networks: SURFRAD and SRML.
+
+SURFRAD's daily files say where they come from; SRML's, read by pvlib, do not. Both
+come in steps of minutes, and the rules of `measured_weather` make weather of them.
+"""
+
+import importlib
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.sky.irradiance_decomposition import Decomposition
+from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
+from clerestory.sky.table_cells import column, number
+from clerestory.sky.time_steps import StandsFor, centres, require_growth, typical_step
+from clerestory.sky.weather import Site, Weather
+
+# Cells of a SURFRAD row, counted from 0; a flag follows each value
+_PARTS: tuple[Quantity, ...] = ("direct_normal", "diffuse_horizontal")
+_SURFRAD = {
+    "year": 0,
+    "day": 1,
+    "hour": 4,
+    "minute": 5,
+    "direct_normal": 12,
+    "diffuse_horizontal": 14,
+}
+
+# SURFRAD writes -9999.9 for what is missing
+_MISSING = -9000.0
+
+# What pvlib calls SRML's quantities, each followed by the number of the instrument
+_SRML: dict[Quantity, str] = {
+    "global_horizontal": "ghi",
+    "diffuse_horizontal": "dhi",
+    "direct_normal": "dni",
+}
+_SRML_HEADER = 1
+
+
+def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> Weather:
+    """Return the weather of a SURFRAD file (.dat), one day in steps of a minute.
+
+    Its times are UTC and stand for the end of their minute. Sun and sky come from
+    the tracking and the shaded instrument.
+
+    Parameters
+    ----------
+    utc_offset_hours : of the local standard time wanted; None takes that of the
+        meridian, longitude / 15 rounded
+
+    Raises
+    ------
+    InputError : not a SURFRAD file, or a row is wrong
+
+    Reference: NOAA Global Monitoring Laboratory, SURFRAD README.
+    """
+    lines = read_text(path).splitlines()
+    if not looks_like_surfrad(lines):
+        raise InputError(
+            "no station in the first lines, or no data; a file of SURFRAD expected",
+            file=path,
+            line=1,
+        )
+    site = _surfrad_site(lines, utc_offset_hours, path)
+    numbers = [i for i, text in enumerate(lines) if i > 1 and text.strip()]
+    rows = [lines[i].split() for i in numbers]
+    at = np.array(numbers) + 1
+    cells = {
+        name: column(rows, index, name=name, file=path, lines=at)
+        for name, index in _SURFRAD.items()
+    }
+    utc = _utc(cells, path, at)
+    series = {q: np.where(cells[q] < _MISSING, np.nan, cells[q]) for q in _PARTS}
+    return _weather(utc, site, series, path, at, stands_for="end")
+
+
+def looks_like_surfrad(head: list[str]) -> bool:
+    """Whether the second line has a SURFRAD station's place, the third its numbers."""
+    return (
+        len(head) > 2
+        and head[1].split()[3:5] == ["m", "version"]
+        and len(head[2].split()) > max(_SURFRAD.values())
+    )
+
+
+def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> Site:
+    cells = lines[1].split()
+    latitude, longitude, elevation = (
+        number(cells, i, name=name, file=path, line=2)
+        for i, name in enumerate(("latitude", "longitude", "elevation"))
+    )
+
+    # Stations are in the United States; older files give longitude without its sign
+    longitude = -abs(longitude)
+    if offset is None:
+        offset = round(longitude / 15)
+    return Site(latitude, longitude, offset, elevation, lines[0].strip())
+
+
+def _utc(
+    cells: dict[str, np.ndarray], path: str | Path, lines: np.ndarray
+) -> np.ndarray:
+    # Days are counted through the year
+    late = (cells["hour"] > 24) | (cells["minute"] > 60) | (cells["day"] > 366)
+    odd = late | (np.minimum(cells["hour"], cells["minute"]) < 0) | (cells["day"] < 1)
+    odd |= (cells["year"] < 1900) | (cells["year"] > 2200)
+    if np.any(odd):
+        raise InputError(
+            "a moment that is not in the calendar; year, day of year, hour and minute"
+            " expected",
+            file=path,
+            line=int(lines[np.argmax(odd)]),
+        )
+    year = (cells["year"].astype(int) - 1970).astype("datetime64[Y]")
+    day = year.astype("datetime64[D]") + (cells["day"].astype(int) - 1)
+    seconds = np.round(3600 * cells["hour"] + 60 * cells["minute"]).astype(int)
+    return np.asarray(day.astype("datetime64[s]") + seconds)
+
+
+def read_srml(
+    path: str | Path, *, site: Site, decomposition: Decomposition = "erbs"
+) -> Weather:
+    """Return the weather of a monthly file of SRML, University of Oregon (.txt).
+
+    Of several instruments for one quantity the first is taken; values that the
+    network flags as bad are missing.
+
+    Parameters
+    ----------
+    site : the station
+    decomposition : model that splits global irradiance where it stands alone
+
+    Raises
+    ------
+    InputError : not such a file, or it has no irradiance
+
+    Reference: F. Vignola et al., SRML, Archival (short interval) data files.
+    """
+    pd = importlib.import_module("pandas")
+    data = _read_srml(path)
+    if not isinstance(data.index, pd.DatetimeIndex):
+        raise InputError("times that are not in the calendar", file=path)
+    utc = data.index.tz_convert("UTC").tz_localize(None).to_numpy()
+    series, names = {}, {}
+    for quantity, short in _SRML.items():
+        found = [name for name in data.columns if name.startswith(f"{short}_")]
+        if found:
+            values = pd.to_numeric(data[found[0]], errors="coerce")
+            series[quantity] = values.to_numpy(float)
+            names[quantity] = found[0]
+    return _weather(
+        utc.astype("datetime64[s]"),
+        site,
+        series,
+        path,
+        np.arange(len(data)) + _SRML_HEADER + 1,
+        names=names,
+        stands_for="start",
+        decomposition=decomposition,
+    )
+
+
+def _read_srml(path: str | Path) -> Any:
+    # Our own reading first: it explains what is missing, and never goes online;
+    # pvlib takes a second to load, which only these files should wait for
+    read_text(path)
+    iotools = importlib.import_module("pvlib.iotools")
+    try:
+        with warnings.catch_warnings():
+            # pvlib 0.16 uses words that pandas 4 will drop
+            warnings.simplefilter("ignore", DeprecationWarning)
+            return iotools.read_srml(str(path))
+    except (ValueError, LookupError, TypeError, AttributeError) as error:
+        text = " ".join(str(error).split())
+        raise InputError(
+            f"{text[:100]}; a file of SRML expected", file=path, line=1
+        ) from error
+
+
+def _weather(
+    utc: np.ndarray,
+    site: Site,
+    series: dict[Quantity, Float[np.ndarray, " time"]],
+    path: str | Path,
+    lines: np.ndarray,
+    *,
+    names: dict[Quantity, str] | None = None,
+    stands_for: StandsFor,
+    decomposition: Decomposition = "erbs",
+) -> Weather:
+    # Go from UTC to local standard time, and to the centres of the steps
+    local = utc + np.timedelta64(round(site.utc_offset_hours * 3600), "s")
+    require_growth(local, file=path, lines=lines)
+    step = typical_step(local)
+    times = centres(local, step, stands_for)
+    measurement = Measurement(site, times, step, series, path, lines, names or {})
+    return weather_of(measurement, decomposition=decomposition)

@@ -1,0 +1,234 @@
+"""What the sky is like at each step of the weather: sun, Perez's state, visible light.
+
+Skies as matrices and as functions of direction both start from here.
+"""
+
+import warnings
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.constants import LUMINOUS_EFFICACY, SUN_DIAMETER
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.sky.sky_state import (
+    DEFAULT_DEW_POINT_C,
+    SkyState,
+    sky_state,
+    visible_irradiance,
+)
+from clerestory.sky.solar_position import (
+    SunFormula,
+    SunPosition,
+    day_of_year,
+    sun_position,
+)
+from clerestory.sky.weather import Weather
+
+Spectrum = Literal["visible", "solar"]
+
+# Irradiance below which it is night [W/m²], as in gendaymtx
+_NIGHT = 1e-4
+
+# Direct irradiance that cannot be an error of the instrument [W/m²]
+_BRIGHT = 20.0
+
+# Rounds that find sunrise to a few seconds
+_REFINEMENTS = 3
+
+# Dew points outside this range [°C] do not occur
+_DEW_POINTS = (-60.0, 35.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SkyConditions:
+    """Sun and sky at each time step.
+
+    Attributes
+    ----------
+    sun : its position, in the frame of the scene
+    state : clearness and brightness of the sky
+    direct_normal, diffuse_horizontal : irradiance [W/m²], zero at night
+    """
+
+    sun: SunPosition
+    state: SkyState
+    direct_normal: Float[np.ndarray, " time"]
+    diffuse_horizontal: Float[np.ndarray, " time"]
+
+    @property
+    def lit(self) -> Bool[np.ndarray, " time"]:
+        """Whether there is any light."""
+        return np.asarray(self.direct_normal + self.diffuse_horizontal > 0)
+
+    def direct_horizontal(self) -> Float[np.ndarray, " time"]:
+        """Irradiance from the sun on a level plane [W/m²]."""
+        return np.asarray(self.direct_normal * np.maximum(np.sin(self.sun.altitude), 0))
+
+
+def sky_conditions(
+    weather: Weather,
+    *,
+    rotation_deg: float = 0.0,
+    sun_formula: SunFormula = "spa",
+    dew_point_c: float | None = None,
+    spectrum: Spectrum = "visible",
+) -> SkyConditions:
+    """Return sun and sky for each step of the weather.
+
+    Parameters
+    ----------
+    weather : irradiance over time
+    rotation_deg : turns the sun counter-clockwise, for scenes whose y axis points
+        that much east of north
+    sun_formula : "spa", or "radiance" for comparisons with Radiance
+    dew_point_c : for all steps; None takes the weather's, or 11 °C
+    spectrum : "visible" irradiance, illuminance over 179 lm/W, or that of the
+        whole "solar" spectrum, as the weather has it
+
+    Raises
+    ------
+    InputError : an argument that is not one of the choices, or not finite
+    """
+    if spectrum not in ("visible", "solar"):
+        raise InputError(
+            f"unknown spectrum {spectrum!r}; 'visible' or 'solar' expected"
+        )
+    sun = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
+    _warn_of_light_at_night(weather, sun)
+
+    # Turn irradiance into the state of the sky and visible light
+    direct, diffuse = weather.direct_normal, weather.diffuse_horizontal
+    state = sky_state(
+        direct, diffuse, altitude=sun.altitude, day_of_year=day_of_year(weather.times)
+    )
+    night = direct + diffuse <= _NIGHT
+    if spectrum == "visible" and weather.illuminance is not None:
+        direct = weather.illuminance.direct_normal / LUMINOUS_EFFICACY
+        diffuse = weather.illuminance.diffuse_horizontal / LUMINOUS_EFFICACY
+    elif spectrum == "visible":
+        dew_point = _dew_point(weather, dew_point_c)
+        direct, diffuse = visible_irradiance(
+            direct, diffuse, state=state, dew_point_c=dew_point
+        )
+    return SkyConditions(
+        sun, state, np.where(night, 0, direct), np.where(night, 0, diffuse)
+    )
+
+
+def sun_over(
+    weather: Weather, *, rotation_deg: float = 0.0, sun_formula: SunFormula = "spa"
+) -> SunPosition:
+    """Return where the sun stands at each step of the weather.
+
+    It stands where it is at the centre of the step; in steps in which it rises or
+    sets, at the centre of the part in which it is up, as their direct light comes
+    from there. Radiance's formula always takes the centre, as gendaymtx does.
+
+    Parameters
+    ----------
+    rotation_deg : turns the sun counter-clockwise, for scenes whose y axis points
+        that much east of north
+    sun_formula : "spa", or "radiance" for comparisons with Radiance
+
+    Raises
+    ------
+    InputError : a rotation that is not finite, or another formula
+    """
+    if not np.isfinite(rotation_deg):
+        raise InputError(
+            f"rotation {rotation_deg}; a finite number of degrees expected"
+        )
+    sun = _sun_at(weather, weather.times, sun_formula)
+    if sun_formula == "spa":
+        sun = _at_sunrise_and_sunset(weather, sun)
+    return SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
+
+
+def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weather:
+    """Return the steps in which at least a part of the sun's disc is up.
+
+    Raises
+    ------
+    InputError : there are none
+    """
+    up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
+    if not up.any():
+        raise InputError(
+            "the sun is never up; weather with days expected",
+            file=weather.source or None,
+        )
+    return weather.select(up)
+
+
+def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
+    # The sun moves by at most 15° an hour: only steps near the horizon matter
+    half = np.timedelta64(round(weather.step_minutes * 30), "s")
+    near = np.flatnonzero(np.abs(sun.altitude) < _reach(weather))
+    if len(near) == 0:
+        return sun
+    centre = weather.times[near]
+    first = _sun_at(weather, centre - half, "spa").altitude
+    last = _sun_at(weather, centre + half, "spa").altitude
+    cross = first * last < 0
+    near, centre, first, last = near[cross], centre[cross], first[cross], last[cross]
+
+    # Find when it is zero, from -1 to 1 through the step; refraction bends the line
+    def moved_to(share: Float[np.ndarray, " step"]) -> SunPosition:
+        seconds = np.round(share * half.astype(float)).astype("timedelta64[s]")
+        return _sun_at(weather, centre + seconds, "spa")
+
+    slope = (last - first) / 2
+    horizon = (first + last) / (first - last)
+    for _ in range(_REFINEMENTS):
+        horizon = np.clip(horizon - moved_to(horizon).altitude / slope, -1, 1)
+    moved = moved_to(np.where(last > 0, (1 + horizon) / 2, (horizon - 1) / 2))
+    altitude, azimuth = sun.altitude.copy(), sun.azimuth.copy()
+    altitude[near], azimuth[near] = moved.altitude, moved.azimuth
+    return SunPosition(altitude, azimuth)
+
+
+def _sun_at(weather: Weather, times: np.ndarray, formula: SunFormula) -> SunPosition:
+    return sun_position(
+        times,
+        latitude_deg=weather.latitude_deg,
+        longitude_deg=weather.longitude_deg,
+        utc_offset_hours=weather.utc_offset_hours,
+        elevation=weather.elevation,
+        formula=formula,
+    )
+
+
+def _reach(weather: Weather) -> float:
+    # How far the sun climbs in half a step, and a degree more [rad]
+    return float(np.radians(15 * weather.step_minutes / 60 / 2 + 1))
+
+
+def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:
+    # Half a step may bring the sun up
+    reach = _reach(weather)
+    odd = (weather.direct_normal > _BRIGHT) & (sun.altitude < -reach)
+    if np.any(odd):
+        first = weather.times[np.argmax(odd)]
+        warnings.warn(
+            f"{weather.source or weather.place}: direct sun in"
+            f" {np.count_nonzero(odd)} steps with the sun more than"
+            f" {np.degrees(reach):.1f}° below the horizon (first: {first}): are time"
+            " zone and longitude right?",
+            ClerestoryWarning,
+            stacklevel=4,
+        )
+
+
+def _dew_point(weather: Weather, fixed: float | None) -> Float[np.ndarray, " time"]:
+    if fixed is not None:
+        if not _DEW_POINTS[0] <= fixed <= _DEW_POINTS[1]:
+            raise InputError(f"dew point {fixed} °C; {_DEW_POINTS} expected")
+        return np.full(len(weather), float(fixed))
+    if weather.dew_point_c is None:
+        return np.full(len(weather), DEFAULT_DEW_POINT_C)
+    known = np.isfinite(weather.dew_point_c)
+    return np.where(
+        known, np.clip(weather.dew_point_c, *_DEW_POINTS), DEFAULT_DEW_POINT_C
+    )

@@ -1,0 +1,166 @@
+"""Station files (.toml): what a file of measurements does not say itself.
+
+    file = "roof.csv"
+    stands_for = "end"
+
+    [site]
+    latitude_deg = 50.0
+    longitude_deg = 8.5
+    utc_offset_hours = 1
+
+    [columns]
+    time = "time"
+    global_horizontal = "GHI"
+    diffuse_horizontal = "DHI"
+
+A station file goes wherever a weather file does.
+"""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.sky.csv_measurements import Columns, read_measured
+from clerestory.sky.irradiance_decomposition import Decomposition
+from clerestory.sky.radiation_networks import read_srml, read_surfrad
+from clerestory.sky.time_steps import StandsFor
+from clerestory.sky.weather import Site, Weather
+
+
+def _several(value: Any) -> Any:
+    # One name is a list of one
+    return [value] if isinstance(value, str) else value
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
+    )
+
+
+class SiteTable(_Table):
+    """Where it was measured."""
+
+    latitude_deg: float = Field(description="degrees, positive north")
+    longitude_deg: float = Field(description="degrees, positive east")
+    utc_offset_hours: float = Field(description="hours ahead of UTC")
+    elevation: float = 0.0
+    place: str = ""
+
+
+class ColumnsTable(_Table):
+    """What the columns are called."""
+
+    time: Annotated[list[str], BeforeValidator(_several)] = Field(
+        min_length=1, description="the name of a column"
+    )
+    global_horizontal: str | None = None
+    diffuse_horizontal: str | None = None
+    direct_normal: str | None = None
+    global_illuminance: str | None = None
+    diffuse_illuminance: str | None = None
+    direct_illuminance: str | None = None
+    dew_point: str | None = None
+
+    def columns(self) -> Columns:
+        """Return the same as a plain value."""
+        named = self.model_dump(exclude={"time"})
+        return Columns(tuple(self.time), **named)
+
+
+class MeasuredTable(_Table):
+    """How a file of measurements is read; see `read_measured`.
+
+    Files of the networks SURFRAD and SRML have columns of their own.
+    """
+
+    format: Literal["csv", "srml", "surfrad"] = "csv"
+    site: SiteTable | None = Field(None, description="a table [site]")
+    columns: ColumnsTable | None = Field(None, description="a table [columns]")
+    time_format: str | None = None
+    stands_for: StandsFor = "centre"
+    clock: str | None = None
+    separator: str = Field(",", min_length=1, max_length=1)
+    skip_lines: int = Field(0, ge=0)
+    decomposition: Decomposition = "erbs"
+
+    @model_validator(mode="after")
+    def _complete(self) -> "MeasuredTable":
+        if self.site is None and self.format != "surfrad":
+            raise PydanticCustomError("rule", "no place; a table [site] expected")
+        if (self.columns is not None) != (self.format == "csv"):
+            expected = "a table" if self.format == "csv" else "no table"
+            raise PydanticCustomError(
+                "rule",
+                "format {name}; {expected} [columns] expected",
+                {"name": self.format, "expected": expected},
+            )
+        return self
+
+
+class _StationFile(MeasuredTable):
+    file: str = Field(min_length=1)
+
+
+def read_with(path: str | Path, how: MeasuredTable) -> Weather:
+    """Return the weather in a file of measurements.
+
+    Raises
+    ------
+    InputError : the file is not as `how` says
+    """
+    if how.format == "surfrad":
+        offset = None if how.site is None else how.site.utc_offset_hours
+        return read_surfrad(path, utc_offset_hours=offset)
+    if how.site is None:
+        raise InputError("no site; where it was measured expected", file=path)
+    site = Site(**how.site.model_dump())
+    if how.format == "srml":
+        return read_srml(path, site=site, decomposition=how.decomposition)
+    if how.columns is None:
+        raise InputError("no columns; their names expected", file=path)
+    return read_measured(
+        path,
+        columns=how.columns.columns(),
+        site=site,
+        time_format=how.time_format,
+        stands_for=how.stands_for,
+        clock=how.clock,
+        separator=how.separator,
+        skip_lines=how.skip_lines,
+        decomposition=how.decomposition,
+    )
+
+
+def read_station(path: str | Path) -> Weather:
+    """Return the weather that a station file describes; `file` is relative to it.
+
+    Raises
+    ------
+    InputError : it is not TOML, a key is missing, unknown or wrong, or the file
+        of measurements is
+    """
+    try:
+        tables = tomllib.loads(read_text(path))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"not TOML: {error}", file=path) from error
+    try:
+        station = _StationFile.model_validate(tables)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        told = first["msg"]
+        raise InputError(f"{key}: {told}" if key else told, file=path) from error
+    return read_with(Path(path).parent / station.file, station)

@@ -1,0 +1,59 @@
+"""Tables of suns, as CSV."""
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.sky.sky_conditions import sun_over
+from clerestory.sky.solar_position import SunFormula
+from clerestory.sky.sun_matrix import SunMatrix
+from clerestory.sky.weather import Weather
+
+
+def sun_path_table(
+    weather: Weather, *, sun_formula: SunFormula = "spa", rotation_deg: float = 0.0
+) -> str:
+    """Return the sun's place [°] and irradiance at every time step, a line each."""
+    position = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
+    lines = ["time,altitude,azimuth clockwise from north,direct normal [W/m²]"]
+    rows = zip(
+        weather.times.astype("datetime64[m]"),
+        np.degrees(position.altitude),
+        np.degrees(position.azimuth) % 360,
+        weather.direct_normal,
+        strict=True,
+    )
+    lines += [
+        f"{str(t).replace('T', ' ')},{a:.3f},{z:.3f},{d:g}" for t, a, z, d in rows
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
+    """Return the place of every sun [°], its steps and its light over all of them.
+
+    Examples
+    --------
+    >>> from scipy.sparse import csc_array
+    >>> noon = np.array([[0.0, -0.6, 0.8]])
+    >>> hour = np.array(["2023-06-21T12:00"], "datetime64[s]")
+    >>> matrix = SunMatrix(noon, hour, csc_array([[500.0]]), {})
+    >>> print(suns_table(matrix, step_minutes=60).splitlines()[1])
+    53.1301,180.0000,0.000000,-0.600000,0.800000,1,0.500
+    """
+    x, y, z = suns.directions.T
+    azimuth = np.degrees(np.arctan2(x, y)) % 360
+    altitude = np.degrees(np.arcsin(np.clip(z, -1, 1)))
+    steps = np.diff(suns.direct_normal.tocsr().indptr)
+    energy = _sum(suns) * step_minutes / 60_000
+    header = "altitude,azimuth clockwise from north,x,y,z,time steps"
+    lines = [f"{header},visible direct normal [kWh/m²]"]
+    columns = (altitude, azimuth, x, y, z, steps, energy)
+    lines += [
+        f"{h:.4f},{a:.4f},{u:.6f},{v:.6f},{w:.6f},{n},{e:.3f}"
+        for h, a, u, v, w, n, e in zip(*columns, strict=True)
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _sum(suns: SunMatrix) -> Float[np.ndarray, " sun"]:
+    return np.asarray(suns.direct_normal.sum(axis=1), dtype=float).ravel()
