@@ -13,12 +13,12 @@ from clerestory.cli.plan_text import plan_table
 from clerestory.cli.progress import progress_display
 from clerestory.engine.device import Device
 from clerestory.report.page import write_report
+from clerestory.study.annual_views import PICTURE_FOLDER
 from clerestory.study.config import Study, read_study
 from clerestory.study.demo_study import write_demo
 from clerestory.study.results import Results
 from clerestory.study.run_plan import plan_study
 from clerestory.study.study_run import run_study
-from clerestory.study.views import PICTURE_FOLDER
 
 REPORT_FILE = "report.html"
 

@@ -132,7 +132,7 @@ def _fill(
 
 def _variance(block: Block) -> Float32[np.ndarray, "row step"]:
     # The sum of the squares of all error components
-    total = np.zeros_like(block.terms[0, 0])
+    total: np.ndarray = np.zeros_like(block.terms[0, 0])
     for part in block.components:
         square = np.einsum("krs,krs->rs", part.values[:, 0], part.values[:, 0])
         if len(part.steps) == total.shape[1]:

@@ -12,7 +12,7 @@ G. Ward, Building Simulation 2017, eq. (2) and (3).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Int
@@ -29,6 +29,7 @@ from clerestory.sky.sun_matrix import SunMatrix
 States = Sequence[Int[np.ndarray, " time"]]
 
 
+@runtime_checkable
 class Readable(Protocol):
     """A matrix that is read block by block of rows."""
 

@@ -12,7 +12,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.study import coefficients, tracing
+from clerestory.study import study_tracing
 
 ROOM = Path(__file__).parents[2] / "cli" / "room"
 TRANSMITTANCE = 0.5
@@ -76,9 +76,9 @@ class FakeEngine:
 def engine(monkeypatch):
     fake = FakeEngine()
     for module, name in (
-        (tracing, "view_matrices"),
-        (tracing, "daylight_matrix"),
-        (coefficients, "daylight_coefficients"),
+        (study_tracing, "view_matrices"),
+        (study_tracing, "daylight_matrix"),
+        (study_tracing, "daylight_coefficients"),
     ):
         monkeypatch.setattr(module, name, getattr(fake, name))
     return fake

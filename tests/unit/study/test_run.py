@@ -16,7 +16,7 @@ from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.results import read_results
 from clerestory.study.study_run import run_study
-from clerestory.study.tracing import trace_study
+from clerestory.study.study_tracing import trace_study
 
 TRANSMITTANCE = 0.5  # of the diffuser in the study's window
 
@@ -133,7 +133,7 @@ def test_a_run_killed_between_two_matrices_goes_on_after_the_first(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("clerestory.study.tracing.daylight_matrix", killed)
+        patch.setattr("clerestory.study.study_tracing.daylight_matrix", killed)
         with pytest.raises(KeyboardInterrupt):
             run_study(study, out=tmp_path / "killed")
     assert not (tmp_path / "killed" / "results.nc").exists()

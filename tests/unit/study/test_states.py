@@ -278,7 +278,7 @@ def test_a_killed_run_with_states_goes_on_to_the_same_bytes(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("clerestory.study.tracing.daylight_matrix", killed)
+        patch.setattr("clerestory.study.study_tracing.daylight_matrix", killed)
         with pytest.raises(KeyboardInterrupt):
             run_study(study, out=tmp_path / "killed")
     engine.calls.clear()
