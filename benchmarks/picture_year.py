@@ -14,15 +14,15 @@ import time
 from pathlib import Path
 
 import numpy as np
+from clerestory.phases.three import WindowPhases
 from duel import stamp
 
 import clerestory as cl
 from clerestory.hemisphere.klems import klems
 from clerestory.matrix.axis import pixel_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.picture_matrices import Camera
 from clerestory.phases.picture_series import PicturePhases, pictures_over_time
-from clerestory.phases.pictures import Camera
-from clerestory.phases.three import WindowPhases
 from clerestory.scene.view import View
 from clerestory.sky.patch_radiance import SkyMatrix
 

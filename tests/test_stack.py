@@ -14,6 +14,7 @@ import clerestory
 STACK = (
     ("array_types", "errors", "constants"),
     ("files", "directions", "bands"),
+    ("colorimetry",),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),

@@ -3,19 +3,19 @@
 from functools import cache
 
 import numpy as np
+from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.three import WindowPhases
 
 import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.five import FivePhases, five_phase
-from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
-from clerestory.phases.pictures import (
+from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,
 )
-from clerestory.phases.sun import blackened, sun_coefficients
-from clerestory.phases.three import WindowPhases
+from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
+from clerestory.phases.sun_coefficients import blackened, sun_coefficients
 from clerestory.sky.sun_matrix import sun_matrix
 from truth.setting import Kind, cameras, demo, pictured, weather
 

@@ -8,20 +8,20 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.three import WindowPhases
 from tutorial import SUN_SR, Tutorial
 
 import clerestory as cl
 from clerestory.bands import RGB
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.phases.five import FivePhases, five_phase
-from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
-from clerestory.phases.pictures import (
+from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,
 )
-from clerestory.phases.sun import blackened, sun_coefficients
-from clerestory.phases.three import WindowPhases
+from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
+from clerestory.phases.sun_coefficients import blackened, sun_coefficients
 from clerestory.sky.sun_matrix import patch_suns
 
 VIEWS = ("south", "eastBlinds")

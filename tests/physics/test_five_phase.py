@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.three import WindowPhases
 from physics_scenes import box, quad, sensor, window
 
 from clerestory.bsdf.analytic import lambertian
@@ -11,18 +13,20 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError, MatrixError
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.facade import facade_daylight, facade_matrices
-from clerestory.phases.five import FivePhases, five_phase
-from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
-from clerestory.phases.pictures import (
+from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
+from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,
 )
-from clerestory.phases.render import irradiance, render
-from clerestory.phases.sun import blackened, sun_coefficients
-from clerestory.phases.three import WindowPhases
-from clerestory.phases.trace import daylight_matrices, daylight_matrix, view_matrix
+from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
+from clerestory.phases.rendering import irradiance, render
+from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.traced_matrices import (
+    daylight_matrices,
+    daylight_matrix,
+    view_matrix,
+)
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

@@ -6,7 +6,7 @@ from physics_scenes import box
 
 import clerestory as cl
 from clerestory.engine.device import resolve
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import DistantSource, Glass, Light, Plastic, Polygon, Scene
 from clerestory.scene.sensors import Sensors
 

@@ -17,7 +17,6 @@ from jaxtyping import Float
 
 from clerestory.array_types import Directions, Points2, Values
 from clerestory.bands import RGB, Bands
-from clerestory.bsdf.colorimetry import rgb_from_xyz
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_function import (
     OTHER_SIDE,
@@ -28,6 +27,7 @@ from clerestory.bsdf.scattering_function import (
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree_colour import xyz_functions
+from clerestory.colorimetry import rgb_from_xyz
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition

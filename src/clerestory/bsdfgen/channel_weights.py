@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB
-from clerestory.bsdf.colorimetry import rgb_to_xyz
+from clerestory.colorimetry import RADIANCE
 from clerestory.errors import InputError
 
 Weights = tuple[float, float, float]
@@ -53,7 +53,7 @@ def tristimulus(
 ) -> Float[np.ndarray, " 3 *value"]:
     """CIE X, Y and Z of red, green and blue; grey scenes are white."""
     rgb = np.broadcast_to(channels, (3, *channels.shape[1:]))
-    return np.tensordot(rgb_to_xyz(), rgb, axes=1)
+    return np.tensordot(RADIANCE.to_xyz(), rgb, axes=1)
 
 
 def chromaticity(

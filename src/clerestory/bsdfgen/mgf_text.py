@@ -10,9 +10,10 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.colorimetry import rgb_to_xyz
 from clerestory.bsdfgen.area import SampleArea
+from clerestory.colorimetry import RADIANCE
 from clerestory.errors import InputError
+from clerestory.scene.materials.highlight import Roughness
 from clerestory.scene.model import (
     Cone,
     Dielectric,
@@ -75,19 +76,19 @@ def _numbers(values: Sequence[float] | Values) -> str:
 
 def _material(material: Material) -> Iterator[str]:
     match material:
-        case Plastic():
+        case Plastic(up=None):
             diffuse = material.reflectance * (1 - material.specularity)
             yield from _share("rd", diffuse)
             if material.specularity > 0:
                 white = np.full(3, material.specularity)
                 yield from _share("rs", white, material.roughness)
-        case Metal():
+        case Metal(up=None):
             yield from _share("rd", material.reflectance * (1 - material.specularity))
             shiny = material.reflectance * material.specularity
             yield from _share("rs", shiny, material.roughness)
         case Mirror():
             yield from _share("rs", material.reflectance, 0.0)
-        case Trans():
+        case Trans(up=None):
             yield from _trans(material)
         case Glass():
             yield from _glass(material)
@@ -98,7 +99,8 @@ def _material(material: Material) -> Iterator[str]:
             yield from _share("rs", np.full(3, face), 0.0)
             yield from _share("ts", passed, 0.0)
         case _:
-            kind = type(material).__name__.lower()
+            given = material.specification()
+            kind = given.kind if given else type(material).__name__.lower()
             source = material.source
             raise InputError(
                 f'{kind} "{material.name}" has no counterpart in MGF; leave the'
@@ -131,13 +133,13 @@ def _glass(material: Glass) -> Iterator[str]:
     yield from _share("ts", passed, 0.0)
 
 
-def _share(keyword: str, rgb: _Colour, *roughness: float) -> Iterator[str]:
+def _share(keyword: str, rgb: _Colour, *roughness: Roughness) -> Iterator[str]:
     # A share of light after its colour
-    xyz = rgb_to_xyz() @ np.asarray(rgb, dtype=float)
+    xyz = RADIANCE.to_xyz() @ np.asarray(rgb, dtype=float)
     yield "\tc"
     if np.ptp(rgb) > 0:
         yield f"\t\tcxy {_numbers(xyz[:2] / xyz.sum())}"
-    yield f"\t{keyword} {_numbers([xyz[1], *roughness])}"
+    yield f"\t{keyword} {_numbers([xyz[1], *map(float, roughness)])}"
 
 
 def _surface(surface: Surface) -> Iterator[str]:

@@ -62,7 +62,10 @@ def mirrors(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
     ((1, 1), (-1, 1))
     """
     surfaces = [s for s in scene.surfaces if isinstance(s, Polygon | Cone)]
-    plain = all(isinstance(m, _ISOTROPIC) for m in scene.materials.values())
+    plain = all(
+        isinstance(m, _ISOTROPIC) and getattr(m, "up", None) is None
+        for m in scene.materials.values()
+    )
     if not plain or len(surfaces) < len(scene.surfaces):
         return NO_MIRROR
     middle = area.bounds.mean(axis=0)

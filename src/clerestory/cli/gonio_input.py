@@ -9,8 +9,8 @@ from clerestory.bsdf.scattering_function import Function
 from clerestory.cli.two_angles import two_angles
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.formats.pabopto import Facing
-from clerestory.gonio.measurement_files import Format, read_measurement
+from clerestory.gonio.formats.file_format import Facing
+from clerestory.gonio.measurement_files import read_measurement
 from clerestory.gonio.scattering_measurement import Measurement
 
 _PICTURES = (".png", ".svg", ".pdf")
@@ -18,7 +18,7 @@ _PICTURES = (".png", ".svg", ".pdf")
 
 def read_files(
     files: list[Path],
-    form: Format | None,
+    form: str | None,
     function: Function | None,
     facing: Facing,
     blank: Path | None,

@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from clerestory.bsdf.scattering_function import Function
-from clerestory.gonio.formats.pabopto import Facing
-from clerestory.gonio.measurement_files import Format
+from clerestory.gonio.formats.file_format import Facing
+from clerestory.gonio.measurement_files import FORMATS
 from clerestory.gonio.symmetry import Symmetry
 
 Files = Annotated[
@@ -20,7 +20,12 @@ Fits = Annotated[
     list[Path], typer.Argument(metavar="FIT…", help="Files of clerestory gonio fit.")
 ]
 Form = Annotated[
-    Format | None, typer.Option("--format", help="Of the files; told from the first.")
+    str | None,
+    typer.Option(
+        "--format",
+        metavar="|".join(FORMATS),
+        help="Format of the files; recognized from the first one if not given.",
+    ),
 ]
 FunctionChoice = Annotated[
     Function | None,

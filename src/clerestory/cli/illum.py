@@ -20,7 +20,7 @@ from clerestory.cli.progress import progress_display
 from clerestory.cli.render import Sky, Time, WeatherFile, sky_of
 from clerestory.cluster.cluster import executor_at
 from clerestory.errors import InputError
-from clerestory.phases.illum import precompute_illums
+from clerestory.phases.window_emitters import precompute_illums
 from clerestory.radiance.illum_table import write_illums
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Scene

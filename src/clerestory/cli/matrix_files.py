@@ -8,7 +8,7 @@ from clerestory.image.picture_files import write_picture
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.radiance_format import read_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.pictures import Camera
+from clerestory.phases.picture_matrices import Camera
 
 
 def read_any_matrix(path: Path) -> TransferMatrix:

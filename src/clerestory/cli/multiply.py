@@ -20,7 +20,7 @@ from clerestory.cli.picture_sets import (
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError, MatrixError
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.facade import joint_sum
+from clerestory.phases.facade_matrices import joint_sum
 
 Factors = Annotated[
     list[Path],

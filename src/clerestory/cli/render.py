@@ -27,8 +27,8 @@ from clerestory.errors import InputError
 from clerestory.image.denoise import denoise as denoise_picture
 from clerestory.image.picture import photometric, photometric_unit
 from clerestory.image.picture_files import write_picture
-from clerestory.phases.render import Rendering, render_irradiance
-from clerestory.phases.render import render as render_picture
+from clerestory.phases.rendering import Rendering, render_irradiance
+from clerestory.phases.rendering import render as render_picture
 from clerestory.radiance.generated_sky import sky_at, sky_scene
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import view_of

@@ -27,13 +27,13 @@ from clerestory.cli.trace_options import TraceOptions, spelt_out
 from clerestory.cli.traced import receiver_of, warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
 from clerestory.gonio.layer_file import read_layer
-from clerestory.phases.pictures import (
+from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,
 )
-from clerestory.phases.sun import blackened, sun_coefficients
-from clerestory.phases.trace import (
+from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.traced_matrices import (
     daylight_coefficients,
     daylight_matrices,
     view_matrices,

@@ -12,7 +12,7 @@ from clerestory.cli.trace_options import TraceOptions
 from clerestory.cli.traced import warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.facade import facade_matrices
+from clerestory.phases.facade_matrices import facade_matrices
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
 

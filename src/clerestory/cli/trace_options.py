@@ -19,8 +19,8 @@ from clerestory.cli.options import (
     Samples,
     Seed,
 )
-from clerestory.engine.work import Executor
-from clerestory.phases.trace import Progress, Tracing
+from clerestory.engine.work_units import Executor
+from clerestory.phases.traced_matrices import Progress, Tracing
 
 
 @dataclass(frozen=True)

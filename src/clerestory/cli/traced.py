@@ -13,7 +13,7 @@ from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.matrix.radiance_format import Encoding
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.pictures import Camera
+from clerestory.phases.picture_matrices import Camera
 from clerestory.radiance.view_text import view_of
 from clerestory.scene.model import Scene
 from clerestory.scene.scene_checks import check_scene

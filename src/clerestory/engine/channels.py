@@ -1,24 +1,12 @@
 """Whether a scene treats all channels alike, so that one channel says all."""
 
-from dataclasses import fields
-
 import numpy as np
 
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.radiance.function_pattern import DataPattern, FunctionPattern
-from clerestory.scene.model import (
-    BsdfSurface,
-    Glow,
-    Illum,
-    Light,
-    Material,
-    Patterned,
-    Scene,
-    Spotlight,
-)
+from clerestory.scene.material import Emitter, Material, colours, parts
+from clerestory.scene.model import BsdfSurface, Illum, Patterned, Scene
 from clerestory.scene.pattern import Pattern, Product
-
-SHINING = (Glow, Illum, Light, Spotlight)
 
 
 def channels_of(scene: Scene) -> int:
@@ -28,10 +16,9 @@ def channels_of(scene: Scene) -> int:
 
 def is_grey(material: Material) -> bool:
     """Whether a material treats all channels alike; what it sends does not count."""
-    if isinstance(material, SHINING):
+    if isinstance(material, Emitter):
         return not isinstance(material, Illum) or is_grey(material.alternate)
-    parts = [getattr(material, f.name) for f in fields(material)]
-    if any(isinstance(p, Material) and not is_grey(p) for p in parts):
+    if not all(is_grey(part) for part in parts(material)):
         return False
     if isinstance(material, Patterned) and not _is_grey_pattern(material.pattern):
         return False
@@ -39,14 +26,7 @@ def is_grey(material: Material) -> bool:
         material.bsdf.in_colour(name) for name in FUNCTIONS if material.bsdf.has(name)
     ):
         return False
-    colours = (
-        getattr(material, f.name)
-        for f in fields(material)
-        if f.name not in ("up", "roughness", "transform")
-    )
-    return all(
-        bool(np.ptp(colour) == 0) for colour in colours if np.shape(colour) == (3,)
-    )
+    return all(bool(np.ptp(colour) == 0) for colour in colours(material))
 
 
 def _is_grey_pattern(pattern: Pattern) -> bool:

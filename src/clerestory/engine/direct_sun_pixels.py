@@ -13,13 +13,13 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine import sampler
+from clerestory.engine.direct_sun_jobs import PixelSunJob
 from clerestory.engine.direct_sun_tracer import Place, SunWindow, on_disc, sunlight
 from clerestory.engine.radiance_tracers import PixelRays
 from clerestory.engine.sampler import points
-from clerestory.engine.sunlit import PixelSunJob
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.walk import offset
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 
 # Solid angle of the sun [sr] and one minus the cosine of its radius
 _DEPTH = 2 * float(np.sin(np.radians(0.533) / 4)) ** 2

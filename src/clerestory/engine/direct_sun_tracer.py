@@ -19,16 +19,16 @@ from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import sampler
-from clerestory.engine.bsdf_file import forward_table
+from clerestory.engine.direct_sun_jobs import BATCHES, SunJob
 from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.next_event_estimation import Draw
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.sampler import Points, points
-from clerestory.engine.sunlit import BATCHES, SunJob
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.walk import towards
 from clerestory.engine.windows import WindowTable, window_shapes
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 

@@ -15,10 +15,8 @@ from jaxtyping import Float
 from clerestory.engine.directional_map import DirectionalMap, map_directions
 from clerestory.engine.upload import on_device, vectors
 from clerestory.errors import InputError
-from clerestory.scene.model import Glow, Illum, Light, Spotlight
+from clerestory.scene.model import Emitter, Glow, Illum, Spotlight
 from clerestory.scene.tessellate import Mesh
-
-Emitter = Light | Glow | Illum | Spotlight
 
 # Cells along the edge of a pattern's table: 0.6° wide, for lamps of narrow beams
 _EDGE = 256

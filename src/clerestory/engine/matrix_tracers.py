@@ -12,9 +12,10 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, UInt64
 
-from clerestory.engine.estimate import MatrixJob
-from clerestory.engine.facade import FacadeJob
+from clerestory.engine.controller import MatrixJob
+from clerestory.engine.facade_jobs import FacadeJob
 from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.matrix_jobs import CoefficientsJob, DaylightJob, ViewJob
 from clerestory.engine.origin import middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.primary_rays import (
@@ -24,11 +25,10 @@ from clerestory.engine.primary_rays import (
     trace_window_patches,
 )
 from clerestory.engine.sampler import Points, points
-from clerestory.engine.traces import CoefficientsJob, DaylightJob, ViewJob
 from clerestory.engine.upload import launching
 from clerestory.engine.walk import Target
 from clerestory.engine.windows import window_shapes
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.errors import DeviceError
 
 # Streams of random numbers: errors of V and D must not agree

@@ -10,12 +10,12 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.engine import sampler
+from clerestory.engine.exiting_radiance import ExitingRadianceJob
 from clerestory.engine.next_event_estimation import Draw
-from clerestory.engine.outgoing import OutgoingJob
 from clerestory.engine.path_tracer import NOTHING, look
 from clerestory.engine.radiance_tracers import light_of, segments_of, tracer_of
 from clerestory.engine.upload import on_device, vectors
-from clerestory.engine.work import Tracer
+from clerestory.engine.work_units import Tracer
 
 # How far before the patch rays start [m]
 _BEFORE = 1e-3
@@ -27,7 +27,7 @@ _NEVER = 1e-20
 _PLACE = 0x40000
 
 
-def prepare_outgoing(job: OutgoingJob) -> Tracer:
+def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
     """Return what traces the radiance of directions of patches."""
     patches = job.patches
     origin = patches.corner.reshape(-1, 3).mean(axis=0)

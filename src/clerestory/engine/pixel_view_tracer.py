@@ -11,11 +11,11 @@ import numpy as np
 
 from clerestory.engine import sampler
 from clerestory.engine.lower import lower
+from clerestory.engine.matrix_jobs import PixelViewJob
 from clerestory.engine.matrix_tracers import matrix_tracer
 from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.radiance_tracers import PixelRays
 from clerestory.engine.sampler import Points
-from clerestory.engine.traces import PixelViewJob
 from clerestory.engine.walk import (
     CONNECTIONS,
     Target,
@@ -25,7 +25,7 @@ from clerestory.engine.walk import (
     towards,
     walk,
 )
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 
 # Streams of random numbers, apart from those of sensors and of window patches
 _WHOLE, _DIRECT = 0, 1

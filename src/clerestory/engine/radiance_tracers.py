@@ -16,7 +16,6 @@ from jaxtyping import Float
 from clerestory.engine import sampler
 from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.first_hit import seen_surface
-from clerestory.engine.lit import IrradianceJob, PictureJob
 from clerestory.engine.lower import lower
 from clerestory.engine.mirrors import Mirrors
 from clerestory.engine.next_event_estimation import Draw, LitScene
@@ -24,11 +23,12 @@ from clerestory.engine.path_guiding import guided
 from clerestory.engine.path_tracer import NOTHING, gather_at_sensor, look
 from clerestory.engine.pilot_paths import LOOKING, visit
 from clerestory.engine.portals import Portals, window_rectangles
+from clerestory.engine.radiance_jobs import IrradianceJob, PictureJob
 from clerestory.engine.sampler import points
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.sun_patches import sun_patches
 from clerestory.engine.upload import launching, on_device, vectors
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 

@@ -10,8 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.channels import channels_of
-from clerestory.engine.device import in_use
-from clerestory.engine.estimate import (
+from clerestory.engine.controller import (
     Effort,
     Estimate,
     MatrixJob,
@@ -20,6 +19,7 @@ from clerestory.engine.estimate import (
     estimate,
     variance,
 )
+from clerestory.engine.device import in_use
 from clerestory.engine.matrix_tracers import matrix_tracer
 from clerestory.engine.patches import PatchTable
 from clerestory.engine.primary_rays import Lanes
@@ -27,7 +27,7 @@ from clerestory.engine.sample_area import follow, lower_slab, start
 from clerestory.engine.sampler import Points
 from clerestory.engine.upload import on_device
 from clerestory.engine.walk import Target
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
 

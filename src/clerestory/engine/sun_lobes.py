@@ -18,8 +18,8 @@ from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
 from clerestory.engine import sampler
-from clerestory.engine.bsdf_file import Table, forward_table
 from clerestory.engine.distant_emitters import is_sun
+from clerestory.engine.materials.bsdf_file import Table, forward_table
 from clerestory.engine.sampler import points
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
 from clerestory.scene.surface import area_vectors

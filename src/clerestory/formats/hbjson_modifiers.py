@@ -10,7 +10,7 @@ import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.formats.json_item import Item
-from clerestory.scene.emitter import Glow, Light
+from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.model import Glass, Material, Metal, Mirror, Plastic, Trans
 
 # Reflectance or transmissivity of honeybee's generic modifiers

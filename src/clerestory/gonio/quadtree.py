@@ -9,13 +9,17 @@ measurement.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
-from clerestory.array_types import Directions, Indices, Mask, Values
+from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.shirley_chiu import square_from_disc
 
 # Halvings down to the smallest cell, 0.3° wide.
 FINEST = 9
+
+# Arrays over the cells of one level; levels differ in length
+_LevelValues = Float[np.ndarray, " _"]
+_LevelMask = Bool[np.ndarray, " _"]
 
 # Share of the mean value below which differences count less.
 _FLOOR = 1e-2
@@ -128,19 +132,19 @@ class Quadtree:
                 high = middle
         return self._leaves(worth, every[low] if low < len(every) else np.inf)
 
-    def _alive(self, worth: list[Values], threshold: float) -> list[Mask]:
+    def _alive(self, worth: list[_LevelValues], threshold: float) -> list[_LevelMask]:
         # Cells all of whose ancestors are halved
         alive = [np.ones(len(self._levels[0].code), dtype=bool)]
         for k, level in enumerate(self._levels[1:]):
             alive.append((alive[k] & (worth[k] >= threshold))[level.parent])
         return alive
 
-    def _size(self, worth: list[Values], threshold: float) -> int:
+    def _size(self, worth: list[_LevelValues], threshold: float) -> int:
         alive = self._alive(worth, threshold)
         halved = [a & (w >= threshold) for a, w in zip(alive, worth, strict=True)]
         return sum(int(a.sum() - h.sum()) for a, h in zip(alive, halved, strict=True))
 
-    def _leaves(self, worth: list[Values], threshold: float) -> Cells:
+    def _leaves(self, worth: list[_LevelValues], threshold: float) -> Cells:
         level, first = [], []
         for k, alive in enumerate(self._alive(worth, threshold)):
             leaf = alive & ~(worth[k] >= threshold)

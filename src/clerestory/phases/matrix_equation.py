@@ -20,7 +20,7 @@ from jaxtyping import Int
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis, sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_fit
-from clerestory.phases.pictures import SunPictures
+from clerestory.phases.picture_matrices import SunPictures
 from clerestory.phases.stored_views import Entries, StoredColumns
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sun_matrix import SunMatrix

@@ -15,14 +15,14 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
-from clerestory.engine.estimate import Effort, estimate_rows, row_blocks
-from clerestory.engine.traces import ViewJob, view_job
+from clerestory.engine.controller import Effort, estimate_rows, row_blocks
+from clerestory.engine.matrix_jobs import ViewJob, view_job
 from clerestory.matrix.axis import Axis, sensor_axis, unknown_axis, window_axis
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_store import BlockStore
 from clerestory.phases.pooled import FEW, pooled
-from clerestory.phases.store import BlockStore
-from clerestory.phases.trace import (
+from clerestory.phases.traced_matrices import (
     Progress,
     Tracing,
     matrix_effort,

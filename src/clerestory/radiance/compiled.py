@@ -14,12 +14,8 @@ import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
-from clerestory.radiance.statements import (
-    MODIFIER_KINDS,
-    SURFACE_KINDS,
-    Alias,
-    Primitive,
-)
+from clerestory.radiance.statements import MODIFIER_KINDS, SURFACE_KINDS, Alias
+from clerestory.scene.primitive import Primitive
 
 _OCTREE = (b"Radiance_octree", 4 * 8 + 251)
 _MESH = (b"Radiance_tmesh", 1 * 8 + 311)

@@ -14,7 +14,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.radiance.compiled import Reader
-from clerestory.radiance.statements import Alias, Primitive
+from clerestory.radiance.statements import Alias
+from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
 
 _VERTICES, _NORMALS, _COORDINATES = 1, 2, 4

@@ -21,11 +21,11 @@ from clerestory.radiance.statements import (
     Command,
     Directive,
     PolygonRun,
-    Primitive,
     Statement,
     parse_statements,
 )
 from clerestory.scene.model import Scene, Simple, TriangleMesh
+from clerestory.scene.primitive import Primitive
 
 
 @dataclass(frozen=True)

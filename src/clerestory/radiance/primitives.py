@@ -7,9 +7,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from clerestory.radiance.arguments import Arguments
-from clerestory.radiance.statements import Primitive
 from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
+from clerestory.scene.primitive import Arguments, Primitive
 
 # Radiance's FTINY: what is shorter has no length
 _TINY = 1e-6

@@ -11,19 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
+from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
-
-
-@dataclass(frozen=True, eq=False)
-class Primitive:
-    """`modifier kind name`, with its strings and real numbers."""
-
-    modifier: str
-    kind: str
-    name: str
-    strings: tuple[str, ...]
-    reals: tuple[float, ...]
-    line: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,10 +1,8 @@
 """The scene as plain values: materials, surfaces, distant sources.
 
-A surface names its material by a key of `Scene.materials`. Where a file defines a
-name twice, the later definition holds for the surfaces read after it, as in
-Radiance; both survive here, the later under a key of its own ("wall#2").
-
-Materials, emitters and surfaces have files of their own and are all found here.
+A surface names its material by a key of `Scene.materials`. Where a file defines a name
+twice, the later definition holds for the surfaces read after it, as in Radiance; the
+scene keeps both, the later under a key of its own ("wall#2").
 """
 
 from collections.abc import Mapping
@@ -15,32 +13,23 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
-from clerestory.scene.composite import (
-    BsdfSurface,
+from clerestory.scene.material import (
     Emitter,
-    Illum,
     Material,
-    Mirror,
-    Mixture,
-    Patterned,
-    Textured,
-    Void,
+    Source,
     insert_material,
+    parts,
     same_material,
 )
-from clerestory.scene.emitter import Glow, Light, Spotlight
-from clerestory.scene.material import (
-    Dielectric,
-    Glass,
-    Interface,
-    Metal,
-    Metal2,
-    Plastic,
-    Plastic2,
-    Source,
-    Trans,
-    Trans2,
-)
+from clerestory.scene.materials.bsdf_surface import BsdfSurface
+from clerestory.scene.materials.dielectric import Dielectric, Interface
+from clerestory.scene.materials.emitters import Glow, Illum, Light, Spotlight
+from clerestory.scene.materials.glass import Glass
+from clerestory.scene.materials.mirror import Mirror
+from clerestory.scene.materials.mixture import Mixture, Void
+from clerestory.scene.materials.modified import Patterned, Textured
+from clerestory.scene.materials.plastic import Metal, Plastic
+from clerestory.scene.materials.trans import Trans
 from clerestory.scene.surface import (
     Cone,
     DistantSource,
@@ -66,12 +55,10 @@ __all__ = [
     "Light",
     "Material",
     "Metal",
-    "Metal2",
     "Mirror",
     "Mixture",
     "Patterned",
     "Plastic",
-    "Plastic2",
     "Polygon",
     "Ring",
     "Scene",
@@ -82,7 +69,6 @@ __all__ = [
     "Surface",
     "Textured",
     "Trans",
-    "Trans2",
     "TriangleMesh",
     "Void",
     "insert_material",
@@ -106,7 +92,7 @@ class Scene:
     Raises
     ------
     InputError : a surface is made of a material that is not in the scene, or the up
-        vector of its BSDF stands upright on it
+        vector of its BSDF is along its normal
 
     Examples
     --------
@@ -152,28 +138,22 @@ class Scene:
 
 
 def _check_up(surface: Polygon | Ring, material: Material) -> None:
-    # The up vector of a BSDF, laid into the surface, must point somewhere
-    match material:
-        case Mixture():
-            _check_up(surface, material.foreground)
-            _check_up(surface, material.background)
-        case Textured():
-            _check_up(surface, material.base)
-        case Mirror(alternate=other) | Illum(alternate=other) if other is not None:
-            _check_up(surface, other)
-        case BsdfSurface():
-            normal = _normal(surface)
-            up = material.up @ material.transform
-            across = np.linalg.norm(np.cross(up, normal))
-            if across < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
-                source = surface.source
-                raise InputError(
-                    f'"{surface.name}": the up vector of BSDF "{material.name}" is'
-                    " along its normal; a vector that points up along the surface"
-                    " expected",
-                    file=source.file if source else None,
-                    line=source.line if source else None,
-                )
+    # The up vector of a BSDF must not be along the normal of a surface
+    for part in parts(material):
+        _check_up(surface, part)
+    if not isinstance(material, BsdfSurface):
+        return
+    normal = _normal(surface)
+    up = material.up @ material.transform
+    sine = np.linalg.norm(np.cross(up, normal))
+    if sine < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
+        source = surface.source
+        raise InputError(
+            f'"{surface.name}": the up vector of BSDF "{material.name}" is along its'
+            " normal; a vector that points up along the surface expected",
+            file=source.file if source else None,
+            line=source.line if source else None,
+        )
 
 
 def _normal(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:

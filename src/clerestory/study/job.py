@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from clerestory import __version__
-from clerestory.engine.work import Executor, Local
+from clerestory.engine.work_units import Executor, Local
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.store import Store, block_names
-from clerestory.phases.trace import Progress
+from clerestory.phases.matrix_store import Store, block_names
+from clerestory.phases.traced_matrices import Progress
 from clerestory.scene.model import Scene
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs

@@ -16,11 +16,11 @@ from time import perf_counter
 import numpy as np
 import xarray as xr
 
-from clerestory.engine.work import Executor
+from clerestory.engine.work_units import Executor
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
 from clerestory.phases.matrix_equation import Skies, States
-from clerestory.phases.store import MatrixStore
+from clerestory.phases.matrix_store import MatrixStore
 from clerestory.scene.scene_checks import check_scene
 from clerestory.study.annual_views import glare_function, study_views
 from clerestory.study.config import Study

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from clerestory.cluster.cluster import executor_at
-from clerestory.engine.foresight import Foreseen, Plan, foresee
+from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_store import MatrixStore, block_names
 from clerestory.phases.pooled import FEW
-from clerestory.phases.store import MatrixStore, block_names
-from clerestory.phases.trace import Progress
+from clerestory.phases.traced_matrices import Progress
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs, read_inputs
@@ -77,7 +77,7 @@ class StudyPlan:
     device: str
     workers: int
     matrices: tuple[PlannedMatrix, ...]
-    later: Foreseen
+    later: JobCost
     results: int
     scene: int
     streamed: int = 0
@@ -195,7 +195,7 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
         store = PlannedStore(MatrixStore(Path(out) / MATRIX_FOLDER), plan)
         for method in study.methods:
             inputs = _walk_through(study.with_method(method), store, plan)
-        return _planned(study, inputs, store, foresee(plan))
+        return _planned(study, inputs, store, estimate_costs(plan))
 
 
 def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
@@ -215,16 +215,16 @@ def _silent(_phase: str) -> Progress:
 
 
 def _planned(
-    study: Study, inputs: Inputs, store: PlannedStore, foreseen: Sequence[Foreseen]
+    study: Study, inputs: Inputs, store: PlannedStore, foreseen: Sequence[JobCost]
 ) -> StudyPlan:
     found, place = [], store.plan.place
     for entry in store.entries:
         cost = _together([foreseen[number] for number in entry.jobs])
         left = 1 - entry.kept
-        cost = Foreseen(round(cost.paths * left), cost.seconds * left)
+        cost = JobCost(round(cost.paths * left), cost.seconds * left)
         for file, matrix in zip(entry.files, entry.matrices, strict=True):
             found.append(_matrix(file, matrix, cost, entry))
-            cost = Foreseen(cost.paths, 0.0)
+            cost = JobCost(cost.paths, 0.0)
     within = {number for entry in store.entries for number in entry.jobs}
     later = [each for n, each in enumerate(foreseen) if n not in within]
     steps = len(inputs.weather.times)
@@ -255,12 +255,12 @@ def _leaving(entry: _Entry, steps: int) -> int:
     return int(4 * channels * patches * (2 * FEW + 1) * steps // 2)
 
 
-def _together(parts: Sequence[Foreseen]) -> Foreseen:
-    return Foreseen(sum(p.paths for p in parts), sum(p.seconds for p in parts))
+def _together(parts: Sequence[JobCost]) -> JobCost:
+    return JobCost(sum(p.paths for p in parts), sum(p.seconds for p in parts))
 
 
 def _matrix(
-    file: str, matrix: TransferMatrix, cost: Foreseen, entry: _Entry
+    file: str, matrix: TransferMatrix, cost: JobCost, entry: _Entry
 ) -> PlannedMatrix:
     parts = (matrix.values, matrix.components)
     return PlannedMatrix(

@@ -14,7 +14,7 @@ import numpy as np
 from clerestory import __version__
 from clerestory.errors import InputError
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.facade import facade_daylight, facade_matrices
+from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import (
     MatrixChain,
@@ -25,8 +25,8 @@ from clerestory.phases.matrix_equation import (
 from clerestory.phases.methods import METHODS
 from clerestory.phases.pooled import with_few_components
 from clerestory.phases.stored_views import StoredColumns, store_views, stored_columns
-from clerestory.phases.sun import blackened, sun_coefficients
-from clerestory.phases.trace import (
+from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.traced_matrices import (
     daylight_coefficients,
     daylight_matrices,
     daylight_matrix,

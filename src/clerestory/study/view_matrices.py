@@ -24,14 +24,14 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
 )
 from clerestory.phases.methods import METHODS
-from clerestory.phases.picture_series import pictures_over_time
-from clerestory.phases.pictures import (
+from clerestory.phases.picture_matrices import (
     Camera,
     SunPictures,
     picture_sun_coefficients,
     picture_view_matrices,
     sun_pictures,
 )
+from clerestory.phases.picture_series import pictures_over_time
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, STATE, SUN, Job
 from clerestory.study.study_matrices import StudyMatrices

@@ -9,7 +9,6 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis, unknown_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.pooled import pooled
 from clerestory.phases.illuminance import illuminance
 from clerestory.phases.matrix_equation import (
     Skies,
@@ -17,8 +16,9 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
     window_chain,
 )
+from clerestory.phases.matrix_store import MatrixStore
 from clerestory.phases.methods import three_phase_sum
-from clerestory.phases.store import MatrixStore
+from clerestory.phases.pooled import pooled
 from clerestory.phases.stored_views import StoredColumns, StoredViews
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather

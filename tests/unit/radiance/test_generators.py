@@ -12,7 +12,8 @@ from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.radiance.generators.catalogue import GENERATORS, generate
 from clerestory.radiance.generators.command_arguments import Words
 from clerestory.radiance.generators.sun_place import read_moment
-from clerestory.radiance.statements import Primitive, parse_statements
+from clerestory.radiance.statements import parse_statements
+from clerestory.scene.primitive import Primitive
 
 
 def primitives(command):

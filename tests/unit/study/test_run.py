@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from clerestory.errors import ClerestoryWarning, InputError, OutputError
-from clerestory.phases.store import MatrixStore
+from clerestory.phases.matrix_store import MatrixStore
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study

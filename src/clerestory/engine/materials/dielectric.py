@@ -21,6 +21,9 @@ from clerestory.engine.materials.properties import colour, number
 _DARKEST = 1e-40
 
 
+PLUGIN = "radiance_dielectric"
+
+
 def define() -> type:
     """Return the plugin's class for the current variant."""
 

@@ -10,6 +10,10 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import Paint
+from clerestory.engine.pattern_code import multiplier
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_glass"
 
 
 def define() -> type:
@@ -103,3 +107,8 @@ def define() -> type:
             return f"RadianceGlass[{self.paint.colour}, {self.index}]"
 
     return RadianceGlass
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour (`pattern`)."""
+    made.paint.pattern = multiplier(pattern, origin)

@@ -7,6 +7,10 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import Paint
+from clerestory.engine.pattern_code import multiplier
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_mirror"
 
 
 def define() -> type:
@@ -49,3 +53,8 @@ def define() -> type:
             return f"RadianceMirror[{self.paint.colour}]"
 
     return RadianceMirror
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour (`pattern`)."""
+    made.paint.pattern = multiplier(pattern, origin)

@@ -10,6 +10,10 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import number
+from clerestory.engine.pattern_code import share
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_mixture"
 
 
 def define() -> type:
@@ -91,3 +95,8 @@ def define() -> type:
             return f"RadianceMixture[{self.foreground}, {self.background}]"
 
     return RadianceMixture
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the share of the foreground (`amount`)."""
+    made.pattern = share(pattern, origin)

@@ -16,9 +16,12 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
-from clerestory.engine.materials.credit import credited, only_glossy
-from clerestory.engine.materials.highlight import Highlight
+from clerestory.engine.materials.glossy_share import credited, only_glossy
+from clerestory.engine.materials.highlight import Highlight, vary_highlight
 from clerestory.engine.materials.properties import Paint, number
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_plastic"
 
 
 def define() -> type:
@@ -134,3 +137,8 @@ def define() -> type:
             return f"RadiancePlastic[{self.paint.colour}, {self.specularity}]"
 
     return RadiancePlastic
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour (`pattern`) or the highlight's axis (`up`)."""
+    vary_highlight(made, name, pattern, origin)

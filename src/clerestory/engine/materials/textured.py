@@ -12,6 +12,11 @@ Reference: G. Ward, Radiance, src/rt/raytrace.c (raynormal).
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.pattern_code import perturbation
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_textured"
+
 
 def define() -> type:
     """Return the plugin's class for the current variant."""
@@ -91,13 +96,6 @@ def define() -> type:
     return RadianceTextured
 
 
-def plugin(base: "mi.BSDF", added) -> "mi.BSDF":
-    """Return a material that a function of the interaction bends the normal of.
-
-    Parameters
-    ----------
-    added : returns the vector of the scene that is added to the unit normal
-    """
-    made = mi.load_dict({"type": "radiance_textured", "base": base})
-    made.added = added
-    return made
+def vary(made, name: str, texture: Pattern, origin) -> None:
+    """Let a function perturb the normal (`texture`)."""
+    made.added = perturbation(texture, origin)

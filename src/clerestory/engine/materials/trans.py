@@ -12,9 +12,12 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
-from clerestory.engine.materials.credit import credited
-from clerestory.engine.materials.highlight import Highlight
+from clerestory.engine.materials.glossy_share import credited
+from clerestory.engine.materials.highlight import Highlight, vary_highlight
 from clerestory.engine.materials.properties import Paint, number
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_trans"
 
 
 def define() -> type:
@@ -200,3 +203,8 @@ def define() -> type:
             return f"RadianceTrans[{self.paint.colour}, {self.transmission}]"
 
     return RadianceTrans
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour (`pattern`) or the highlight's axis (`up`)."""
+    vary_highlight(made, name, pattern, origin)

@@ -15,7 +15,7 @@ from clerestory.formats.photometry.shining import (
     faces,
     shining_surfaces,
 )
-from clerestory.scene.emitter import Light
+from clerestory.scene.materials.emitters import Light
 from clerestory.scene.model import Cone, Polygon, Ring, Scene, Sphere
 from clerestory.scene.surface import area_vectors
 from clerestory.scene.transform import Transform

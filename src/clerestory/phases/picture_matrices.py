@@ -1,0 +1,218 @@
+"""Pictures by matrices: view matrices of pixels, and direct suns.
+
+    V      pixels × interior patches   picture_view_matrices
+    V_d    the same, direct            picture_view_matrices(direct=True)
+    C_ds   pixels × suns               picture_sun_coefficients
+
+Their products with skies are in `picture_series`. Coefficients are radiance per unit
+radiance of patches, and radiance per direct normal irradiance of suns [1/sr]. In the
+direct parts light reaches the eye from a window itself or from the one surface that it
+shines on: C_F-ds and C_R-ds of the extended five-phase method are one matrix here, as
+V_d times both material maps is.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypedDict, Unpack
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine.device import Device
+from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
+from clerestory.engine.matrix_jobs import trace_pixel_view
+from clerestory.engine.work_units import Executor, Goal, Local
+from clerestory.errors import InputError
+from clerestory.image.picture import Picture
+from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.sun_coefficients import check_window
+from clerestory.phases.traced_matrices import (
+    Progress,
+    Tracing,
+    matrix_effort,
+    warn_if_short,
+)
+from clerestory.scene.model import Scene
+from clerestory.scene.view import View
+from clerestory.scene.window import Window
+
+# Batches of a pixel: enough to judge its error, few enough for memory
+_BATCHES = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A view and the size of its picture.
+
+    Raises
+    ------
+    InputError : no pixels, or too many of them
+    """
+
+    view: View
+    columns: int
+    rows: int
+
+    def __post_init__(self) -> None:
+        if self.columns < 1 or self.rows < 1 or len(self) > 1 << 24:
+            raise InputError(
+                f"a picture of {self.columns} × {self.rows} pixels; 1 to 2^24 expected"
+            )
+
+    def __len__(self) -> int:
+        return self.columns * self.rows
+
+    def picture(self, radiance: Float[np.ndarray, "3 pixel"], *header: str) -> Picture:
+        """Return the picture with the given radiance of its pixels."""
+        pixels = np.moveaxis(radiance, 0, -1).reshape(self.rows, self.columns, 3)
+        return Picture(pixels.astype(np.float32), view=self.view, header=header)
+
+
+def picture_view_matrices(
+    scene: Scene,
+    windows: Sequence[Window],
+    camera: Camera,
+    *,
+    direct: bool = False,
+    **tracing: Unpack[Tracing],
+) -> dict[str, TransferMatrix]:
+    """View matrices of a picture by window name: radiance of pixels per patch's.
+
+    Parameters
+    ----------
+    scene : what light meets on its way from the windows to the eye, without them
+    windows : polygons whose front faces the room
+    direct : V_d instead of V: nothing but the windows, and what they shine on
+    samples : paths per pixel
+    relative_error : instead of samples: root mean square of the pixels' standard
+        errors to reach under windows of uniform radiance, over their mean
+    bounces : most diffuse reflections, as Radiance's -ab; no limit by default
+
+    The other parameters are those of `view_matrix`.
+    """
+    names = [window.name for window in windows]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"windows {names}; at least one, and different names expected")
+    effort = replace(matrix_effort(**tracing), batches=_BATCHES, components=False)
+    estimate = trace_pixel_view(
+        scene,
+        tuple(windows),
+        camera.view,
+        camera.columns,
+        camera.rows,
+        effort,
+        direct=direct,
+    )
+    warn_if_short(estimate, "view matrix of the picture", effort)
+    found, first = {}, 0
+    for window in windows:
+        columns = window_axis("interior", window.partition, window.name)
+        part = estimate.values[:, :, first : first + columns.size]
+        values = _three(part.astype(np.float32))
+        found[window.name] = TransferMatrix(values, pixel_axis(len(camera)), columns)
+        first += columns.size
+    return found
+
+
+class SunTracing(TypedDict, total=False):
+    """Keywords of tracing a sun for pictures; see `sun_coefficients`."""
+
+    peak: bool
+    samples: int
+    seed: int
+    device: Device
+    executor: Executor | None
+    progress: Progress | None
+
+
+SunPictures = Callable[
+    [Int[np.ndarray, " sun"]], Float[np.ndarray, "channel pixel sun"]
+]
+
+
+def sun_pictures(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    camera: Camera,
+    *,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    samples: int = 16,
+    seed: int = 0,
+    device: Device = "auto",
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> SunPictures:
+    """Return a function that traces direct-sun coefficients of a picture when asked.
+
+    It takes numbers of suns and returns their coefficients; see
+    `picture_sun_coefficients`. A year has thousands of suns, more than memory holds.
+    """
+    number = check_window(windows, window, bsdf, suns, samples)
+    behind = suns @ windows[number].frame.normal < 0
+    where = executor or Local()
+    job = PixelSunJob(
+        scene,
+        tuple(windows),
+        number,
+        bsdf,
+        camera.view,
+        camera.columns,
+        camera.rows,
+        suns,
+        peak=peak,
+        samples=samples,
+        seed=seed,
+        device=where.resolve(device),
+    )
+
+    # Nothing is traced yet, but a plan takes note
+    accepted = where.accepts(job, Goal(samples))
+
+    def coefficients(asked: np.ndarray) -> np.ndarray:
+        shape = 3, len(camera), len(asked)
+        if not accepted:
+            return np.broadcast_to(np.float32(0), shape)
+        values = np.zeros(shape, np.float32)
+        lit = behind[asked]
+        if lit.any():
+            chosen = asked[lit]
+            values[..., lit] = trace_pixel_sun(
+                job, chosen, executor=where, progress=progress
+            )
+        return values
+
+    return coefficients
+
+
+def picture_sun_coefficients(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    camera: Camera,
+    *,
+    suns: Float[np.ndarray, "sun 3"],
+    **tracing: Unpack[SunTracing],
+) -> TransferMatrix:
+    """Direct-sun coefficients of a picture: radiance per normal irradiance [1/sr].
+
+    What the window shows of the sun (C_F-ds) and what the room's surfaces reflect of
+    it (C_R-ds). See `sun_coefficients` for the parameters.
+
+    Parameters
+    ----------
+    samples : paths per pixel and sun
+    """
+    trace = sun_pictures(scene, windows, window, bsdf, camera, suns=suns, **tracing)
+    values = trace(np.arange(len(suns)))
+    return TransferMatrix(values, pixel_axis(len(camera)), sun_axis(len(suns)))
+
+
+def _three(values: Float[np.ndarray, "channel row column"]) -> np.ndarray:
+    # Pictures have three channels; grey rooms have three equal ones
+    return np.broadcast_to(values, (3, *values.shape[1:]))
