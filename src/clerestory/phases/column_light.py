@@ -107,7 +107,8 @@ class SunLight:
         if channels == 1:
             weights = weights.sum(axis=1, keepdims=True)
         light = np.einsum("oc,lcrs->sorl", weights.astype(np.float32), matrix)
-        found = self.normal.astype(np.float32).T @ light.reshape(suns, -1)
+        flat = light.reshape(suns, len(weights) * rows * layers)
+        found = self.normal.astype(np.float32).T @ flat
         shape = found.shape[0], len(weights), rows, layers
         return np.ascontiguousarray(found.reshape(shape).T.swapaxes(1, 2))
 

@@ -76,6 +76,9 @@ METHODS: dict[MethodName, PhaseMethod] = {
     "6-phase": PhaseMethod("four_phase", facade=True, correction="always"),
 }
 
+THREE_PHASE = METHODS["3-phase"].terms(corrected=False)
+FIVE_PHASE = METHODS["5-phase"].terms(corrected=True)
+
 
 def two_phase(
     coefficients: TransferMatrix, sky: SkyMatrix, *, progress: Progress | None = None
@@ -138,8 +141,7 @@ def three_phase_sum(
     ------
     MatrixError : matrices do not fit each other, or states that do not exist
     """
-    terms = METHODS["3-phase"].terms(corrected=False)
-    return illuminance(windows, terms, Skies(sky), states, progress=progress)
+    return illuminance(windows, THREE_PHASE, Skies(sky), states, progress=progress)
 
 
 def five_phase(
@@ -173,6 +175,5 @@ def five_phase(
     ------
     MatrixError : matrices do not fit each other, or skies have different times
     """
-    terms = METHODS["5-phase"].terms(corrected=True)
     skies = Skies(sky, sun_in_patches, suns)
-    return illuminance(windows, terms, skies, states, progress=progress)
+    return illuminance(windows, FIVE_PHASE, skies, states, progress=progress)
