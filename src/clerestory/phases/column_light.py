@@ -216,8 +216,8 @@ def _layers(matrix: TransferMatrix, *, errors: bool) -> Layers:
 
 
 def _arriving(
-    daylight: Layers, sky: SkyMatrix, weights: Float[np.ndarray, "channel band"]
-) -> Float32[np.ndarray, "layer channel outer step"]:
+    daylight: Layers, sky: SkyMatrix, weights: Weights
+) -> Float32[np.ndarray, "layer out outer step"]:
     # D S, by channel; one channel carries all weights
     layers, _, outer, _ = daylight.shape
     shape = layers, outer, len(sky.times)

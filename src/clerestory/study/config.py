@@ -43,7 +43,7 @@ from clerestory.study.config_tables import (
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.window_tables import WindowTable
 
-_METHODS = ", ".join(f'"{name}"' for name in METHODS)
+_METHODS = " or".join(", ".join(f'"{name}"' for name in METHODS).rsplit(",", 1))
 
 
 def _methods(value: Any) -> Any:

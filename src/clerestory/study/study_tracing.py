@@ -9,9 +9,6 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
-from clerestory import __version__
 from clerestory.errors import InputError
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
@@ -25,22 +22,22 @@ from clerestory.phases.matrix_equation import (
 from clerestory.phases.methods import METHODS
 from clerestory.phases.pooled import with_few_components
 from clerestory.phases.stored_views import StoredColumns, store_views, stored_columns
-from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.sun_coefficients import blackened
 from clerestory.phases.traced_matrices import (
-    daylight_coefficients,
     daylight_matrices,
     daylight_matrix,
     view_matrices,
 )
-from clerestory.scene.model import BsdfSurface, Plastic, Scene
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.study.config import Study
-from clerestory.study.job import COEFFICIENTS, DIRECT, STATE, SUN, Job
+from clerestory.study.job import DIRECT, STATE, Job
+from clerestory.study.kept_matrices import kept, kept_together
 from clerestory.study.memory_size import is_stored, most_sensors
+from clerestory.study.study_coefficients import coefficients, direct_suns
 from clerestory.study.study_matrices import StudyMatrices
-from clerestory.study.window_groups import WindowGroup
+from clerestory.study.window_groups import WindowGroup, state_label
 
 # Random numbers of façade matrices and of the daylight matrices of their ports
 FACADE, PORTS = 0x100000, 0x200000
@@ -90,12 +87,15 @@ def trace_study(job: Job) -> StudyMatrices:
             " does not know direct light; the sun at its exact place expected"
         )
     suns = study_suns(study, job.inputs.weather)
-    black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
-    make = partial(_window_chains, stored=stored) if method.windows else _coefficients
+    black = job
+    if job.inputs.groups:
+        # Windows scatter direct light, and all else is black
+        black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
+    make = partial(_window_chains, stored=stored) if method.windows else coefficients
     whole = make(job, direct=False)
     none: list[MatrixChain | None] = [None] * len(whole)
     dark = make(black, direct=True) if direct else none
-    sun = _suns(black, suns) if suns is not None else none
+    sun = direct_suns(black, suns) if suns is not None else none
     windows = tuple(map(WindowMatrices, whole, dark, sun))
     terms = method.terms(corrected=study.corrected)
     if not stored:
@@ -130,24 +130,18 @@ def _view_options(job: Job, *, direct: bool) -> dict[str, Any]:
 
 
 def _views(job: Job, *, direct: bool) -> list[TransferMatrix]:
-    sensors, options = job.inputs.sensors(), _view_options(job, direct=direct)
-    groups: Sequence[WindowGroup] = job.inputs.groups
-    inner = {f"{_prefix(direct)}view-{group.name}": group.inner for group in groups}
-    key = fingerprint("view", job.scene_key, list(inner.values()), sensors, options)
-
-    def make() -> dict[str, TransferMatrix]:
-        traced = view_matrices(
-            job.scene,
-            list(inner.values()),
-            sensors=sensors,
-            executor=job.executor,
-            progress=job.display(f"{_prefix(direct)}view matrices"),
-            **options,
-        )
-        return {name: traced[window.name] for name, window in inner.items()}
-
-    kept = job.matrices(list(inner), key, make)
-    return [kept[name] for name in inner]
+    sensors, prefix = job.inputs.sensors(), _prefix(direct)
+    windows = [group.inner for group in job.inputs.groups]
+    found = kept_together(
+        job,
+        f"{prefix}view",
+        windows,
+        partial(view_matrices, job.scene, windows, sensors=sensors),
+        ("view", job.scene_key, windows, sensors),
+        _view_options(job, direct=direct),
+        shown=f"{prefix}view matrices",
+    )
+    return list(found.values())
 
 
 def _stored_views(job: Job, *, direct: bool) -> Sequence[StoredColumns]:
@@ -171,7 +165,6 @@ def _daylight(
     job: Job, group: WindowGroup, number: int, *, direct: bool
 ) -> list[TransferMatrix]:
     # D, shared by all states, or F D of each of them
-    options: dict[str, Any] = {"bounces": 0} if direct else {}
     if METHODS[job.study.method].facade and group.ports:
         D = _port_daylight(job, group, number, direct=direct)
         return [
@@ -179,188 +172,55 @@ def _daylight(
             for at in range(len(group.states))
         ]
     # Each window has a seed of its own, apart from that of the view matrices
-    options = job.options(stream=1 + number + DIRECT * direct) | options
+    options = _outside_options(job, 1 + number, direct=direct)
     options["subdivision"] = job.study.sky.subdivision
-    key = fingerprint("daylight", job.scene_key, group.outer, options)
-    name = f"{_prefix(direct)}daylight-{group.name}"
+    matrix = kept(
+        job,
+        f"{_prefix(direct)}daylight-{group.name}",
+        partial(daylight_matrix, job.scene, group.outer),
+        ("daylight", job.scene_key, group.outer),
+        options,
+        shown=f"{_prefix(direct)}daylight matrix of {group.name}",
+    )
+    return [matrix]
 
-    def make() -> TransferMatrix:
-        progress = job.display(f"{_prefix(direct)}daylight matrix of {group.name}")
-        return daylight_matrix(
-            job.scene,
-            group.outer,
-            executor=job.executor,
-            progress=progress,
-            **options,
-        )
 
-    return [job.matrix(name, key, make)]
+def _outside_options(job: Job, stream: int, *, direct: bool) -> dict[str, Any]:
+    options = job.options(stream + DIRECT * direct)
+    if direct:
+        options["bounces"] = 0
+    return options
 
 
 def _port_daylight(
     job: Job, group: WindowGroup, number: int, *, direct: bool
 ) -> dict[str, TransferMatrix]:
     # D of each port, without the shade before the window
-    options = job.options(stream=PORTS + STATE * number + DIRECT * direct)
-    if direct:
-        options["bounces"] = 0
+    options = _outside_options(job, PORTS + STATE * number, direct=direct)
     options["subdivision"] = job.study.sky.subdivision
-    ports = {f"{_prefix(direct)}daylight-{group.name}-{p.name}": p for p in group.ports}
-    key = fingerprint("ports", job.scene_key, list(ports.values()), options)
-
-    def make() -> dict[str, TransferMatrix]:
-        traced = daylight_matrices(
-            job.scene,
-            list(ports.values()),
-            executor=job.executor,
-            progress=job.display(
-                f"{_prefix(direct)}daylight matrices of the ports of {group.name}"
-            ),
-            **options,
-        )
-        return {name: traced[port.name] for name, port in ports.items()}
-
-    kept = job.matrices(list(ports), key, make)
-    return {port.name: kept[name] for name, port in ports.items()}
+    return kept_together(
+        job,
+        f"{_prefix(direct)}daylight-{group.name}",
+        group.ports,
+        partial(daylight_matrices, job.scene, group.ports),
+        ("ports", job.scene_key, group.ports),
+        options,
+        shown=f"{_prefix(direct)}daylight matrices of the ports of {group.name}",
+    )
 
 
 def _facade(
     job: Job, group: WindowGroup, number: int, at: int, *, direct: bool
 ) -> dict[str, TransferMatrix]:
     # F of each port, through one state of the exterior shade
-    state = group.states[at]
-    options = job.options(stream=FACADE + number + STATE * at + DIRECT * direct)
-    if direct:
-        options["bounces"] = 0
-    shade = blackened(state.shade) if direct else state.shade
-    label = f"{_prefix(direct)}facade-{_label(group, at)}"
-    ports = {f"{label}-{port.name}": port for port in group.ports}
-    key = fingerprint(
-        "facade", job.scene_key, shade, group.outer, list(ports.values()), options
+    shade, label = group.states[at].shade, state_label(group, at)
+    scene = job.scene + (blackened(shade) if direct else shade)
+    return kept_together(
+        job,
+        f"{_prefix(direct)}facade-{label}",
+        group.ports,
+        partial(facade_matrices, scene, group.outer, group.ports),
+        ("facade", job.scene_key, shade, group.outer, group.ports),
+        _outside_options(job, FACADE + number + STATE * at, direct=direct),
+        shown=f"{_prefix(direct)}façade matrices of {label}",
     )
-
-    def make() -> dict[str, TransferMatrix]:
-        traced = facade_matrices(
-            job.scene + shade,
-            group.outer,
-            list(ports.values()),
-            executor=job.executor,
-            progress=job.display(f"{_prefix(direct)}façade matrices of {label}"),
-            **options,
-        )
-        return {name: traced[port.name] for name, port in ports.items()}
-
-    kept = job.matrices(list(ports), key, make)
-    return {port.name: kept[name] for name, port in ports.items()}
-
-
-def _label(group: WindowGroup, at: int) -> str:
-    return "-".join(filter(None, (group.name, group.states[at].name)))
-
-
-def _suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
-    # C_ds of each window in each of its states
-    return [
-        MatrixChain(
-            tuple(_sun(job, group, number, at, suns) for at in range(len(group.states)))
-        )
-        for number, group in enumerate(job.inputs.groups)
-    ]
-
-
-def _sun(
-    job: Job, group: WindowGroup, number: int, at: int, suns: SunMatrix
-) -> TransferMatrix:
-    chosen, sensors = group.states[at], job.inputs.sensors()
-    windows = [each.inner for each in job.inputs.groups]
-    scene, scene_key = job.scene, job.scene_key
-    if METHODS[job.study.method].facade and chosen.shade.surfaces:
-        scene = scene + blackened(chosen.shade)
-        scene_key = fingerprint(__version__, scene)
-    options: dict[str, Any] = {
-        "samples": job.study.sun.samples,
-        "peak": chosen.peak,
-        "seed": job.seed(SUN + number + STATE * at),
-        "device": job.device,
-    }
-    key = fingerprint(
-        "sun", scene_key, windows, number, chosen.fine, sensors, suns.directions,
-        options,
-    )  # fmt: skip
-    label = _label(group, at)
-
-    def make() -> TransferMatrix:
-        return sun_coefficients(
-            scene,
-            windows,
-            group.name,
-            chosen.fine,
-            sensors=sensors,
-            suns=suns.directions,
-            executor=job.executor,
-            progress=job.display(f"direct sun through {label}"),
-            **options,
-        )
-
-    return job.matrix(f"sun-{label}", key, make)
-
-
-def _coefficients(job: Job, *, direct: bool) -> list[MatrixChain]:
-    # Two-phase method: light passes one window group at a time, a surface of its BSDF,
-    # while the others are black; the sum over the groups is the room's. What the own
-    # shade reflects back into the room is part of it, what the others' reflect is not
-    groups = job.inputs.groups
-    if not groups:
-        matrix = _traced(job, job.scene, "coefficients", 0, direct=direct)
-        return [MatrixChain((matrix,))]
-    return [
-        MatrixChain(
-            tuple(
-                _state_coefficients(job, number, at, direct=direct)
-                for at in range(len(group.states))
-            )
-        )
-        for number, group in enumerate(groups)
-    ]
-
-
-def _state_coefficients(
-    job: Job, number: int, at: int, *, direct: bool
-) -> TransferMatrix:
-    # The scene with one window in one state, and the others black
-    groups = job.inputs.groups
-    chosen, state = groups[number], groups[number].states[at]
-    up = chosen.inner.frame.up
-    shade = BsdfSurface("window shade", state.fine, 0.0, up, peak=state.peak)
-    black = Plastic("window black", np.zeros(3))
-    surfaces = [
-        replace(polygon, material=shade.name if each is chosen else black.name)
-        for each in groups
-        for polygon in each.inner.polygons
-    ]
-    panes = Scene({shade.name: shade, black.name: black}, tuple(surfaces))
-    name = f"coefficients-{_label(chosen, at)}"
-    stream = COEFFICIENTS + number + STATE * at
-    return _traced(job, job.scene + panes, name, stream, direct=direct)
-
-
-def _traced(
-    job: Job, scene: Scene, name: str, stream: int, *, direct: bool
-) -> TransferMatrix:
-    sensors, options = job.inputs.sensors(), job.options(stream + DIRECT * direct)
-    options["subdivision"] = job.study.sky.subdivision
-    scene_key = job.scene_key if scene is job.scene else fingerprint(__version__, scene)
-    key = fingerprint("coefficients", scene_key, sensors, options)
-    name = _prefix(direct) + name
-
-    def make() -> TransferMatrix:
-        progress = job.display(name.replace("coefficients", "daylight coefficients"))
-        return daylight_coefficients(
-            scene,
-            sensors=sensors,
-            executor=job.executor,
-            progress=progress,
-            **options,
-        )
-
-    return job.matrix(name, key, make)

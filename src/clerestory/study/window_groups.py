@@ -76,6 +76,11 @@ class WindowGroup:
         return [state.name for state in self.states].index(choice)
 
 
+def state_label(group: WindowGroup, at: int) -> str:
+    """Return what files and displays call one state of a window group."""
+    return "-".join(filter(None, (group.name, group.states[at].name)))
+
+
 def read_window_groups(table: WindowTable) -> list[WindowGroup]:
     """Return one group for each modifier in the window's file, all with the same BSDFs.
 
