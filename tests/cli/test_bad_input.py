@@ -84,10 +84,10 @@ BAD = {
     ),
     "not a BSDF": (write("diffuser.xml", "<a/>"), "bsdf info diffuser.xml", "diffuser"),
     "missing BSDF": (nothing, "bsdf info no.xml", "no.xml: cannot be read"),
-    "weather of unknown kind": (
+    "weather of unknown format": (
         write("two_days.wea", "rain\n"),
         "run study.toml",
-        "two_days.wea:1: unknown kind of weather file",
+        "two_days.wea:1: unknown format of weather file",
     ),
     "weather with a word": (
         spoil("two_days.wea", "6 20 5.500", "6 20 five"),

@@ -15,7 +15,13 @@ from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
 from clerestory.files import write_text
-from clerestory.metrics.daylight_autonomy import continuous_autonomy, daylight_autonomy
+from clerestory.metrics.climate_based_metrics import (
+    USEFUL_RANGES,
+    continuous_autonomy,
+    daylight_autonomy,
+    light_exposure,
+    useful_illuminance,
+)
 from clerestory.metrics.en17037 import (
     GLARE_SHARE,
     LEVELS,
@@ -30,7 +36,6 @@ from clerestory.metrics.honeybee import (
     write_honeybee,
 )
 from clerestory.metrics.leed import simulated_daylight
-from clerestory.metrics.light_exposure import light_exposure
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.spatial_metrics import (
     RoomShare,
@@ -38,7 +43,6 @@ from clerestory.metrics.spatial_metrics import (
     spatial_autonomy,
     sunlight_exposure,
 )
-from clerestory.metrics.useful_illuminance import BANDS, useful_illuminance
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.results import read_results
 
@@ -140,7 +144,7 @@ def metrics(
 
 _HEAD = (
     "grid,sensor,daylight autonomy [%],continuous autonomy [%],"
-    + ",".join(f"{band} [%]" for band in BANDS)
+    + ",".join(f"{band} [%]" for band in USEFUL_RANGES)
     + ",light exposure [lux h]"
 )
 

@@ -28,8 +28,7 @@ from clerestory.cli.sky_options import (
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.sky.gensky import cie_sky
-from clerestory.sky.perez_moment import perez_moment
-from clerestory.sky.point_sky import sky_vector
+from clerestory.sky.point_sky import perez_moment, sky_vector
 from clerestory.sky.sky_conditions import daylight_steps
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import patch_suns, sun_matrix

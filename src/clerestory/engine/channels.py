@@ -3,7 +3,7 @@
 import numpy as np
 
 from clerestory.bsdf.scattering_function import FUNCTIONS
-from clerestory.radiance.function_pattern import DataPattern, FunctionPattern
+from clerestory.radiance.function_pattern import FunctionPattern
 from clerestory.scene.material import Emitter, Material, colours, parts
 from clerestory.scene.model import BsdfSurface, Illum, Patterned, Scene
 from clerestory.scene.pattern import Pattern, Product
@@ -33,8 +33,6 @@ def _is_grey_pattern(pattern: Pattern) -> bool:
     match pattern:
         case FunctionPattern():
             return len(pattern.expressions) == 1
-        case DataPattern():
-            return len(pattern.functions) == 1
         case Product():
             return all(_is_grey_pattern(factor) for factor in pattern.factors)
         case _:

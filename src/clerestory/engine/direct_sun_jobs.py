@@ -12,8 +12,8 @@ from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.channels import channels_of
-from clerestory.engine.controller import Progress
 from clerestory.engine.work_units import Executor, Goal, Local, Unit, evenly_spaced
+from clerestory.progress import Progress
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -102,7 +102,7 @@ class UnscatteredJob:
     @property
     def samples(self) -> int:
         """Rays of a sensor and a column."""
-        return self.directions.shape[1]
+        return int(self.directions.shape[1])
 
     @property
     def points(self) -> int:

@@ -21,7 +21,7 @@ from clerestory.phases.matrix_equation import (
     chains,
     receivers,
 )
-from clerestory.phases.traced_matrices import Progress
+from clerestory.progress import Progress
 
 # Sensors and steps of a chunk of the results in a file
 _CHUNK = 256, 730

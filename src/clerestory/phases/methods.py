@@ -31,7 +31,7 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
     window_chain,
 )
-from clerestory.phases.traced_matrices import Progress
+from clerestory.progress import Progress
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sun_matrix import SunMatrix
 

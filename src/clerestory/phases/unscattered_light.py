@@ -19,7 +19,7 @@ from clerestory.engine.work_units import Executor, Local
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
 from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.traced_matrices import Progress
+from clerestory.progress import Progress
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 

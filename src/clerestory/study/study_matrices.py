@@ -17,7 +17,7 @@ from clerestory.phases.matrix_equation import (
     Term,
     WindowMatrices,
 )
-from clerestory.phases.traced_matrices import Progress
+from clerestory.progress import Progress
 from clerestory.sky.sun_matrix import SunMatrix
 
 
