@@ -19,6 +19,7 @@ methods, LBNL, 2017, chapter 7; the F matrix is due to G. Ward (2015).
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -105,7 +106,7 @@ def facade_matrices(
     for port in ports:
         columns = window_axis("exterior", port.partition, port.name)
         part = slice(first, first + columns.size)
-        found[port.name] = traced_matrix(estimate, rows, columns, part)
+        found[port.name] = traced_matrix(estimate, rows, columns, part, scene.bands)
         first += columns.size
         if estimate.paths and not found[port.name].values.any():
             warnings.warn(
@@ -155,7 +156,7 @@ def joint_sum(terms: Sequence[TransferMatrix]) -> TransferMatrix:
         joint = _joint_components(total, term)
         total = total + term
         if joint is not None:
-            total = TransferMatrix(total.values, total.rows, total.columns, joint)
+            total = replace(total, components=joint)
     return total
 
 

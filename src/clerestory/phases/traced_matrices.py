@@ -16,6 +16,7 @@ from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
+from clerestory.bands import Bands
 from clerestory.engine.controller import Effort, Estimate
 from clerestory.engine.device import Device
 from clerestory.engine.matrix_jobs import trace_coefficients, trace_daylight, trace_view
@@ -112,7 +113,7 @@ def view_matrices(
     for window in windows:
         columns = window_axis("interior", window.partition, window.name)
         part = slice(first, first + columns.size)
-        found[window.name] = traced_matrix(estimate, rows, columns, part)
+        found[window.name] = traced_matrix(estimate, rows, columns, part, scene.bands)
         first += columns.size
     warn_if_short(estimate, "view matrix", effort)
     return found
@@ -145,7 +146,7 @@ def daylight_matrix(
     estimate = trace_daylight(scene, window, sky, effort)
     warn_if_short(estimate, f"daylight matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    return traced_matrix(estimate, rows, sky_axis(sky), slice(None))
+    return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
 
 
 def daylight_matrices(
@@ -189,7 +190,7 @@ def daylight_coefficients(
     sky = reinhart(subdivision)
     estimate = trace_coefficients(scene, sky, sensors, effort)
     warn_if_short(estimate, "daylight coefficients", effort)
-    return traced_matrix(estimate, rows, sky_axis(sky), slice(None))
+    return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
 
 
 def matrix_effort(
@@ -269,14 +270,14 @@ def _sensor_rows(sensors: Sensors, bounces: int | None) -> Axis:
 
 
 def traced_matrix(
-    estimate: Estimate, rows: Axis, columns: Axis, part: slice
+    estimate: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
 ) -> TransferMatrix:
-    """Return some columns of what was traced, with their axes."""
+    """Return some columns of what was traced, with their axes and bands."""
     values, components = estimate.values[:, :, part], estimate.components[:, :, :, part]
     if estimate.paths:
         # What a plan leaves blank takes no memory
         values, components = map(np.ascontiguousarray, (values, components))
-    return TransferMatrix(values, rows, columns, components)
+    return TransferMatrix(values, rows, columns, components, bands)
 
 
 def warn_if_short(estimate: Any, what: str, effort: Effort) -> None:

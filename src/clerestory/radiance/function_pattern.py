@@ -67,6 +67,11 @@ class FunctionPattern:
         return _aliases(self.program.uses(*self.expressions))
 
     @property
+    def grey(self) -> bool:
+        """Whether one expression serves all bands."""
+        return len(self.expressions) == 1
+
+    @property
     def needs_normal(self) -> bool:
         """Whether a function asks for the normal."""
         return bool(self.names & _NORMAL)
@@ -116,6 +121,11 @@ class DataPattern:
         """What the functions ask of a ray."""
         names = tuple(Name(name) for name in self.functions)
         return _aliases(self.program.uses(*self.coordinates, *names))
+
+    @property
+    def grey(self) -> bool:
+        """Whether one function serves all bands."""
+        return len(self.functions) == 1
 
     @property
     def needs_normal(self) -> bool:
