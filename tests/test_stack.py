@@ -12,7 +12,7 @@ import pytest
 import clerestory
 
 STACK = (
-    ("array_types", "errors", "constants"),
+    ("array_types", "errors", "constants", "progress"),
     ("files", "directions", "bands"),
     ("colorimetry",),
     ("hemisphere", "spectra"),

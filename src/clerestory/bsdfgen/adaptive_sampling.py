@@ -12,7 +12,6 @@ import numpy as np
 from jaxtyping import Float, Int64
 
 from clerestory.array_types import Indices, Values
-from clerestory.bsdfgen.effort import TraceEffort
 from clerestory.bsdfgen.flux_preserving_merge import HemisphericalFlux
 from clerestory.bsdfgen.morton_codes import incident_part
 from clerestory.bsdfgen.tree_pruning import (
@@ -21,6 +20,7 @@ from clerestory.bsdfgen.tree_pruning import (
     chosen_cells,
     climbed,
 )
+from clerestory.engine.effort import Effort
 
 # Share of the paths in the first round, and paths from each cell in it if an error is
 # aimed at.
@@ -94,7 +94,7 @@ class Counter:
         nothing = np.zeros(0, dtype=np.int64), np.zeros((0, len(self.weights) + 1))
         self._scores = [nothing, nothing]
 
-    def count(self, effort: TraceEffort) -> Counted:
+    def count(self, effort: Effort) -> Counted:
         """Trace until the samples are spent or the error is reached."""
         goal = effort.samples
         first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
@@ -117,7 +117,7 @@ class Counter:
                 return Counted(parts[0], parts[1], int(spent.sum()), not short)
             self._trace(extra, effort)
 
-    def _trace(self, extra: Indices, effort: TraceEffort) -> None:
+    def _trace(self, extra: Indices, effort: Effort) -> None:
         # Cells that go on from the same number by the same number go together
         have = self._paths[self._rows]
         groups = [

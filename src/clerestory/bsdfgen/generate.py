@@ -8,13 +8,12 @@ leaves. The piece is a finite sample or the cell of a repeating system.
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, Unpack
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Geometry, Product
 from clerestory.bsdfgen.area import SampleArea, area_of
 from clerestory.bsdfgen.channel_weights import VISIBLE, Weights, check_bands
-from clerestory.bsdfgen.effort import Progress, TraceEffort
 from clerestory.bsdfgen.geometry_checks import check_system
 from clerestory.bsdfgen.mgf_text import mgf_text
 from clerestory.bsdfgen.postprocessing import (
@@ -27,7 +26,8 @@ from clerestory.bsdfgen.trace_matrices import trace_matrices
 from clerestory.bsdfgen.trace_request import TraceRequest
 from clerestory.bsdfgen.trace_trees import trace_trees
 from clerestory.engine import device as devices
-from clerestory.engine.device import Device
+from clerestory.engine.effort import EffortKeywords, effort_of
+from clerestory.engine.work_units import Goal
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.model import Scene
@@ -43,6 +43,9 @@ _BACKS: dict[str, tuple[bool, ...]] = {
 
 _DEEPEST = 7
 
+# Used when neither samples nor an error is asked for: as many paths as genBSDF's
+_DEFAULT = Goal(samples=2000)
+
 
 def generate_bsdf(
     scene: Scene | System,
@@ -54,17 +57,12 @@ def generate_bsdf(
     periodic: bool = False,
     bands: Mapping[str, Weights] | None = None,
     colour: bool = False,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
     symmetry: bool = True,
     reciprocal: bool = False,
     reduction: float = 0.0,
     geometry: bool = True,
     name: str = "",
-    seed: int = 0,
-    device: Device = "auto",
-    progress: Progress | None = None,
+    **keywords: Unpack[EffortKeywords],
 ) -> Bsdf:
     """Return the BSDF of a system in genBSDF's frame, with standard errors.
 
@@ -117,8 +115,14 @@ def generate_bsdf(
     >>> round(bsdf.diffuse("transmission_front"), 2)
     0.4
     """
+    effort = effort_of(
+        generate_bsdf,
+        keywords,
+        default=_DEFAULT,
+        most_error=10.0,
+        without=("batches", "components"),
+    )
     system = _system(scene, area, periodic, bands, name)
-    effort = TraceEffort(samples, relative_error, bounces, seed, progress)
     check_bands(system.bands)
     if not 2 <= halvings <= _DEEPEST:
         raise InputError(f"{halvings} halvings; 2 to {_DEEPEST} expected")
@@ -133,15 +137,15 @@ def generate_bsdf(
         system.area, _BACKS[sides], system.bands, colour, effort, symmetry
     )
     if basis in ("tree3", "tree4"):
-        engine = devices.load(device, "sample_area_tree")
+        engine = devices.load(effort.device, "sample_area_tree")
         rank = int(basis[-1])
         traced = trace_trees(engine, system.scene, request, rank=rank, depth=halvings)
     else:
-        engine = devices.load(device, "sample_area_matrix")
+        engine = devices.load(effort.device, "sample_area_matrix")
         traced = trace_matrices(engine, system.scene, klems(basis), request)
     if not traced.reached:
         warnings.warn(
-            f"the relative error {relative_error} was not reached after"
+            f"the relative error {effort.relative_error} was not reached after"
             f" {traced.paths:,} paths; look at the standard errors",
             ClerestoryWarning,
             stacklevel=2,

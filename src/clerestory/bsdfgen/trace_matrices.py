@@ -1,6 +1,6 @@
 """Matrices of a traced system on the patches of a partition."""
 
-from dataclasses import asdict
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -41,7 +41,7 @@ def trace_matrices(
         stands_for=np.bincount(orbits.kind),
         periodic=request.area.periodic,
         sides=request.backs,
-        effort=engine.Effort(**asdict(request.effort), batches=_BATCHES),
+        effort=replace(request.effort, batches=request.effort.batches or _BATCHES),
     )
     count, rows = len(partition), len(orbits.chosen)
     functions: Functions = {}

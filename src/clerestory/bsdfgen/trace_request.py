@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.channel_weights import Weights
-from clerestory.bsdfgen.effort import TraceEffort
+from clerestory.engine.effort import Effort
 
 Functions = dict[tuple[str, Function], ScatteringFunction]
 
@@ -29,7 +29,7 @@ class TraceRequest:
     backs: tuple[bool, ...]
     bands: Mapping[str, Weights]
     colour: bool
-    effort: TraceEffort
+    effort: Effort
     symmetry: bool = True
 
 

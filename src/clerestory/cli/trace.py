@@ -1,6 +1,7 @@
 """`clerestory trace`: transfer matrices by tracing."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -26,6 +27,7 @@ from clerestory.cli.trace_facade import facade
 from clerestory.cli.trace_options import TraceOptions, spelt_out
 from clerestory.cli.traced import receiver_of, warn_of_doubts, write_traced
 from clerestory.cluster.cluster import executor_at
+from clerestory.engine.effort import Effort
 from clerestory.gonio.layer_file import read_layer
 from clerestory.phases.picture_matrices import (
     Camera,
@@ -103,15 +105,15 @@ def view(
         executor_at(options.cluster) as executor,
         progress_display(quiet=options.quiet) as display,
     ):
-        tracing = options.tracing(executor, display("view matrix"))
+        effort = options.effort(executor, display("view matrix"))
         if isinstance(receiver, Camera):
             traced = picture_view_matrices(
-                room, windows, receiver, direct=direct, **tracing
+                room, windows, receiver, direct=direct, effort=effort
             )
         else:
             if direct:
-                room, tracing["bounces"] = blackened(room), 1
-            traced = view_matrices(room, windows, sensors=receiver, **tracing)
+                room, effort = blackened(room), replace(effort, bounces=1)
+            traced = view_matrices(room, windows, sensors=receiver, effort=effort)
     write_traced(
         "view",
         traced,
@@ -155,24 +157,21 @@ def sun(
     receiver = receiver_of(sensors, camera, resolution)
     warn_of_doubts(room, windows, receiver)
     suns = sun_matrix(read_weather(weather), tolerance_deg=tolerance).directions
-    options = {
-        "suns": suns,
-        "peak": peak,
-        "samples": samples,
-        "seed": seed,
-        "device": device,
-    }
+    effort = Effort(samples=samples, seed=seed, device=device)
     traced = {}
     with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
         for each in windows:
-            options["progress"] = display(f"direct sun through {each.name}")
-            options["executor"] = executor
+            progress = display(f"direct sun through {each.name}")
+            own = replace(effort, executor=executor, progress=progress)
             common = room, windows, each.name, layer
             if isinstance(receiver, Camera):
-                found = picture_sun_coefficients(*common, receiver, **options)
+                traced[each.name] = picture_sun_coefficients(
+                    *common, receiver, suns=suns, peak=peak, effort=own
+                )
             else:
-                found = sun_coefficients(*common, sensors=receiver, **options)
-            traced[each.name] = found
+                traced[each.name] = sun_coefficients(
+                    *common, sensors=receiver, suns=suns, peak=peak, effort=own
+                )
     write_traced(
         "sun",
         traced,
@@ -212,7 +211,7 @@ def daylight(
             room,
             windows,
             subdivision=subdivision,
-            **options.tracing(executor, display("daylight matrix")),
+            effort=options.effort(executor, display("daylight matrix")),
         )
     write_traced(
         "daylight",
@@ -249,7 +248,7 @@ def coefficients(
             room,
             sensors=points,
             subdivision=subdivision,
-            **options.tracing(executor, display("daylight coefficients")),
+            effort=options.effort(executor, display("daylight coefficients")),
         )
     write_traced(
         "coefficients",

@@ -1,6 +1,7 @@
 """`clerestory trace facade`: façade matrices of shades that stand off a window."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -49,9 +50,9 @@ def facade(
     ):
         for number, each in enumerate(windows):
             progress = display(f"façade matrix of {each.name}")
-            tracing = options.tracing(executor, progress)
-            tracing["seed"] = options.seed + number
-            found = facade_matrices(room, each, ports, **tracing)
+            effort = options.effort(executor, progress)
+            effort = replace(effort, seed=options.seed + number)
+            found = facade_matrices(room, each, ports, effort=effort)
             prefix = f"{each.name}-" if len(windows) > 1 else ""
             traced |= {prefix + name: matrix for name, matrix in found.items()}
     write_traced(

@@ -19,8 +19,9 @@ from clerestory.cli.options import (
     Samples,
     Seed,
 )
+from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Executor
-from clerestory.phases.traced_matrices import Progress, Tracing
+from clerestory.progress import Progress
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,9 @@ class TraceOptions:
     encoding: Format = "float"
     quiet: Quiet = False
 
-    def tracing(self, executor: Executor, progress: Progress | None) -> Tracing:
-        """Return the keywords of functions that trace."""
-        return Tracing(
+    def effort(self, executor: Executor, progress: Progress | None) -> Effort:
+        """Return the effort that the options ask for."""
+        return Effort(
             samples=self.samples,
             relative_error=self.relative_error,
             bounces=self.bounces,

@@ -11,22 +11,17 @@ the result; after each round the sums decide which rows go on.
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import ClassVar, Literal, final
 
 import numpy as np
 from jaxtyping import Bool, Int
 
-from clerestory.engine.sums import BATCHES, Estimate, Sums, estimated
-from clerestory.engine.work_units import (
-    Executor,
-    Goal,
-    Local,
-    Unit,
-    UnitSize,
-    evenly_spaced,
-)
+from clerestory.engine.effort import Effort
+from clerestory.engine.sums import Estimate, Sums, estimated
+from clerestory.engine.work_units import Unit, UnitSize, evenly_spaced
+from clerestory.progress import share_of_progress
 from clerestory.scene.model import Scene
 
 # Sample points of a batch in the first round, when an error is aimed at.
@@ -46,42 +41,6 @@ _LONGEST = 1 << 22
 # part of the result: it must not depend on the machine.
 _SUMS = 1 << 29
 
-Progress = Callable[[float, str], None]
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How long to trace.
-
-    Attributes
-    ----------
-    samples : paths per row; None to aim at an error
-    relative_error : standard error to reach, relative; see the tracing functions
-    bounces : most diffuse reflections or gathers, as Radiance's -ab; None: no limit
-    seed : any whole number; the same seed gives the same result
-    progress : called with the share done and a note
-    batches : independent estimates of each row
-    components : whether the batches' deviations are kept, as error components
-    device : that units run on
-    executor : that does them; this process by default
-    """
-
-    samples: int | None = None
-    relative_error: float | None = None
-    bounces: int | None = None
-    seed: int = 0
-    progress: Progress | None = None
-    batches: int = BATCHES
-    components: bool = True
-    device: Literal["cpu", "cuda"] = "cpu"
-    executor: Executor = field(default_factory=Local)
-
-    @property
-    def goal(self) -> Goal:
-        """When the work is done."""
-        return Goal(self.samples, self.relative_error)
-
-
 # Rows that a trial takes, unless all are judged as one
 _TRIAL_ROWS = 64
 
@@ -98,6 +57,7 @@ class MatrixJob(ABC):
     together: ClassVar[bool]
 
     scene: Scene
+    batches: int
     device: Literal["cpu", "cuda"]
 
     @property
@@ -128,7 +88,9 @@ class MatrixJob(ABC):
 
 def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
     """Variance of the mean of independent batches."""
-    return np.var(values, axis=axis, ddof=1) / values.shape[axis]
+    of_batches: np.ndarray = np.var(values, axis=axis, ddof=1)
+    mean: np.ndarray = of_batches / values.shape[axis]
+    return mean
 
 
 def all_or_none(
@@ -176,7 +138,7 @@ def estimate_rows(job: MatrixJob, rows: slice, effort: Effort) -> Estimate:
 
 def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
     size = rows.stop - rows.start
-    part = _share_of_progress(effort.progress, rows.start / whole, size / whole)
+    part = share_of_progress(effort.progress, rows.start / whole, size / whole)
     return replace(effort, progress=part)
 
 
@@ -195,21 +157,13 @@ def row_bytes(job: MatrixJob) -> int:
     return batches * columns * channels * 8
 
 
-def _share_of_progress(
-    progress: Progress | None, start: float, share: float
-) -> Progress:
-    if progress is None:
-        return lambda done, note: None
-    return lambda done, note: progress(start + share * done, note)
-
-
 def _trace_rows(
     job: MatrixJob, numbers: Int[np.ndarray, " row"], effort: Effort
 ) -> tuple[Sums, bool]:
     # Lengthen the batches until the samples are spent or the error is reached
     sums = Sums.none((len(numbers), *job.shape[1:]))
     if effort.samples is not None:
-        length = -(-effort.samples // effort.batches)
+        length = -(-effort.samples // job.batches)
         everything = np.full(len(numbers), True)
         _lengthen(job, numbers, sums, everything, length, effort)
         return sums, True
@@ -219,7 +173,7 @@ def _trace_rows(
     while active.any():
         if length > _LONGEST:
             return sums, False
-        part = _share_of_progress(effort.progress, spent, share)
+        part = share_of_progress(effort.progress, spent, share)
         _lengthen(job, numbers, sums, active, length, replace(effort, progress=part))
         spent += share
         active, ratio = job.unfinished(sums, effort.relative_error or 1.0)
@@ -241,7 +195,7 @@ def _lengthen(
 ) -> None:
     # Bring the batches of the active rows to `length` points, unit by unit
     todo = np.flatnonzero(active)
-    have, batches = int(sums.count[todo[0]]), effort.batches
+    have, batches = int(sums.count[todo[0]]), job.batches
     unit_size = effort.executor.unit_size(job.device)
     units = list(_units(job, numbers[todo], have, length, unit_size))
     work, done, start_time = len(todo) * (length - have), 0, time.perf_counter()

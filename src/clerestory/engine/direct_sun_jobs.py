@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine.controller import Progress
 from clerestory.engine.work_units import Executor, Goal, Local, Unit, evenly_spaced
+from clerestory.progress import Progress
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

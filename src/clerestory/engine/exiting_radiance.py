@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.engine.controller import Effort
+from clerestory.engine.effort import Effort
 from clerestory.engine.radiance_jobs import (
     PICTURE_BATCHES,
     Batches,
@@ -70,7 +70,7 @@ def trace_exiting_radiance(
     scene: Scene, patches: Patches, rings: int, sectors: int, effort: Effort
 ) -> RadianceEstimate:
     """Return the radiance that patches send, but for suns seen straight through."""
-    walk = effort.bounces, effort.seed, effort.device
+    walk = effort.bounces, effort.seed, effort.resolved_device()
     return estimate_radiance(
         ExitingRadianceJob(scene, patches, rings, sectors, *walk), effort
     )

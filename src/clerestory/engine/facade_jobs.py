@@ -12,8 +12,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from clerestory.engine.channels import channels_of
-from clerestory.engine.controller import Effort, Estimate, MatrixJob, Sums, estimate
+from clerestory.engine.controller import MatrixJob, estimate
+from clerestory.engine.effort import Effort
 from clerestory.engine.matrix_jobs import patches_of, walk_of, window_irradiance
+from clerestory.engine.sums import Estimate, Sums
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 

@@ -17,14 +17,13 @@ from jaxtyping import Float
 
 from clerestory.engine.channels import channels_of
 from clerestory.engine.controller import (
-    Effort,
-    Estimate,
     MatrixJob,
-    Sums,
     all_or_none,
     estimate,
     variance,
 )
+from clerestory.engine.effort import Effort
+from clerestory.engine.sums import BATCHES, Estimate, Sums
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
@@ -220,7 +219,8 @@ def walk_of(
     effort: Effort,
 ) -> tuple[int | None, int, int, Literal["cpu", "cuda"]]:
     """Return what all jobs end with: bounces, seed, batches and device."""
-    return effort.bounces, effort.seed, effort.batches, effort.device
+    batches = effort.batches or BATCHES
+    return effort.bounces, effort.seed, batches, effort.resolved_device()
 
 
 def patches_of(windows: tuple[Window, ...]) -> int:

@@ -14,7 +14,8 @@ from typing import ClassVar, Literal, Protocol
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.controller import GROWTH, Effort
+from clerestory.engine.controller import GROWTH
+from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Job, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
@@ -170,7 +171,7 @@ def trace_picture(
     ----------
     quantity : radiance, or the irradiance of the surface that a pixel shows
     """
-    walk = effort.bounces, effort.seed, effort.device
+    walk = effort.bounces, effort.seed, effort.resolved_device()
     job = PictureJob(scene, view, columns, rows, *walk, quantity)
     return estimate_radiance(job, effort)
 
@@ -179,7 +180,9 @@ def trace_irradiance(
     scene: Scene, sensors: Sensors, effort: Effort
 ) -> RadianceEstimate:
     """Return the irradiance of sensors; every one reaches the relative error."""
-    job = IrradianceJob(scene, sensors, effort.bounces, effort.seed, effort.device)
+    job = IrradianceJob(
+        scene, sensors, effort.bounces, effort.seed, effort.resolved_device()
+    )
     return estimate_radiance(job, effort)
 
 

@@ -84,12 +84,7 @@ class Modifiers:
         return _generic(place)
 
     def called(self, name: str, item: Item) -> Modifier:
-        """Return a modifier by its name.
-
-        Raises
-        ------
-        InputError : the model has none of that name
-        """
+        """Return a modifier by its name."""
         if name not in self.named:
             raise item.wrong("modifier", "the identifier of a modifier of the model")
         return self.named[name]

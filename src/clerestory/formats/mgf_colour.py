@@ -31,12 +31,7 @@ GREY = Chromaticity(1 / 3, 1 / 3)
 
 
 def chromaticity(x: float, y: float) -> Chromaticity:
-    """Return the chromaticity with the given coordinates.
-
-    Raises
-    ------
-    InputError : no colour has these coordinates
-    """
+    """Return the chromaticity with the given coordinates."""
     if not (x >= 0 and y >= 1e-4 and x + y <= 1):
         raise InputError(
             f"chromaticity {x:g}, {y:g}; x of 0 or more, y above 0, and together at"
@@ -51,10 +46,6 @@ def from_spectrum(values: list[float]) -> Chromaticity:
     Parameters
     ----------
     values : first and last wavelength [nm], then at least two samples at equal steps
-
-    Raises
-    ------
-    InputError : wavelengths or samples that make no visible light
 
     Examples
     --------
@@ -75,10 +66,6 @@ def from_spectrum(values: list[float]) -> Chromaticity:
 def from_temperature(kelvin: float) -> Chromaticity:
     """Return the colour of a black body.
 
-    Raises
-    ------
-    InputError : it is too cool to shine
-
     Examples
     --------
     >>> [round(c, 2) for c in from_temperature(2856)]  # illuminant A: 0.4476, 0.4074
@@ -95,10 +82,6 @@ def from_temperature(kelvin: float) -> Chromaticity:
 
 def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
     """Return the colour of lights added up, weighted by their luminances.
-
-    Raises
-    ------
-    InputError : the weights cancel out
 
     Examples
     --------

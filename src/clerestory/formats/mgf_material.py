@@ -35,10 +35,6 @@ _MOST_LIGHT = 1.001
 def scene_material(given: MgfMaterial, name: str, source: Source | None) -> Material:
     """Return the material of the scene that acts like one of MGF.
 
-    Raises
-    ------
-    InputError : more light leaves it than arrives
-
     Examples
     --------
     >>> scene_material(MgfMaterial(diffuse_reflectance=0.5), "grey", None).reflectance

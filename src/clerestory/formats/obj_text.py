@@ -66,10 +66,6 @@ class ObjText:
 def parse_obj(data: bytes, *, file: str) -> ObjText:
     r"""Return vertices and triangles of an OBJ file.
 
-    Raises
-    ------
-    InputError : with file and line, where a number or a vertex is missing
-
     Examples
     --------
     >>> text = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n"

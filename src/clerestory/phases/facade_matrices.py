@@ -24,15 +24,15 @@ from typing import Unpack
 
 import numpy as np
 
+from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.facade_jobs import trace_facade
 from clerestory.errors import ClerestoryWarning, MatrixError
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.traced_matrices import (
-    Tracing,
+    by_window,
     matrix_effort,
     require_distinct,
-    traced_matrix,
     warn_if_short,
 )
 from clerestory.scene.model import Scene
@@ -43,20 +43,21 @@ def facade_matrix(
     scene: Scene,
     window: Window,
     port: Window,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Façade matrix of one port: radiance of window patches per radiance of its own.
 
     See `facade_matrices`.
     """
-    return facade_matrices(scene, window, [port], **tracing)[port.name]
+    effort = matrix_effort(facade_matrix, keywords)
+    return facade_matrices(scene, window, [port], effort=effort)[port.name]
 
 
 def facade_matrices(
     scene: Scene,
     window: Window,
     ports: Sequence[Window],
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
     """Façade matrices of several ports, traced at once, by the name of the port.
 
@@ -98,20 +99,16 @@ def facade_matrices(
     ((1, 41, 41), 1.0)
     """
     require_distinct([window, *ports])
-    effort = matrix_effort(**tracing)
+    effort = matrix_effort(facade_matrices, keywords)
     estimate = trace_facade(scene, window, tuple(ports), effort)
     warn_if_short(estimate, f"façade matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    found, first = {}, 0
-    for port in ports:
-        columns = window_axis("exterior", port.partition, port.name)
-        part = slice(first, first + columns.size)
-        found[port.name] = traced_matrix(estimate, rows, columns, part, scene.bands)
-        first += columns.size
-        if estimate.paths and not found[port.name].values.any():
+    found = by_window(estimate, rows, ports, "exterior", scene.bands)
+    for name, matrix in found.items():
+        if estimate.paths and not matrix.values.any():
             warnings.warn(
-                f"no light of port {port.name!r} reaches window {window.name!r}; a"
-                " port whose front faces the window expected",
+                f"no light of port {name!r} reaches window {window.name!r}; a port"
+                " whose front faces the window expected",
                 ClerestoryWarning,
                 stacklevel=2,
             )

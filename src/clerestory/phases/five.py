@@ -21,8 +21,8 @@ from jaxtyping import Float
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
-from clerestory.phases.product import Progress
 from clerestory.phases.three import WindowPhases, three_phase_sum
+from clerestory.progress import Progress
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sun_matrix import SunMatrix
 

@@ -13,26 +13,24 @@ V_d times both material maps is.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypedDict, Unpack
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bands import RGB, Bands
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine.device import Device
 from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
+from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.matrix_jobs import trace_pixel_view
-from clerestory.engine.work_units import Executor, Goal, Local
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.sun_coefficients import check_window
+from clerestory.phases.sun_coefficients import check_window, sun_effort
 from clerestory.phases.traced_matrices import (
-    Progress,
-    Tracing,
     matrix_effort,
+    require_distinct,
     warn_if_short,
 )
 from clerestory.scene.model import Scene
@@ -41,6 +39,9 @@ from clerestory.scene.window import Window
 
 # Batches of a pixel: enough to judge its error, few enough for memory
 _BATCHES = 4
+
+# Paths per pixel and sun, where they are not asked for
+_SUN_SAMPLES = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +84,7 @@ def picture_view_matrices(
     camera: Camera,
     *,
     direct: bool = False,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
     """View matrices of a picture by window name: radiance of pixels per patch's.
 
@@ -99,10 +100,9 @@ def picture_view_matrices(
 
     The other parameters are those of `view_matrix`.
     """
-    names = [window.name for window in windows]
-    if not names or len(set(names)) < len(names):
-        raise InputError(f"windows {names}; at least one, and different names expected")
-    effort = replace(matrix_effort(**tracing), batches=_BATCHES, components=False)
+    require_distinct(windows)
+    effort = matrix_effort(picture_view_matrices, keywords)
+    effort = replace(effort, batches=effort.batches or _BATCHES, components=False)
     estimate = trace_pixel_view(
         scene,
         tuple(windows),
@@ -126,17 +126,6 @@ def picture_view_matrices(
     return found
 
 
-class SunTracing(TypedDict, total=False):
-    """Keywords of tracing a sun for pictures; see `sun_coefficients`."""
-
-    peak: bool
-    samples: int
-    seed: int
-    device: Device
-    executor: Executor | None
-    progress: Progress | None
-
-
 SunPictures = Callable[
     [Int[np.ndarray, " sun"]], Float[np.ndarray, "channel pixel sun"]
 ]
@@ -151,18 +140,15 @@ def sun_pictures(
     *,
     suns: Float[np.ndarray, "sun 3"],
     peak: bool = False,
-    samples: int = 16,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **keywords: Unpack[EffortKeywords],
 ) -> SunPictures:
     """Return a function that traces direct-sun coefficients of a picture when asked.
 
     It takes numbers of suns and returns their coefficients; see
     `picture_sun_coefficients`. A year has thousands of suns, more than memory holds.
     """
-    number = check_window(windows, window, bsdf, suns, samples)
+    effort = sun_effort(sun_pictures, keywords, samples=_SUN_SAMPLES)
+    number = check_window(windows, window, bsdf, suns)
     if scene.bands != RGB and bsdf.in_colour("transmission_front"):
         raise InputError(
             f"the BSDF is in {RGB}, the scene in {scene.bands}; a BSDF that is the same"
@@ -170,7 +156,6 @@ def sun_pictures(
             file=bsdf.source,
         )
     behind = suns @ windows[number].frame.normal < 0
-    where = executor or Local()
     job = PixelSunJob(
         scene,
         tuple(windows),
@@ -181,13 +166,13 @@ def sun_pictures(
         camera.rows,
         suns,
         peak=peak,
-        samples=samples,
-        seed=seed,
-        device=where.resolve(device),
+        samples=effort.samples or _SUN_SAMPLES,
+        seed=effort.seed,
+        device=effort.resolved_device(),
     )
 
     # Nothing is traced yet, but a plan takes note
-    accepted = where.accepts(job, Goal(samples))
+    accepted = effort.executor.accepts(job, effort.goal)
 
     def coefficients(asked: np.ndarray) -> np.ndarray:
         shape = len(scene.bands), len(camera), len(asked)
@@ -198,7 +183,7 @@ def sun_pictures(
         if lit.any():
             chosen = asked[lit]
             values[..., lit] = trace_pixel_sun(
-                job, chosen, executor=where, progress=progress
+                job, chosen, executor=effort.executor, progress=effort.progress
             )
         return values
 
@@ -213,7 +198,8 @@ def picture_sun_coefficients(
     camera: Camera,
     *,
     suns: Float[np.ndarray, "sun 3"],
-    **tracing: Unpack[SunTracing],
+    peak: bool = False,
+    **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Direct-sun coefficients of a picture: radiance per normal irradiance [1/sr].
 
@@ -224,7 +210,10 @@ def picture_sun_coefficients(
     ----------
     samples : paths per pixel and sun
     """
-    trace = sun_pictures(scene, windows, window, bsdf, camera, suns=suns, **tracing)
+    effort = sun_effort(picture_sun_coefficients, keywords, samples=_SUN_SAMPLES)
+    trace = sun_pictures(
+        scene, windows, window, bsdf, camera, suns=suns, peak=peak, effort=effort
+    )
     values = trace(np.arange(len(suns)))
     axes = pixel_axis(len(camera)), sun_axis(len(suns))
     return TransferMatrix(values, *axes, bands=scene.bands)

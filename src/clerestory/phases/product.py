@@ -11,9 +11,8 @@ import xarray as xr
 
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
+from clerestory.progress import Progress
 from clerestory.sky.sky_matrix import SkyMatrix
-
-Progress = Callable[[float, str], None]
 
 # Sensors in a block: 32 components of 3 x 64 x 2306 coefficients take 57 MB
 _BLOCK = 64

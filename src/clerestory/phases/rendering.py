@@ -12,17 +12,22 @@ from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.bands import RGB, Bands
-from clerestory.engine.controller import Effort
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import trace_irradiance, trace_picture
+from clerestory.engine.work_units import Goal
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture, Quantity
-from clerestory.phases.traced_matrices import Tracing, matrix_effort, warn_if_short
+from clerestory.phases.traced_matrices import (
+    require_gather,
+    require_sensors,
+    warn_if_short,
+)
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
-# Used when neither samples nor an error is asked for.
-DEFAULT_RELATIVE_ERROR = 0.02
+# Used when neither samples nor an error is asked for
+_DEFAULT = Goal(samples=None, relative_error=0.02)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +74,7 @@ def render(
     *,
     columns: int,
     rows: int,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> Rendering:
     """Trace a picture.
 
@@ -92,7 +97,7 @@ def render(
     InputError : samples and relative_error both given, or a number out of range
     DeviceError : no usable device
     """
-    effort = _effort(tracing)
+    effort = effort_of(render, keywords, default=_DEFAULT)
     return _picture(scene, view, columns, rows, effort, "radiance")
 
 
@@ -102,7 +107,7 @@ def render_irradiance(
     *,
     columns: int,
     rows: int,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> Rendering:
     """Trace a picture of the irradiance of what is seen, as rpict -i does [W/m²].
 
@@ -110,11 +115,8 @@ def render_irradiance(
     are 0. The gather of a surface is the first bounce, as that of a sensor. See
     `render` for the parameters.
     """
-    if tracing.get("bounces") == 0:
-        raise InputError(
-            "bounces = 0; the first gather of a surface counts: 1 or more expected"
-        )
-    effort = _effort(tracing)
+    effort = effort_of(render_irradiance, keywords, default=_DEFAULT)
+    require_gather(effort, "surface")
     return _picture(scene, view, columns, rows, effort, "irradiance")
 
 
@@ -146,21 +148,16 @@ def _picture(
 def irradiance(
     scene: Scene,
     sensors: Sensors,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> Gathered:
     """Trace the irradiance of sensors under the scene's own sky and lamps [W/m²].
 
     The relative error is reached at every sensor; those darker than 1 % of the mean
     are judged as if they had that much. See `render` for the other parameters.
     """
-    if len(sensors.position) == 0:
-        raise InputError("no sensors given; at least one expected")
-    if tracing.get("bounces") == 0:
-        raise InputError(
-            "bounces = 0; the first gather of a sensor counts: 1 or more expected"
-        )
+    effort = effort_of(irradiance, keywords, default=_DEFAULT)
+    require_sensors(sensors, effort)
     _check_light(scene)
-    effort = _effort(tracing)
     lit = trace_irradiance(scene, sensors, effort)
     warn_if_short(lit, "irradiance", effort)
     return Gathered(lit.value, lit.error, lit.paths, scene.bands)
@@ -172,7 +169,3 @@ def _check_light(scene: Scene) -> None:
         raise InputError(
             "nothing in the scene shines; a light, a glow or a sky expected"
         )
-
-
-def _effort(tracing: Tracing) -> Effort:
-    return matrix_effort(default_error=DEFAULT_RELATIVE_ERROR, **tracing)

@@ -20,8 +20,8 @@ from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
 from clerestory.phases.five import sum_of_terms, sun_illuminance
-from clerestory.phases.product import Progress
 from clerestory.phases.three import WindowPhases
+from clerestory.progress import Progress
 from clerestory.sky.patch_radiance import SkyMatrix, SkyResponse
 from clerestory.sky.product import lit_steps
 from clerestory.sky.sun_matrix import SunMatrix

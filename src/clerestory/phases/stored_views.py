@@ -14,7 +14,8 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float32, Int
 
-from clerestory.engine.controller import Effort, estimate_rows, row_blocks
+from clerestory.engine.controller import estimate_rows, row_blocks
+from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.matrix_jobs import ViewJob, view_job
 from clerestory.matrix.axis import sensor_axis, unknown_axis
 from clerestory.matrix.netcdf import read_netcdf
@@ -22,13 +23,12 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import BlockStore
 from clerestory.phases.pooled import FEW, pooled
 from clerestory.phases.traced_matrices import (
-    Progress,
-    Tracing,
     matrix_effort,
     require_distinct,
     require_sensors,
     warn_if_short,
 )
+from clerestory.progress import share_of_progress
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
@@ -119,7 +119,7 @@ def store_views(
     name: str,
     key: str,
     sensors: Sensors,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> StoredViews:
     """Trace the view matrices of all windows into files; see `view_matrices`.
 
@@ -135,8 +135,8 @@ def store_views(
     OutputError : a file cannot be written
     """
     require_distinct(windows)
-    require_sensors(sensors, tracing.get("bounces"))
-    effort = matrix_effort(**tracing)
+    effort = replace(matrix_effort(store_views, keywords), components=True)
+    require_sensors(sensors, effort)
     job = view_job(scene, tuple(windows), sensors, effort)
     rows = tuple(row_blocks(job))
     make = _block_maker(job, effort)
@@ -148,10 +148,17 @@ def _block_maker(job: ViewJob, effort: Effort) -> Callable[[slice], TransferMatr
         # A plan asks for all rows at once, and takes no memory
         if not effort.executor.accepts(job, effort.goal):
             return _blank(job, rows)
-        told = replace(effort, progress=_progress(effort.progress, rows, job.receivers))
-        block = estimate_rows(job, rows, told)
+        first, whole = rows.start, job.receivers
+        progress = share_of_progress(
+            effort.progress,
+            first / whole,
+            (rows.stop - first) / whole,
+            f"{first:,} of {whole:,} sensors",
+        )
+        block = estimate_rows(job, rows, replace(effort, progress=progress))
         what = f"view matrices of sensors {rows.start + 1} to {rows.stop}"
         warn_if_short(block, what, effort)
+        assert block.components is not None
         few = pooled(block.components, FEW)
         return _matrix(block.values.astype(np.float32), few, job)
 
@@ -176,14 +183,3 @@ def _matrix(
 ) -> TransferMatrix:
     axes = sensor_axis(values.shape[1]), unknown_axis(values.shape[2])
     return TransferMatrix(values, *axes, components, job.scene.bands)
-
-
-def _progress(progress: Progress | None, rows: slice, whole: int) -> Progress | None:
-    if progress is None:
-        return None
-
-    def told(share: float, note: str) -> None:
-        done = rows.start + share * (rows.stop - rows.start)
-        progress(done / whole, f"{rows.start:,} of {whole:,} sensors, {note}")
-
-    return told

@@ -26,7 +26,7 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.pooled import FEW, pooled
 from clerestory.phases.shaded import States
 from clerestory.phases.stored_views import StoredViews, ViewBlock
-from clerestory.phases.traced_matrices import Progress
+from clerestory.progress import Progress
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.product import fold, lit_steps, product_blocks
 

@@ -8,14 +8,15 @@ the window to the sensor, and is scattered by the window alone.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine.device import Device
 from clerestory.engine.direct_sun_jobs import SunJob, trace_sun
-from clerestory.engine.work_units import Executor, Local
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
+from clerestory.engine.work_units import Goal
 from clerestory.errors import InputError
 from clerestory.matrix.axis import sensor_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -23,7 +24,11 @@ from clerestory.scene.model import Plastic, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-Progress = Callable[[float, str], None]
+# Paths per sensor and sun, where they are not asked for
+_SAMPLES = 64
+
+# Efforts that the number of paths per sun takes the place of
+_WITHOUT = ("relative_error", "bounces", "batches", "components")
 
 _BLACK = Plastic("black", np.zeros(3))
 
@@ -45,11 +50,7 @@ def sun_coefficients(
     sensors: Sensors,
     suns: Float[np.ndarray, "sun 3"],
     peak: bool = False,
-    samples: int = 64,
-    seed: int = 0,
-    device: Device = "auto",
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Direct-sun coefficients C_ds of one window: irradiance per normal irradiance.
 
@@ -74,9 +75,9 @@ def sun_coefficients(
     InputError : no such window, no transmission, or numbers out of range
     DeviceError : no usable device
     """
-    number = check_window(windows, window, bsdf, suns, samples)
+    effort = sun_effort(sun_coefficients, keywords, samples=_SAMPLES)
+    number = check_window(windows, window, bsdf, suns)
     behind = suns @ windows[number].frame.normal < 0
-    executor = executor or Local()
     job = SunJob(
         blackened(scene),
         tuple(windows),
@@ -85,11 +86,11 @@ def sun_coefficients(
         sensors,
         suns[behind],
         peak=peak,
-        samples=samples,
-        seed=seed,
-        device=executor.resolve(device),
+        samples=effort.samples or _SAMPLES,
+        seed=effort.seed,
+        device=effort.resolved_device(),
     )
-    estimate = trace_sun(job, executor=executor, progress=progress)
+    estimate = trace_sun(job, executor=effort.executor, progress=effort.progress)
     rows = sensor_axis(len(sensors.position), sensors.names)
     shape = (len(estimate.values), rows.size, len(suns))
     values = np.zeros(shape)
@@ -99,18 +100,35 @@ def sun_coefficients(
     return TransferMatrix(values, rows, sun_axis(len(suns)), components)
 
 
+def sun_effort(
+    function: Callable[..., object], keywords: EffortKeywords, *, samples: int
+) -> Effort:
+    """Return the checked effort of a function that traces direct sun.
+
+    Parameters
+    ----------
+    samples : paths per receiver and sun, where they are not asked for
+    """
+    return effort_of(
+        function,
+        keywords,
+        default=Goal(samples),
+        most_samples=1 << 20,
+        without=_WITHOUT,
+    )
+
+
 def check_window(
     windows: Sequence[Window],
     window: str,
     bsdf: Bsdf,
     suns: Float[np.ndarray, "sun 3"],
-    samples: int,
 ) -> int:
     """Return the number of a window, once all that sunlight asks for is right.
 
     Raises
     ------
-    InputError : no such window, no transmission, or numbers out of range
+    InputError : no such window, no transmission, or suns of another shape
     """
     names = [each.name for each in windows]
     if window not in names:
@@ -120,8 +138,6 @@ def check_window(
             "the BSDF transmits nothing visible; a transmission expected",
             file=bsdf.source,
         )
-    if not 1 <= samples <= 1 << 20:
-        raise InputError(f"samples = {samples}; a whole number from 1 to 2^20 expected")
     if suns.ndim != 2 or suns.shape[1:] != (3,):
         raise InputError(f"suns of shape {suns.shape}; (suns, 3) expected")
     return names.index(window)

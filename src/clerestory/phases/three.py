@@ -18,7 +18,8 @@ from jaxtyping import Float
 
 from clerestory.errors import MatrixError
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.product import Progress, annual_illuminance
+from clerestory.phases.product import annual_illuminance
+from clerestory.progress import Progress
 from clerestory.sky.sky_matrix import SkyMatrix
 
 

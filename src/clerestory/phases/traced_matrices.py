@@ -12,50 +12,27 @@ ray is none.
 
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Any, TypedDict, Unpack
+from dataclasses import replace
+from typing import Literal, Protocol, Unpack
 
 import numpy as np
 
 from clerestory.bands import Bands
-from clerestory.engine.controller import Effort, Estimate
-from clerestory.engine.device import Device
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.matrix_jobs import trace_coefficients, trace_daylight, trace_view
-from clerestory.engine.work_units import Executor, Local
+from clerestory.engine.sums import Estimate
+from clerestory.engine.work_units import Goal
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.progress import share_of_progress
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-Progress = Callable[[float, str], None]
-
-# Used when neither samples nor an error is asked for.
-DEFAULT_RELATIVE_ERROR = 0.01
-
-
-class Tracing(TypedDict, total=False):
-    """Keywords of all functions that trace; see `view_matrix` for what they mean.
-
-    Attributes
-    ----------
-    samples : paths per row; none by default
-    relative_error : instead of samples: standard error to reach
-    bounces : most reflections; no limit by default
-    seed : whole number ≥ 0; 0 by default
-    device : "auto" by default
-    executor : where the work is done; this process by default
-    progress : called with the share done, 0…1, and a note
-    """
-
-    samples: int | None
-    relative_error: float | None
-    bounces: int | None
-    seed: int
-    device: Device
-    executor: Executor | None
-    progress: Progress | None
+# Used when neither samples nor an error is asked for
+_DEFAULT = Goal(samples=None, relative_error=0.01)
 
 
 def view_matrix(
@@ -63,7 +40,7 @@ def view_matrix(
     window: Window,
     *,
     sensors: Sensors,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """View matrix of one window: irradiance of sensors per radiance of patches [sr].
 
@@ -90,7 +67,8 @@ def view_matrix(
     InputError : samples and relative_error both given, or a number out of range
     DeviceError : no usable device
     """
-    return view_matrices(scene, [window], sensors=sensors, **tracing)[window.name]
+    effort = matrix_effort(view_matrix, keywords)
+    return view_matrices(scene, [window], sensors=sensors, effort=effort)[window.name]
 
 
 def view_matrices(
@@ -98,7 +76,7 @@ def view_matrices(
     windows: Sequence[Window],
     *,
     sensors: Sensors,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
     """View matrices of several windows, traced at once, by window name.
 
@@ -106,17 +84,11 @@ def view_matrices(
     See `view_matrix` for the parameters.
     """
     require_distinct(windows)
-    rows = _sensor_rows(sensors, tracing.get("bounces"))
-    effort = matrix_effort(**tracing)
+    effort = matrix_effort(view_matrices, keywords)
+    rows = _sensor_rows(sensors, effort)
     estimate = trace_view(scene, tuple(windows), sensors, effort)
-    found, first = {}, 0
-    for window in windows:
-        columns = window_axis("interior", window.partition, window.name)
-        part = slice(first, first + columns.size)
-        found[window.name] = traced_matrix(estimate, rows, columns, part, scene.bands)
-        first += columns.size
     warn_if_short(estimate, "view matrix", effort)
-    return found
+    return by_window(estimate, rows, windows, "interior", scene.bands)
 
 
 def daylight_matrix(
@@ -124,7 +96,7 @@ def daylight_matrix(
     window: Window,
     *,
     subdivision: int = 4,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Daylight matrix of one window: radiance of its patches per radiance of the sky's.
 
@@ -141,7 +113,7 @@ def daylight_matrix(
 
     The other parameters are those of `view_matrix`.
     """
-    effort = matrix_effort(**tracing)
+    effort = matrix_effort(daylight_matrix, keywords)
     sky = reinhart(subdivision)
     estimate = trace_daylight(scene, window, sky, effort)
     warn_if_short(estimate, f"daylight matrix of {window.name!r}", effort)
@@ -154,21 +126,22 @@ def daylight_matrices(
     windows: Sequence[Window],
     *,
     subdivision: int = 4,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
     """Daylight matrices of several windows by window name; see `daylight_matrix`.
 
     The scene is built once for all windows less than 128 m from its middle.
     """
     require_distinct(windows)
-    tracing["executor"] = tracing.get("executor") or Local()
-    found = {}
-    seed, progress = tracing.get("seed", 0), tracing.get("progress")
+    effort = matrix_effort(daylight_matrices, keywords)
+    found, share = {}, 1 / len(windows)
     for number, window in enumerate(windows):
-        tracing["seed"] = seed + number
-        tracing["progress"] = _part(progress, number, len(windows), window.name)
+        progress = share_of_progress(
+            effort.progress, number * share, share, window.name
+        )
+        own = replace(effort, seed=effort.seed + number, progress=progress)
         found[window.name] = daylight_matrix(
-            scene, window, subdivision=subdivision, **tracing
+            scene, window, subdivision=subdivision, effort=own
         )
     return found
 
@@ -178,58 +151,24 @@ def daylight_coefficients(
     *,
     sensors: Sensors,
     subdivision: int = 4,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr].
 
     A sensor that sees nothing but sky and ground collects π in all. The error aimed
     at is that of the irradiance under a uniform sky. See `view_matrix`.
     """
-    rows = _sensor_rows(sensors, tracing.get("bounces"))
-    effort = matrix_effort(**tracing)
+    effort = matrix_effort(daylight_coefficients, keywords)
+    rows = _sensor_rows(sensors, effort)
     sky = reinhart(subdivision)
     estimate = trace_coefficients(scene, sky, sensors, effort)
     warn_if_short(estimate, "daylight coefficients", effort)
     return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
 
 
-def matrix_effort(
-    *, default_error: float = DEFAULT_RELATIVE_ERROR, **tracing: Unpack[Tracing]
-) -> Effort:
-    """Check how long to trace, and find the device that it is done on.
-
-    Parameters
-    ----------
-    default_error : relative error to reach where neither it nor samples are given
-
-    Raises
-    ------
-    InputError : samples and relative_error both given, or a number out of range
-    """
-    samples, relative_error = tracing.get("samples"), tracing.get("relative_error")
-    bounces, seed = tracing.get("bounces"), tracing.get("seed", 0)
-    if samples is not None and relative_error is not None:
-        raise InputError("both samples and relative_error given; one of them expected")
-    if samples is not None and not 1 <= samples <= 1 << 26:
-        raise InputError(f"samples = {samples}; a whole number from 1 to 2^26 expected")
-    if samples is None and relative_error is None:
-        relative_error = default_error
-    if relative_error is not None and not 1e-5 <= relative_error < 1:
-        raise InputError(f"relative_error = {relative_error}; 0.00001 to 1 expected")
-    if bounces is not None and bounces < 0:
-        raise InputError(f"bounces = {bounces}; 0 or more expected")
-    if not 0 <= seed < 1 << 32:
-        raise InputError(f"seed = {seed}; a whole number from 0 to 2^32 - 1 expected")
-    executor = tracing.get("executor") or Local()
-    return Effort(
-        samples=samples,
-        relative_error=relative_error,
-        bounces=bounces,
-        seed=seed,
-        progress=tracing.get("progress"),
-        device=executor.resolve(tracing.get("device", "auto")),
-        executor=executor,
-    )
+def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> Effort:
+    """Return the checked effort of a function that traces matrices."""
+    return effort_of(function, keywords, default=_DEFAULT)
 
 
 def require_distinct(windows: Sequence[Window]) -> None:
@@ -249,38 +188,81 @@ def require_distinct(windows: Sequence[Window]) -> None:
         )
 
 
-def require_sensors(sensors: Sensors, bounces: int | None) -> None:
+def require_sensors(sensors: Sensors, effort: Effort) -> None:
     """Refuse no sensors at all, or none that gather any light.
 
     Raises
     ------
     InputError : says which
     """
-    if bounces == 0:
-        raise InputError(
-            "bounces = 0; the first gather of a sensor counts: 1 or more expected"
-        )
+    require_gather(effort, "sensor")
     if len(sensors.position) == 0:
         raise InputError("no sensors given; at least one expected")
 
 
-def _sensor_rows(sensors: Sensors, bounces: int | None) -> Axis:
-    require_sensors(sensors, bounces)
+def require_gather(effort: Effort, receiver: str) -> None:
+    """Refuse zero bounces, which end all paths of a receiver of irradiance.
+
+    Raises
+    ------
+    InputError : bounces = 0
+    """
+    if effort.bounces == 0:
+        raise InputError(
+            f"bounces = 0; the first gather of a {receiver} counts: 1 or more expected"
+        )
+
+
+def _sensor_rows(sensors: Sensors, effort: Effort) -> Axis:
+    require_sensors(sensors, effort)
     return sensor_axis(len(sensors.position), sensors.names)
+
+
+def by_window(
+    estimate: Estimate,
+    rows: Axis,
+    windows: Sequence[Window],
+    side: Literal["interior", "exterior"],
+    bands: Bands,
+) -> dict[str, TransferMatrix]:
+    """Return the matrices of windows whose columns were traced side by side."""
+    found, first = {}, 0
+    for window in windows:
+        columns = window_axis(side, window.partition, window.name)
+        part = slice(first, first + columns.size)
+        found[window.name] = traced_matrix(estimate, rows, columns, part, bands)
+        first += columns.size
+    return found
 
 
 def traced_matrix(
     estimate: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
 ) -> TransferMatrix:
     """Return some columns of what was traced, with their axes and bands."""
-    values, components = estimate.values[:, :, part], estimate.components[:, :, :, part]
+    values, components = estimate.values[:, :, part], estimate.components
+    if components is not None:
+        components = components[:, :, :, part]
     if estimate.paths:
-        # What a plan leaves blank takes no memory
-        values, components = map(np.ascontiguousarray, (values, components))
+        # The blank matrix of a planned job takes no memory
+        values = np.ascontiguousarray(values)
+        if components is not None:
+            components = np.ascontiguousarray(components)
     return TransferMatrix(values, rows, columns, components, bands)
 
 
-def warn_if_short(estimate: Any, what: str, effort: Effort) -> None:
+class Traced(Protocol):
+    """What was traced, and whether the relative error aimed at was reached."""
+
+    @property
+    def paths(self) -> int:
+        """Paths traced in all."""
+
+    @property
+    def reached(self) -> bool:
+        """Whether the error was reached."""
+
+
+def warn_if_short(estimate: Traced, what: str, effort: Effort) -> None:
     """Warn when a trace ended before it reached the error aimed at."""
     if not estimate.reached:
         warnings.warn(
@@ -289,11 +271,3 @@ def warn_if_short(estimate: Any, what: str, effort: Effort) -> None:
             ClerestoryWarning,
             stacklevel=3,
         )
-
-
-def _part(
-    progress: Progress | None, number: int, count: int, name: str
-) -> Progress | None:
-    if progress is None:
-        return None
-    return lambda done, note: progress((number + done) / count, f"{name}: {note}")

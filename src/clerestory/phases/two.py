@@ -7,7 +7,8 @@ Reference: P. R. Tregenza, I. M. Waters, Lighting Research and Technology 15 (2)
 import xarray as xr
 
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.product import Progress, annual_illuminance
+from clerestory.phases.product import annual_illuminance
+from clerestory.progress import Progress
 from clerestory.sky.sky_matrix import SkyMatrix
 
 

@@ -12,15 +12,17 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.directions import unit
+from clerestory.engine.effort import EffortKeywords, effort_of
 from clerestory.engine.exiting_radiance import Patches, trace_exiting_radiance
+from clerestory.engine.work_units import Goal
 from clerestory.errors import InputError
-from clerestory.phases.traced_matrices import Tracing, matrix_effort, warn_if_short
+from clerestory.phases.traced_matrices import warn_if_short
 from clerestory.radiance.illum_table import LeavingLight, light_pattern
 from clerestory.scene.model import Illum, Material, Polygon, Scene
 from clerestory.scene.triangulate import triangulate
 
 # Used when neither samples nor an error is asked for
-DEFAULT_RELATIVE_ERROR = 0.03
+_DEFAULT = Goal(samples=None, relative_error=0.03)
 
 
 def precompute_illums(
@@ -29,7 +31,7 @@ def precompute_illums(
     *,
     zone: float = np.inf,
     rings: int = 18,
-    **tracing: Unpack[Tracing],
+    **keywords: Unpack[EffortKeywords],
 ) -> Scene:
     """Return windows as lamps that send what the windows let in and reflect.
 
@@ -57,6 +59,7 @@ def precompute_illums(
     InputError : a pane that is no polygon, no panes, or a number out of range
     DeviceError : no usable device
     """
+    effort = effort_of(precompute_illums, keywords, default=_DEFAULT)
     if not zone > 0:
         raise InputError(f"a zone of {zone:g} m; a positive length expected")
     if not 2 <= rings <= 90:
@@ -64,7 +67,6 @@ def precompute_illums(
     pieces = [piece for pane in panes.surfaces for piece in _zones(pane, zone)]
     if not pieces:
         raise InputError("no panes given; at least one polygon expected")
-    effort = matrix_effort(default_error=DEFAULT_RELATIVE_ERROR, **tracing)
     patches = _patches(pieces)
     lit = trace_exiting_radiance(room + panes, patches, rings, 2 * rings, effort)
     warn_if_short(lit, "light of the windows", effort)

@@ -29,10 +29,6 @@ def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
     Parameters
     ----------
     transform : where it goes from the frame of the BSDF; None: it stays
-
-    Raises
-    ------
-    InputError : the file's MGF is malformed; with its line
     """
     geometry = bsdf.product.geometry
     if geometry is None:
@@ -53,10 +49,6 @@ def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Sce
     ----------
     name : stands in the names of surfaces and materials
     transform : where the layer goes from the origin; None: it stays
-
-    Raises
-    ------
-    InputError : the file gives no width and height, or malformed geometry
 
     Examples
     --------

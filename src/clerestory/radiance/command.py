@@ -46,10 +46,6 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     ----------
     text : the command, without its exclamation mark
     find : path of a file that the command names
-
-    Raises
-    ------
-    InputError : another command, or options that it does not know
     """
     stages = _stages(text)
     # `xform < file` reads what `xform file` reads

@@ -60,12 +60,7 @@ def read_octree(path: str | Path) -> Octree:
 
 
 class Reader:
-    """A compiled file read from front to back.
-
-    Raises
-    ------
-    InputError : the file is missing
-    """
+    """A compiled file read from front to back."""
 
     def __init__(self, path: str | Path) -> None:
         self.data, self.path, self.at = read_bytes(path), path, 0

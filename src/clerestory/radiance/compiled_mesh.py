@@ -46,12 +46,7 @@ class CompiledMesh:
 
 
 def read_compiled_mesh(path: str | Path) -> CompiledMesh:
-    """Return the triangles of a compiled mesh.
-
-    Raises
-    ------
-    InputError : the file is missing, damaged or no compiled mesh
-    """
+    """Return the triangles of a compiled mesh."""
     reader = Reader(path)
     size = reader.mesh_header()
     cube = [number(reader.text()) for _ in range(4)]

@@ -61,11 +61,6 @@ def read_instance(
     file : where it stands
     find : path of a file that it names
     loaded : what has been read before; what is read now is added
-
-    Raises
-    ------
-    InputError : with file and line, where its file is missing or damaged, or its
-        arguments do not fit
     """
     given = Arguments(item, file)
     given.reals(0)

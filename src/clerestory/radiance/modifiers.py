@@ -7,11 +7,7 @@ parts are modified, and of a mirror with an alternate the alternate.
 
 from dataclasses import dataclass, replace
 
-from clerestory.radiance.function_pattern import (
-    DataPattern,
-    FunctionPattern,
-    constant_value,
-)
+from clerestory.radiance.function_pattern import FunctionPattern, constant_value
 from clerestory.scene.material import Emitter, Material, altered
 from clerestory.scene.materials.mirror import Mirror
 from clerestory.scene.materials.mixture import Mixture, Void
@@ -33,7 +29,7 @@ class Modifiers:
     """
 
     patterns: tuple[Pattern, ...] = ()
-    textures: tuple[FunctionPattern | DataPattern, ...] = ()
+    textures: tuple[FunctionPattern, ...] = ()
 
     def within(self, outer: "Modifiers | None") -> "Modifiers":
         """Return these modifiers, modified by others or by none."""
@@ -49,10 +45,6 @@ def modified(material: Material, modifiers: Modifiers, given: Arguments) -> Mate
     Parameters
     ----------
     given : the primitive that names both, for errors
-
-    Raises
-    ------
-    InputError : with file and line, where the material takes no pattern
     """
     match material:
         case Emitter():

@@ -26,7 +26,6 @@ from clerestory.radiance.cal.syntax import (
 from clerestory.radiance.data_array import DataArray, read_data_array
 from clerestory.radiance.function_pattern import (
     KNOWN,
-    DataPattern,
     FunctionPattern,
     constant_value,
     constant_vector,
@@ -47,11 +46,6 @@ def read_modifiers(item: Primitive, *, file: str, placed: Transform) -> Modifier
     item : one of `PATTERN_KINDS`
     file : where it stands
     placed : transform of the file that holds it
-
-    Raises
-    ------
-    InputError : with file and line, where a function or table is missing, malformed,
-        or asks for what a pattern cannot know
     """
     made = _read(Arguments(item, file), placed)
     return Modifiers((), (made,)) if item.kind in _TEXTURES else Modifiers((made,))
@@ -88,7 +82,7 @@ def read_vector(
     return vector if constant is None else constant
 
 
-def _read(given: Arguments, placed: Transform) -> FunctionPattern | DataPattern:
+def _read(given: Arguments, placed: Transform) -> FunctionPattern:
     try:
         count, first, tables = _FORMS[given.item.kind]
         if tables is None:
@@ -121,7 +115,7 @@ def _function(
 
 def _data(
     given: Arguments, placed: Transform, count: int, first: int, files: int
-) -> DataPattern:
+) -> FunctionPattern:
     # Functions, data files, function file, coordinates, transform
     middle = first + count
     at = middle + files + 1
@@ -135,17 +129,17 @@ def _data(
         raise given.error(f"{len(strings) - at} coordinates for a table of {axes} axes")
     program = _program(given, at - 1)
     places = tuple(_expression(given, text) for text in strings[at : at + axes])
-    functions = strings[first:middle]
-    pattern = DataPattern(
+    functions = tuple(Name(name) for name in strings[first:middle])
+    pattern = FunctionPattern(
         program,
         functions,
-        tables,
-        places,
         given.item.reals,
         _transform(given, at + axes, placed),
         given.source,
+        tables,
+        places,
     )
-    _check(given, program, (*places, *(Name(name) for name in functions)))
+    _check(given, program, (*places, *functions))
     return pattern
 
 

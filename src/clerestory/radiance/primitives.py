@@ -18,10 +18,6 @@ def surface(item: Primitive, *, file: str) -> Simple | None:
     """Return the surface that a primitive other than a polygon describes.
 
     Returns None, with a warning, where it has no extent.
-
-    Raises
-    ------
-    InputError : a type that is not read, or arguments that do not fit it
     """
     given = Arguments(item, file)
     if item.kind not in SURFACES:

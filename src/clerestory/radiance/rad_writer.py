@@ -27,10 +27,6 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     ----------
     bsdf_file : the file of each BSDF, by the key of its material
 
-    Raises
-    ------
-    InputError : a BSDF without a file, or a material with a pattern
-
     Examples
     --------
     >>> ball = Sphere(np.zeros(3), 0.5, False, "grey", "ball")

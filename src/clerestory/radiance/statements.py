@@ -78,12 +78,7 @@ _WORD = re.compile(r"""\s*(?:"([^"]*)(")?|'([^']*)(')?|(\S+))""", re.ASCII)
 
 
 def parse_statements(text: str, *, file: str) -> list[Statement]:
-    """Return the statements of a file's text in their order.
-
-    Raises
-    ------
-    InputError : with file and line, where the text is not a scene description
-    """
+    """Return the statements of a file's text in their order."""
     statements: list[Statement] = []
     polygons = _PolygonCollector()
     cursor = _Cursor(text, file)

@@ -15,10 +15,10 @@ import xarray as xr
 from clerestory import __version__
 from clerestory.matrix.transfer_matrix import TransferMatrix, illuminance_dataset
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.product import Progress
 from clerestory.phases.shaded import States
 from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.phases.two import two_phase
+from clerestory.progress import Progress
 from clerestory.scene.model import BsdfSurface, Plastic, Scene
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.study.job import COEFFICIENTS, STATE, Job

@@ -13,7 +13,7 @@ from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import MatrixStore, block_names
 from clerestory.phases.pooled import FEW
-from clerestory.phases.traced_matrices import Progress
+from clerestory.progress import Progress
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs, read_inputs

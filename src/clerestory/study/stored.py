@@ -18,7 +18,7 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.shaded import ShadedWindow, States
 from clerestory.phases.stored_views import StoredViews
 from clerestory.phases.streamed import Opening, leaving_light, stream_illuminance
-from clerestory.phases.traced_matrices import Progress
+from clerestory.progress import Progress
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.study.job import Display
 from clerestory.study.traced import Skies, Tracing

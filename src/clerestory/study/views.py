@@ -17,7 +17,7 @@ from clerestory.glare.annual_glare import annual_glare
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
 from clerestory.phases.shaded import States
-from clerestory.phases.traced_matrices import Progress
+from clerestory.progress import Progress
 from clerestory.scene.view import View
 from clerestory.study.config_tables import EVERY, ViewTable
 from clerestory.study.control_inputs import GlareFunction

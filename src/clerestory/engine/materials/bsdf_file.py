@@ -22,6 +22,7 @@ from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.colorimetry import rgb_from_xyz
 from clerestory.engine.materials.properties import colour
+from clerestory.engine.materials.queries import completed
 from clerestory.engine.matrix_table import MatrixTable
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.tree_table import TreeTable
@@ -109,6 +110,7 @@ PLUGIN = "bsdf_file"
 def define() -> type:
     """Return the plugin's class for the variant in use."""
 
+    @completed(up="up")
     class BsdfFile(mi.BSDF):
         """Scattering by the data of a BSDF file, with added diffuse parts."""
 
@@ -259,31 +261,14 @@ def define() -> type:
             valid = active & (pdf > 0)
             return bs, dr.select(valid, mi.Color3f(weight), 0)
 
-        def eval(self, ctx, si, wo, active=True):
-            return self.evaluate(si, wo, active)[0]
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.evaluate(si, wo, active)[1]
-
         def eval_pdf(self, ctx, si, wo, active=True):
             return self.evaluate(si, wo, active)
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            value, pdf = self.evaluate(si, wo, active)
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return value, pdf, bs, weight
 
         def eval_null_transmission(self, si, active=True):
             if self.peak is None:
                 return mi.Color3f(0)
             wi = self.turned(si).to_local(si.sh_frame.to_world(si.wi))
             return self.peak.transmittance(wi)
-
-        def traverse(self, callback):
-            callback.put("up", self.up, mi.ParamFlags.NonDifferentiable)
-
-        def to_string(self):
-            return f"BsdfFile[{type(self.table).__name__}]"
 
     return BsdfFile
 

@@ -12,6 +12,7 @@ Reference: G. Ward, Radiance, src/rt/raytrace.c (raynormal).
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.materials.queries import completed
 from clerestory.engine.pattern_code import perturbation
 from clerestory.scene.pattern import Pattern
 
@@ -21,6 +22,7 @@ PLUGIN = "radiance_textured"
 def define() -> type:
     """Return the plugin's class for the current variant."""
 
+    @completed(base="base")
     class RadianceTextured(mi.BSDF):
         """A nested material in a bent frame."""
 
@@ -73,25 +75,8 @@ def define() -> type:
             stays &= active
             return dr.select(stays, value, 0), dr.select(stays, pdf, 0)
 
-        def eval(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[0]
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[1]
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            value, pdf = self.eval_pdf(ctx, si, wo, active)
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return value, pdf, bs, weight
-
         def eval_null_transmission(self, si, active=True):
             return self.base.eval_null_transmission(self.bent(si), active)
-
-        def traverse(self, callback):
-            callback.put("base", self.base, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return f"RadianceTextured[{self.base}]"
 
     return RadianceTextured
 

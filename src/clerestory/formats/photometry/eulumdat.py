@@ -27,12 +27,7 @@ _MILLIMETRE = 0.001
 
 
 def read_eulumdat(path: str | Path) -> Luminaire:
-    """Return the luminaire in a EULUMDAT file.
-
-    Raises
-    ------
-    InputError : with file and line, where it is missing or no such file
-    """
+    """Return the luminaire in a EULUMDAT file."""
     lines = _Lines(read_text(path).splitlines(), path)
     head = _head(lines)
     shape = _shape(lines)

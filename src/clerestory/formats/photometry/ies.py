@@ -39,12 +39,7 @@ _KEYWORD = re.compile(r"\s*\[([^\]]+)\]\s*(.*)")
 
 
 def read_ies(path: str | Path) -> Luminaire:
-    """Return the luminaire in an IES file.
-
-    Raises
-    ------
-    InputError : with file and line, where it is missing or no photometric file
-    """
+    """Return the luminaire in an IES file."""
     text = read_text(path)
     head, mark, rest = text.partition("TILT=")
     if not mark:

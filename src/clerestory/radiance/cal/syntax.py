@@ -84,10 +84,6 @@ class Definition:
 def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Definition]:
     """Return the definitions in a text; of several of one name, the last holds.
 
-    Raises
-    ------
-    InputError : with file and line, where the text is none of definitions
-
     Examples
     --------
     >>> made = parse_definitions("{ square } sq(x) : x*x; two = 2;")
@@ -109,10 +105,6 @@ def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Defini
 
 def parse_expression(text: str, *, file: str | None = None, line: int = 1) -> Node:
     """Return the tree of a single expression.
-
-    Raises
-    ------
-    InputError : the text is no expression
 
     Examples
     --------

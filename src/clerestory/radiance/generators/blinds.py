@@ -22,10 +22,6 @@ def blinds(words: Words) -> list[str]:
 
     `genblinds material name depth width height slats angle [-r|+r radius]`, the angle
     in degrees, a slat's front up; -r curves slats downwards, +r upwards.
-
-    Raises
-    ------
-    InputError : sizes that make no slats
     """
     material, name = words.name("a material"), words.name("a name")
     depth = words.positive("depth of the slats")

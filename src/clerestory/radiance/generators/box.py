@@ -32,12 +32,7 @@ _LETTERS = "0123456789._ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
 
 
 def box(words: Words) -> list[str]:
-    """Return the primitives of `genbox material name x y z [-i] [-b cut | -r round]`.
-
-    Raises
-    ------
-    InputError : sizes that are not positive, or an option that is not known
-    """
+    """Return the primitives of `genbox mat name x y z [-i] [-b cut | -r round]`."""
     material, name = words.name("a material"), words.name("a name")
     size = np.array([words.positive(f"size along {axis}") for axis in "xyz"])
     cut, rounded, inward = 0.0, False, False

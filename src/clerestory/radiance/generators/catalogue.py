@@ -38,10 +38,6 @@ def generate(program: str, words: list[str], find: Find) -> str:
     words : what stands behind it
     find : path of a file that the command names
 
-    Raises
-    ------
-    InputError : words that the generator does not take
-
     Examples
     --------
     >>> text = generate("genbox", ["wood", "desk", "1", "2", "3"], Path)

@@ -52,10 +52,6 @@ def gensky(words: Words) -> list[str]:
     """Return the primitives of `gensky month day hour` or `gensky -ang alt azi`.
 
     Takes -s +s -c -u -i +i, -g -t, -b -B, -r -R, -a -o -m -y.
-
-    Raises
-    ------
-    InputError : a date, an hour or an option that cannot be read
     """
     moment = read_moment(words)
     request = _Request()

@@ -17,12 +17,7 @@ Find = Callable[[str], Path]
 
 
 def mgf2rad(words: Words, find: Find) -> Build:
-    """Return the scene of `mgf2rad file.mgf …`.
-
-    Raises
-    ------
-    InputError : an option, or no file
-    """
+    """Return the scene of `mgf2rad file.mgf …`."""
     paths = _paths(words, find, idle=())
     texts = [(read_text(path), path) for path in paths]
 
@@ -36,12 +31,7 @@ def mgf2rad(words: Words, find: Find) -> Build:
 
 
 def pkg_bsdf(words: Words, find: Find) -> Build:
-    """Return the scene of `pkgBSDF [-s] [-i] file.xml …`; both options change nothing.
-
-    Raises
-    ------
-    InputError : another option, or no file
-    """
+    """Return the scene of `pkgBSDF [-s] [-i] file.xml …`; both options do nothing."""
     paths = _paths(words, find, idle=("-s", "-i"))
     layers = [(read_bsdf(path), path.stem) for path in paths]
 

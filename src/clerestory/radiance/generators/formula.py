@@ -55,10 +55,6 @@ def revolution(words: Words, find: Find) -> list[str]:
     """Return the primitives of `genrev material name z(t) r(t) segments`.
 
     Takes -e, -f and -s.
-
-    Raises
-    ------
-    InputError : a formula that cannot be read, or has no value where it is needed
     """
     formulas, [count] = _read(words, find, 2, ("number of segments",))
     value = _finite(formulas.at(t=np.linspace(0, 1, count + 1)), words)
@@ -85,10 +81,6 @@ def worm(words: Words, find: Find) -> list[str]:
     """Return the primitives of `genworm material name x(t) y(t) z(t) r(t) segments`.
 
     Takes -e and -f.
-
-    Raises
-    ------
-    InputError : a formula that cannot be read, or has no value where it is needed
     """
     formulas, [count] = _read(words, find, 4, ("number of segments",))
     value = _finite(formulas.at(t=np.linspace(0, 1, count + 1)), words)
@@ -127,10 +119,6 @@ def surface(words: Words, find: Find) -> list[str]:
 
     Takes -e, -f and -s; where `valid(s,t)` is defined, points at which it is not
     positive are left out.
-
-    Raises
-    ------
-    InputError : a formula that cannot be read, or has no value where it is needed
     """
     formulas, [m, n] = _read(words, find, 3, ("rows", "columns"))
     s, t = (

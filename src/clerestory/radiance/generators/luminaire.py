@@ -41,10 +41,6 @@ def ies2rad(words: Words, find: Callable[[str], Path]) -> list[str]:
     """Return the primitives of `ies2rad [-dU] [-m factor] [-c r g b] [-o name] file`.
 
     -s, -p, -l, -f, -u and `-t default` change nothing here: no file is written.
-
-    Raises
-    ------
-    InputError : an option that is not known, or a file that is no luminaire
     """
     request = _Request()
     while words.left:

@@ -38,11 +38,6 @@ def gendaylit(words: Words) -> list[str]:
 
     Takes -P -W -L -G -E, -O, -s +s -c, -g, -d, -w, -a -o -m -y. At night the sky is
     black, with a warning.
-
-    Raises
-    ------
-    InputError : a date, an hour or an option that cannot be read, or more light than
-        the sun sends
     """
     moment = read_moment(words)
     request, quiet = Request(), False

@@ -46,10 +46,6 @@ def prism(words: Words, find: Callable[[str], Path]) -> list[str]:
     `genprism material name {file | N x1 y1 … xN yN} [-l x y z][-r radius][-c][-e]`:
     -l draws it along a vector (0 0 1), -r rounds corners, -c leaves out the side from
     the last corner to the first, -e leaves out both ends.
-
-    Raises
-    ------
-    InputError : an outline without area, or a vector in its plane
     """
     material, name = words.name("a material"), words.name("a name")
     outline = _outline(words, find)

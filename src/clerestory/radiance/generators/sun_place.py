@@ -125,10 +125,6 @@ class Moment:
 def read_moment(words: Words) -> Moment:
     """Take `month day hour` or `-ang altitude azimuth` from a command.
 
-    Raises
-    ------
-    InputError : no such date, or an hour that cannot be read
-
     Examples
     --------
     >>> moment = read_moment(Words("gensky", ["9", "21", "12:30CET"]))

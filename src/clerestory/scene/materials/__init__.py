@@ -21,13 +21,7 @@ READERS: Mapping[str, Callable[[Definition], Material]] = {
 
 
 def read_material(given: Definition) -> Material:
-    """Return the material that a primitive defines.
-
-    Raises
-    ------
-    InputError : with file and line, for a type that is not supported or arguments that
-        do not fit it
-    """
+    """Return the material that a primitive defines."""
     if given.item.kind not in READERS:
         raise given.error(f"this type is not supported; {', '.join(READERS)} are")
     return READERS[given.item.kind](given)

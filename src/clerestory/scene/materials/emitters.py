@@ -26,6 +26,14 @@ from clerestory.scene.primitive import Definition
 _BLACK = Plugin("radiance_plastic", {"reflectance": np.zeros(3)})
 
 
+def _white(emitter: Emitter) -> Colour:
+    return np.ones_like(emitter.radiance)
+
+
+def _black(_: Emitter) -> Plugin:
+    return _BLACK
+
+
 @dataclass(frozen=True, eq=False)
 class Light(Emitter):
     """A light source of known radiance [W/(m²·sr)].
@@ -39,13 +47,7 @@ class Light(Emitter):
     radiance: Colour
     source: Source | None = None
     pattern: Pattern | None = None
-    opaque = True
-
-    def display_colour(self) -> Colour:
-        return np.ones_like(self.radiance)
-
-    def plugin(self) -> Plugin:
-        return _BLACK
+    opaque, display_colour, plugin = True, _white, _black
 
     def specification(self) -> Specification:
         return Specification("light", _even(self.pattern), (*self.radiance,))
@@ -67,13 +69,7 @@ class Glow(Emitter):
     radius: float = 0.0
     source: Source | None = None
     pattern: Pattern | None = None
-    opaque = True
-
-    def display_colour(self) -> Colour:
-        return np.ones_like(self.radiance)
-
-    def plugin(self) -> Plugin:
-        return _BLACK
+    opaque, display_colour, plugin = True, _white, _black
 
     def specification(self) -> Specification:
         reals = *self.radiance, self.radius
@@ -99,13 +95,7 @@ class Spotlight(Emitter):
     length: float
     source: Source | None = None
     pattern: Pattern | None = None
-    opaque = True
-
-    def display_colour(self) -> Colour:
-        return np.ones_like(self.radiance)
-
-    def plugin(self) -> Plugin:
-        return _BLACK
+    opaque, display_colour, plugin = True, _white, _black
 
     def specification(self) -> Specification:
         axis = self.direction * (self.length or 1.0)
