@@ -162,15 +162,15 @@ def trace_pixel_sun(
     executor : the same for all calls with one job, so that its scene is built once
     """
     pixels, count = job.columns * job.rows, len(numbers)
-    values = np.zeros((3, pixels, count), np.float32)
+    values = np.zeros((len(job.scene.bands), pixels, count), np.float32)
     every = max(1, min(count, _LANES // job.samples))
     block = max(1, _LANES // (job.samples * every))
     places = _places(pixels, count, block, every)
     units = [_unit(place, job.samples, numbers) for place in places]
     done = 0
     for (row, sun), part in zip(places, executor.map(job, units), strict=True):
-        values[:, row, sun] = part
-        done += part[0].size
+        values[:, row, sun] = np.moveaxis(part, -1, 0)
+        done += part[..., 0].size
         if progress is not None:
             progress(done / values[0].size, f"{count} suns")
     return values

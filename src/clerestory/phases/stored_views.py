@@ -62,7 +62,7 @@ class StoredViews:
         return int(self.rows[-1].stop)
 
     def channels(self) -> int:
-        """Return how many there are: one where the room is grey, else three.
+        """Return how many there are: one in a grey room, else one per band.
 
         Raises
         ------
@@ -160,7 +160,7 @@ def _block_maker(job: ViewJob, effort: Effort) -> Callable[[slice], TransferMatr
         warn_if_short(block, what, effort)
         assert block.components is not None
         few = pooled(block.components, FEW)
-        return _matrix(block.values.astype(np.float32), few)
+        return _matrix(block.values.astype(np.float32), few, job)
 
     return make
 
@@ -172,12 +172,14 @@ def _blank(job: ViewJob, rows: slice) -> TransferMatrix:
     return _matrix(
         np.broadcast_to(nothing, shape),
         np.broadcast_to(nothing, (FEW, *shape)),
+        job,
     )
 
 
 def _matrix(
     values: Float32[np.ndarray, "channel row column"],
     components: Float32[np.ndarray, "component channel row column"],
+    job: ViewJob,
 ) -> TransferMatrix:
-    _, rows, columns = values.shape
-    return TransferMatrix(values, sensor_axis(rows), unknown_axis(columns), components)
+    axes = sensor_axis(values.shape[1]), unknown_axis(values.shape[2])
+    return TransferMatrix(values, *axes, components, job.scene.bands)

@@ -1,9 +1,9 @@
-"""Directions on the command line: two angles with a comma between."""
+"""Directions on the command line: polar angle and azimuth with a comma between."""
 
 from clerestory.errors import InputError
 
 
-def two_angles(text: str) -> tuple[float, float]:
+def angle_pair(text: str) -> tuple[float, float]:
     """Return polar angle and azimuth [°] of a text such as `40,90`.
 
     Raises
@@ -12,7 +12,7 @@ def two_angles(text: str) -> tuple[float, float]:
 
     Examples
     --------
-    >>> two_angles("40,90")
+    >>> angle_pair("40,90")
     (40.0, 90.0)
     """
     try:
