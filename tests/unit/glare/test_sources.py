@@ -147,7 +147,7 @@ def test_what_guths_field_does_not_hold_is_no_source():
         ({"merge_angle": float("nan")}, "merge angle nan"),
         ({"peak_luminance": -1.0}, "peak luminance -1.0"),
         ({"smallest": -1.0}, "smallest source -1.0"),
-        ({"threshold_kind": "times_task"}, "needs the task's place"),
+        ({"threshold_kind": "times_task"}, "without a task zone"),
     ],
 )
 def test_rules_out_of_range_are_refused(arguments, message):
