@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from clerestory.engine.lower import lower
 from clerestory.engine.upload import launching, vectors
-from clerestory.engine.walk import passed
+from clerestory.engine.visibility import transmittance
 from clerestory.scene.model import Scene
 
 
@@ -29,6 +29,8 @@ def straight_share(
         model = lower(scene, origin=origin)
         start = vectors(mi.Point3f, np.repeat(points - origin, count, axis=0))
         towards = vectors(mi.Vector3f, np.tile(directions, (len(points), 1)))
-        share = passed(model, start, lambda at: mi.Ray3f(at, towards), mi.Bool(True))
+        share = transmittance(
+            model, start, lambda at: mi.Ray3f(at, towards), mi.Bool(True)
+        )
         found = np.asarray(dr.mean(share))
     return np.broadcast_to(found, len(points) * count).reshape(-1, count).astype(float)
