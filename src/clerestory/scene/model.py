@@ -41,6 +41,7 @@ from clerestory.scene.surface import (
     Sphere,
     Surface,
     TriangleMesh,
+    area_vector,
     extent,
 )
 
@@ -194,9 +195,7 @@ def _normal(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
     # Normal, of any length
     if isinstance(surface, Ring):
         return surface.normal
-    around = surface.vertices - surface.vertices[0]
-    normal: np.ndarray = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
-    return normal
+    return area_vector(surface.vertices)
 
 
 _Item = TypeVar("_Item", bound=Surface | DistantSource)
