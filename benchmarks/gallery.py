@@ -30,7 +30,7 @@ from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.image.denoise import denoise
 from clerestory.image.srgb_display import to_srgb, write_display
 from clerestory.image.visibility_matching import human_vision
-from clerestory.phases.render import render
+from clerestory.phases.rendering import render
 from clerestory.radiance.bsdf_package import package
 from clerestory.radiance.generated_sky import sky_scene
 from clerestory.scene.surface import TriangleMesh

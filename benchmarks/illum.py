@@ -18,7 +18,7 @@ from rooms import room, workplace
 from sun_matrix import SHARED
 
 import clerestory as cl
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import BsdfSurface, Glass, Material, Polygon
 
 SKIES = {"sun": "gensky -ang 50 0 +s", "overcast": "gensky -ang 50 0 -c"}

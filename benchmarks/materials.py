@@ -16,7 +16,7 @@ import numpy as np
 from duel import stamp
 
 import clerestory as cl
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.sensors import Sensors
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "parity"))

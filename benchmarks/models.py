@@ -26,7 +26,7 @@ from model_scenes import (
 )
 
 import clerestory as cl
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import Metal
 
 BOUNCES = 2

@@ -25,7 +25,7 @@ from clerestory.image.false_colour import false_colour
 from clerestory.image.srgb_display import to_srgb
 from clerestory.image.tone_curves import filmic, linear
 from clerestory.image.visibility_matching import human_vision
-from clerestory.phases.render import render
+from clerestory.phases.rendering import render
 from clerestory.radiance.generated_sky import sky_scene
 from clerestory.scene.view import solid_angles
 

@@ -26,9 +26,9 @@ import clerestory as cl
 from clerestory.image.denoise import denoise
 from clerestory.image.srgb_display import to_srgb, write_display
 from clerestory.image.tone_curves import filmic, key_luminance
-from clerestory.phases.render import render
+from clerestory.phases.rendering import render
 from clerestory.radiance.generated_sky import sky_at
-from clerestory.scene.composite import BsdfSurface
+from clerestory.scene.model import BsdfSurface
 from clerestory.scene.surface import Polygon
 from clerestory.study.config import read_study
 from clerestory.study.inputs import Inputs, read_inputs

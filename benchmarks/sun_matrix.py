@@ -15,7 +15,7 @@ from duel import Contender, devices, duel, on, radiance
 from rooms import Room, room, workplace
 
 import clerestory as cl
-from clerestory.phases.sun import sun_coefficients
+from clerestory.phases.sun_coefficients import sun_coefficients
 
 SHARED = Path(__file__).parents[2] / "shared" / "data"
 SUN_SR = 2 * np.pi * (1 - np.cos(np.radians(0.533 / 2)))

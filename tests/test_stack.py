@@ -12,8 +12,9 @@ import pytest
 import clerestory
 
 STACK = (
-    ("array_types", "errors", "constants"),
+    ("array_types", "errors", "constants", "options", "progress"),
     ("files", "directions", "bands"),
+    ("colorimetry",),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),

@@ -11,7 +11,7 @@ import numpy as np
 
 import clerestory as cl
 from clerestory.bands import RGB
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import Scene
 from truth.setting import Kind, demo, weather
 from truth.slats import portal

@@ -11,7 +11,7 @@ from clerestory.bsdfgen.microlouvre import microlouvre
 from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.shading_system import System
 from clerestory.bsdfgen.venetian_geometry import venetian
-from clerestory.phases.pictures import Camera
+from clerestory.phases.picture_matrices import Camera
 from clerestory.scene.model import Dielectric, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

@@ -5,7 +5,7 @@ from datetime import datetime
 import numpy as np
 
 import clerestory as cl
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import Polygon, Scene, Trans
 from clerestory.scene.window import Window
 from truth.setting import Kind, cameras, demo

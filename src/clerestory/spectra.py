@@ -1,7 +1,7 @@
-"""Spectra: values at growing wavelengths, straight lines between them.
+"""Spectra: quantities over wavelength, interpolated linearly.
 
-Wavelengths are in nanometres, everywhere, and their names say so. Files of the
-glazing industry use micrometres as often; their readers convert.
+Wavelengths are in nanometres. Files of the glazing industry also use micrometres;
+their readers convert.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 
-# Nanometres in the units that files name, by the first letters of their names.
+# Length of units in nanometres, by the first letters of their names.
 _UNITS_NM = {"nm": 1.0, "nano": 1.0, "um": 1000.0, "µm": 1000.0, "micro": 1000.0}
 
 
@@ -23,12 +23,12 @@ class Spectrum:
 
     Attributes
     ----------
-    wavelength_nm : where it is known, growing
-    value : what it is there
+    wavelength_nm : increasing
+    value : at each wavelength
 
     Raises
     ------
-    InputError : wavelengths do not grow, or a value is not finite
+    InputError : wavelengths do not increase, or a value is not finite
 
     Examples
     --------
@@ -48,21 +48,21 @@ class Spectrum:
                 " one value per wavelength expected"
             )
         if not np.all(np.isfinite(self.value)):
-            raise InputError("a spectrum holds values that are not finite")
+            raise InputError("a spectrum has values that are not finite")
 
     def at(
         self, wavelength_nm: Float[np.ndarray, "*batch"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Values at other wavelengths; beyond the ends the last value holds."""
+        """Values at other wavelengths; constant beyond both ends."""
         return np.asarray(np.interp(wavelength_nm, self.wavelength_nm, self.value))
 
 
 def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
-    """Refuse wavelengths that do not grow or are not positive.
+    """Require increasing, positive wavelengths.
 
     Raises
     ------
-    InputError : as said
+    InputError : they are not
     """
     w = wavelength_nm
     if len(w) == 0 or not np.all(np.isfinite(w)) or w[0] <= 0:
@@ -71,14 +71,15 @@ def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
     if len(fall):
         at = int(fall[0])
         raise InputError(
-            f"wavelength {w[at + 1]:g} nm follows {w[at]:g} nm; growing ones expected"
+            f"wavelength {w[at + 1]:g} nm follows {w[at]:g} nm; increasing wavelengths"
+            " expected"
         )
 
 
 def interpolation_matrix(
     known_nm: Float[np.ndarray, " known"], wanted_nm: Float[np.ndarray, " wanted"]
 ) -> Float[np.ndarray, "wanted known"]:
-    """Shares of the known values in each interpolated one; beyond the ends the last.
+    """Weights of the known values in each interpolated one; constant beyond the ends.
 
     >>> one = interpolation_matrix(np.array([1.0, 2.0]), np.array([1.25]))
     >>> one.tolist()
@@ -93,7 +94,7 @@ def interpolation_matrix(
 def common_wavelengths(
     grids: list[Float[np.ndarray, " _"]],
 ) -> Float[np.ndarray, " wavelength"]:
-    """All wavelengths of several grids within the range that all of them cover [nm].
+    """All wavelengths of several grids within their common range [nm].
 
     Raises
     ------
@@ -109,15 +110,15 @@ def common_wavelengths(
     high = min(float(grid[-1]) for grid in grids)
     if low > high:
         raise InputError(
-            f"one layer is known from {low:g} nm, another up to {high:g} nm;"
-            " overlapping ranges expected"
+            f"the spectrum of one layer begins at {low:g} nm, that of another ends at"
+            f" {high:g} nm; overlapping ranges expected"
         )
     every = np.unique(np.concatenate(grids))
     return every[(every >= low) & (every <= high)]
 
 
 def wavelength_unit_nm(name: str) -> float | None:
-    """Return how many nanometres a unit has, by its name; None if it is unknown.
+    """Return the length of a unit in nanometres by its name; None if it is unknown.
 
     >>> wavelength_unit_nm("Microns"), wavelength_unit_nm("nanometers")
     (1000.0, 1.0)

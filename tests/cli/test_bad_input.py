@@ -84,10 +84,10 @@ BAD = {
     ),
     "not a BSDF": (write("diffuser.xml", "<a/>"), "bsdf info diffuser.xml", "diffuser"),
     "missing BSDF": (nothing, "bsdf info no.xml", "no.xml: cannot be read"),
-    "weather of unknown kind": (
+    "weather of unknown format": (
         write("two_days.wea", "rain\n"),
         "run study.toml",
-        "two_days.wea:1: unknown kind of weather file",
+        "two_days.wea:1: unknown format of weather file",
     ),
     "weather with a word": (
         spoil("two_days.wea", "6 20 5.500", "6 20 five"),
@@ -183,7 +183,7 @@ def test_a_fault_of_our_own_is_one_line_too(call, monkeypatch):
     assert outcome.status == 1
     assert outcome.err == (
         "unexpected ZeroDivisionError: division by zero;"
-        " set CLERESTORY_TRACEBACK=1 to see where\n"
+        " set CLERESTORY_TRACEBACK=1 for the traceback\n"
     )
     monkeypatch.setenv("CLERESTORY_TRACEBACK", "1")
     assert "Traceback" in call("bsdf", "info", "diffuser.xml").err

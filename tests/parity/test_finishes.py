@@ -17,7 +17,7 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine import materials
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.sensors import Sensors
 

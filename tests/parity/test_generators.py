@@ -9,7 +9,8 @@ from radiance import run
 
 from clerestory.errors import ClerestoryWarning
 from clerestory.radiance.rad_reader import read_rad
-from clerestory.radiance.statements import Primitive, parse_statements
+from clerestory.radiance.statements import parse_statements
+from clerestory.scene.primitive import Primitive
 
 GREY = "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
 

@@ -17,7 +17,7 @@ from material_rooms import (
 from material_texts import SHEETS
 
 import clerestory as cl
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.sensors import Sensors
 
 

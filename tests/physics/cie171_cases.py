@@ -12,9 +12,9 @@ import numpy as np
 from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene, panel_scene
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.phases.render import irradiance
-from clerestory.phases.trace import daylight_coefficients
-from clerestory.scene.emitter import Light
+from clerestory.phases.rendering import irradiance
+from clerestory.phases.traced_matrices import daylight_coefficients
+from clerestory.scene.materials.emitters import Light
 from clerestory.scene.model import Plastic, Polygon, Scene, Sphere
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import DistantSource

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clerestory.phases.render import irradiance, render
+from clerestory.phases.rendering import irradiance, render
 from clerestory.scene.model import (
     Cone,
     Dielectric,

@@ -62,12 +62,13 @@ class Asked:
     def __init__(self, mi, bsdf, **options):
         import drjit as dr
 
-        from clerestory.engine import bsdf_file
+        from clerestory.engine import materials
 
         self.mi, self.dr = mi, dr
         black = {name: np.zeros(3) for name in ("front", "back", "transmission")}
         surface = BsdfSurface("layer", bsdf, 0.0, UP, **(black | options))
-        self.plugin = bsdf_file.plugin(surface)
+        materials.register()
+        self.plugin = materials.load(surface)
 
     def hit(self, seen_from, count):
         """Interaction seen from a direction."""

@@ -13,7 +13,7 @@ import clerestory as cl
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.cluster import cluster as clusters
-from clerestory.engine.work import Grain, Local, Unit
+from clerestory.engine.work_units import Local, Unit, UnitSize
 from clerestory.errors import DeviceError, InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.sensors import Sensors
@@ -26,7 +26,7 @@ SENSORS = Sensors(DESKS, np.tile([0, 0, 1.0], (12, 1)))
 @pytest.fixture
 def small_units(monkeypatch):
     """A trace of seconds has as many units as one of hours."""
-    monkeypatch.setattr(clusters, "_GRAIN", Grain(paths=1 << 14, sums=1 << 20))
+    monkeypatch.setattr(clusters, "_UNIT_SIZE", UnitSize(paths=1 << 14, sums=1 << 20))
 
 
 class Assassin:
@@ -99,7 +99,7 @@ def test_where_no_scheduler_answers_is_bad_input(monkeypatch):
 
 def test_a_unit_asks_for_nothing_but_its_job(device):
     """Done twice, after others or alone: the same sums."""
-    from clerestory.engine.traces import ViewJob
+    from clerestory.engine.matrix_jobs import ViewJob
 
     scene, south = box(4, 5, 3, 0.6)
     job = ViewJob(scene, (south,), SENSORS, None, 5, 16, device)

@@ -5,7 +5,7 @@ import ctypes
 import pytest
 
 from clerestory.engine import device as devices
-from clerestory.engine import work
+from clerestory.engine import work_units
 from clerestory.errors import ClerestoryWarning, DeviceError
 
 
@@ -58,15 +58,15 @@ def test_a_driver_that_fails_tells_nothing(driver, failing):
 
 def test_launches_on_a_gpu_fill_a_part_of_its_memory(monkeypatch):
     """A quarter for paths, a quarter for sums; never less than on a CPU."""
-    local, cpu = work.Local(), work.Local().grain("cpu")
-    monkeypatch.setattr(work, "free_memory", lambda: 8 << 30)
-    grain = local.grain("cuda")
-    assert grain.paths * work._PATH_BYTES == 2 << 30
-    assert grain.sums == 2 << 30
-    monkeypatch.setattr(work, "free_memory", lambda: 1 << 20)
-    assert local.grain("cuda") == cpu
-    monkeypatch.setattr(work, "free_memory", lambda: None)
-    assert local.grain("cuda") == cpu
+    local, cpu = work_units.Local(), work_units.Local().unit_size("cpu")
+    monkeypatch.setattr(work_units, "free_memory", lambda: 8 << 30)
+    unit_size = local.unit_size("cuda")
+    assert unit_size.paths * work_units._PATH_BYTES == 2 << 30
+    assert unit_size.sums == 2 << 30
+    monkeypatch.setattr(work_units, "free_memory", lambda: 1 << 20)
+    assert local.unit_size("cuda") == cpu
+    monkeypatch.setattr(work_units, "free_memory", lambda: None)
+    assert local.unit_size("cuda") == cpu
 
 
 def test_a_gpu_that_fails_leaves_the_work_to_the_cpu_and_says_why(monkeypatch):

@@ -9,12 +9,12 @@ import clerestory as cl
 from clerestory.engine import device as devices
 
 # The engine's modules, Mitsuba and Dr.Jit exist once a device was started
-estimate = devices.load("cpu")
+controller = devices.load("cpu")
 
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine import materials, work
+from clerestory.engine import materials, work_units
 from clerestory.engine.patches import PatchTable, SkyTable
 from clerestory.engine.sampler import points
 from clerestory.engine.windows import window_shapes
@@ -71,8 +71,8 @@ def test_results_do_not_depend_on_the_size_of_launches(device, monkeypatch):
     scene, south = box(4, 5, 3, 0.6)
     options = {"sensors": SENSORS, "samples": 16 * 600, "seed": 3, "device": device}
     whole = cl.view_matrix(scene, south, **options)
-    monkeypatch.setattr(work, "_PATHS", 16 * 256)
-    monkeypatch.setattr(estimate, "_STRETCH", 256)
+    monkeypatch.setattr(work_units, "_PATHS", 16 * 256)
+    monkeypatch.setattr(controller, "_STRETCH", 256)
     cut = cl.view_matrix(scene, south, **options)
     assert np.array_equal(whole.values, cut.values)
 
@@ -185,8 +185,8 @@ def test_plastic_samples_its_own_density(device, name, tilt_deg):
     from mitsuba import chi2
 
     materials.register()
-    description = materials.plugin(grey(0.4, **PLASTICS[name]))
-    sample, pdf = _adapter(description, np.radians(tilt_deg))
+    bsdf = materials.load(grey(0.4, **PLASTICS[name]))
+    sample, pdf = _adapter(bsdf, np.radians(tilt_deg))
     test = chi2.ChiSquareTest(
         domain=chi2.SphericalDomain(),
         sample_func=sample,
@@ -198,8 +198,7 @@ def test_plastic_samples_its_own_density(device, name, tilt_deg):
     assert test.run(0.01, 1), test.messages
 
 
-def _adapter(description, tilt):
-    bsdf = mi.load_dict(description)
+def _adapter(bsdf, tilt):
 
     def interaction(n):
         si = dr.zeros(mi.SurfaceInteraction3f, n)
@@ -224,7 +223,7 @@ def _adapter(description, tilt):
 def test_plastic_obeys_reciprocity_and_energy(device, name):
     """f(a, b) = f(b, a); what is reflected is no more than what arrives."""
     materials.register()
-    bsdf = mi.load_dict(materials.plugin(grey(0.4, **PLASTICS[name])))
+    bsdf = materials.load(grey(0.4, **PLASTICS[name]))
     rng = np.random.default_rng(3)
     n = 5000
     a, b = (stats.uniform_direction(3, seed=rng).rvs(n) for _ in range(2))
@@ -253,7 +252,7 @@ def test_plastic_obeys_reciprocity_and_energy(device, name):
 def test_glass_neither_makes_nor_hides_light(device):
     """Transmittance and reflectance sum to one for a pane that absorbs nothing."""
     materials.register()
-    bsdf = mi.load_dict(materials.plugin(Glass("pane", np.ones(3))))
+    bsdf = materials.load(Glass("pane", np.ones(3)))
     n = 64
     si = dr.zeros(mi.SurfaceInteraction3f, n)
     cosine = np.linspace(0.02, 1, n)

@@ -9,7 +9,7 @@ from clerestory.bsdf.analytic import lambertian
 from clerestory.errors import ClerestoryWarning, InputError, MatrixError
 from clerestory.hemisphere.klems import klems
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.facade import joint_sum
+from clerestory.phases.facade_matrices import joint_sum
 from clerestory.scene.model import Scene
 
 

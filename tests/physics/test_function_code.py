@@ -17,9 +17,9 @@ from clerestory.engine.function_code import FunctionCode
 from clerestory.engine.pattern_code import multiplier, share
 from clerestory.errors import InputError
 from clerestory.radiance.cal.program import Program
-from clerestory.radiance.cal.syntax import parse_definitions, parse_expression
+from clerestory.radiance.cal.syntax import Name, parse_definitions, parse_expression
 from clerestory.radiance.data_array import DataArray
-from clerestory.radiance.function_pattern import DataPattern, FunctionPattern
+from clerestory.radiance.function_pattern import FunctionPattern
 from clerestory.scene.material import Source
 
 RNG = np.random.default_rng(1)
@@ -124,7 +124,9 @@ def test_tables_are_read_as_over_arrays(device, axes):
     values = RNG.uniform(0, 1, [len(p) for p in positions])
     table = DataArray(tuple(np.array(p) for p in positions), values)
     places = tuple(parse_expression(f"2*P{a}") for a in "xyz"[:axes])
-    pattern = DataPattern(Program(), ("noop",), (table,), places)
+    pattern = FunctionPattern(
+        Program(), (Name("noop"),), tables=(table,), coordinates=places
+    )
     points = np.stack([X, Y, Z], axis=1)
     up = np.tile([0.0, 0.0, 1.0], (len(points), 1))
     si = dr.zeros(mi.SurfaceInteraction3f, len(points))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.phases.illum import precompute_illums
-from clerestory.phases.render import irradiance, render
+from clerestory.phases.rendering import irradiance, render
+from clerestory.phases.window_emitters import precompute_illums
 from clerestory.radiance.illum_table import write_illums
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.phases.render import irradiance, render_irradiance
+from clerestory.phases.rendering import irradiance, render_irradiance
 from clerestory.scene.model import (
     DistantSource,
     Glass,

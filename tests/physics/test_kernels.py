@@ -6,7 +6,7 @@ from physics_scenes import box
 
 import clerestory as cl
 from clerestory.engine.device import resolve
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import DistantSource, Glass, Light, Plastic, Polygon, Scene
 from clerestory.scene.sensors import Sensors
 
@@ -85,7 +85,7 @@ def trace_view(device, size):
 def trace_daylight(device, size):
     """Another effort."""
     scene, south = box(4, 5, 3, 0.5)
-    cl.daylight_matrix(scene, south, sky="mf:1", samples=64 << size, device=device)
+    cl.daylight_matrix(scene, south, subdivision=1, samples=64 << size, device=device)
 
 
 TASKS = (draw_picture, gather_irradiance, trace_view, trace_daylight)

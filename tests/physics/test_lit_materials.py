@@ -5,7 +5,7 @@ import pytest
 from physics_scenes import quad, sensor, window
 
 import clerestory as cl
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import (
     DistantSource,
     Glow,

@@ -6,7 +6,7 @@ import pytest
 from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene, panel_scene
 from clerestory.formats.photometry.read import read_luminaire
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.sensors import Sensors
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -23,15 +23,12 @@ from clerestory.scene.model import (
     Illum,
     Interface,
     Metal,
-    Metal2,
     Mirror,
     Mixture,
     Patterned,
     Plastic,
-    Plastic2,
     Textured,
     Trans,
-    Trans2,
     Void,
 )
 
@@ -54,11 +51,11 @@ def sheets(colour):
     return {
         "metal": Metal("", colour, 0.8, 0.15),
         "smooth plastic": Plastic("", colour, 0.05, 0.0),
-        "plastic2": Plastic2("", colour, 0.2, ELLIPSE, UP),
-        "metal2": Metal2("", colour, 0.9, ELLIPSE[::-1], UP),
+        "plastic2": Plastic("", colour, 0.2, ELLIPSE, up=UP),
+        "metal2": Metal("", colour, 0.9, ELLIPSE[::-1], up=UP),
         "trans": rough,
         "smooth trans": Trans("", colour, 0.05, 0.0, 0.6, 0.5),
-        "trans2": Trans2("", colour, 0.1, ELLIPSE, 0.7, 0.6, UP),
+        "trans2": Trans("", colour, 0.1, ELLIPSE, 0.7, 0.6, up=UP),
         "mixture": Mixture("", Plastic("", colour, 0.3, 0.2), rough, 0.3),
         "perforated": Mixture("", rough, Void(), 0.4),
         "varying mixture": Mixture("", matt, rough, function(".2+.5*(1+Px)")),
@@ -254,7 +251,7 @@ def test_an_up_vector_along_the_normal_makes_a_round_highlight(load):
     si = interaction(64, leaving(30))
     normal = si.sh_frame.n.numpy().ravel()
     both = [
-        load(Plastic2("", TINTED, 0.2, np.array([0.1, 0.3]), normal)),
+        load(Plastic("", TINTED, 0.2, np.array([0.1, 0.3]), up=normal)),
         load(Plastic("", TINTED, 0.2, np.sqrt((0.01 + 0.09) / 2))),
     ]
     wo = mi.warp.square_to_cosine_hemisphere(numbers(64, 7)[1])
@@ -314,9 +311,9 @@ def test_a_mirror_is_black_behind(load):
 
 def test_what_is_replaced_acts_as_its_alternate(device):
     grey = Plastic("", TINTED)
-    assert materials.plugin(Mirror("", WHITE, grey)) == materials.plugin(grey)
-    assert materials.plugin(Illum("", WHITE, grey)) == materials.plugin(grey)
-    assert materials.plugin(Illum("", WHITE)) == {"type": "null"}
+    assert Mirror("", WHITE, grey).plugin() == grey.plugin()
+    assert Illum("", WHITE, grey).plugin() == grey.plugin()
+    assert Illum("", WHITE).plugin().name == "null"
 
 
 def test_a_perforated_sheet_passes_light_through_its_holes(load):

@@ -10,7 +10,7 @@ from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.fit_storage import write_fits
 from clerestory.gonio.fitted_measurement import fit_measurement, measured_bsdf
 from clerestory.gonio.layer_file import read_layer
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.sensors import Sensors
 from goniometer import Goniophotometer, pane, rings
 

@@ -8,7 +8,7 @@ import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.pictures import (
+from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,

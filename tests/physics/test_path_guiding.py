@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clerestory.engine.device import load
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import DistantSource, Glass, Light, Plastic, Polygon, Scene
 from clerestory.scene.sensors import Sensors
 

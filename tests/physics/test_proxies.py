@@ -14,8 +14,8 @@ import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.pictures import Camera, picture_view_matrices
-from clerestory.phases.render import irradiance
+from clerestory.phases.picture_matrices import Camera, picture_view_matrices
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Plastic, Scene
 
 TRANSMITTANCE = 0.4

@@ -6,8 +6,8 @@ from physics_scenes import box, quad, window
 
 import clerestory as cl
 from clerestory.engine.origin import middle_of_scene, window_origin
-from clerestory.engine.shelf import Shelf, shelved
-from clerestory.engine.work import Local
+from clerestory.engine.scene_cache import SceneCache, cached
+from clerestory.engine.work_units import Local
 from clerestory.scene.model import Scene
 
 GOAL = {"samples": 64, "subdivision": 1}
@@ -57,28 +57,28 @@ def test_what_the_next_job_does_not_ask_for_is_let_go(built, device):
     cl.daylight_matrices(scene, windows, **options, **GOAL)
     for _ in range(2):
         cl.view_matrices(scene, windows, sensors=sensors, samples=64, **options)
-        assert len(place._shelf._kept) == 1
+        assert len(place._cache._kept) == 1
     other = Scene(scene.materials, scene.surfaces)
     cl.daylight_matrices(other, windows, **options, **GOAL)
     assert built == [(scene, 0), (scene, 2), (other, 0)]
-    assert len(place._shelf._kept) == 1
+    assert len(place._cache._kept) == 1
 
 
 def test_the_former_is_gone_before_the_next_is_built():
     """Two halls of millions of triangles need not fit into memory."""
-    shelf, held = Shelf(), []
+    cache, held = SceneCache(), []
 
     def build():
-        held.append(len(shelf._kept))
+        held.append(len(cache._kept))
         return object()
 
     for names in (("a", "b"), ("b", "c"), ("d",)):
-        with shelf.preparing():
+        with cache.preparing():
             for name in names:
-                shelved((name,), build)
+                cached((name,), build)
     # a; b beside it; c beside b, when a is gone; d alone
     assert held == [0, 1, 1, 0]
-    assert shelved(("d",), lambda: "new") == "new"  # without a shelf
+    assert cached(("d",), lambda: "new") == "new"  # without a cache
 
 
 def test_windows_near_the_middle_of_a_scene_share_its_origin():

@@ -10,7 +10,7 @@ import xarray as xr
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.engine import estimate, foresight
+from clerestory.engine import controller, cost_estimate
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.phases import stored_views
@@ -50,9 +50,9 @@ def write(tmp_path, monkeypatch):
         write_bsdf(folder / f"{name}.xml", lambertian(tau, klems("quarter")))
     plain = (folder / "study.toml").read_text()
     row = 41 * 16 * 8  # patches, batches, bytes of a sum
-    monkeypatch.setattr(estimate, "_SUMS", 2 * row)
+    monkeypatch.setattr(controller, "_SUMS", 2 * row)
     monkeypatch.setattr(study_results, "_LARGE", 100)
-    monkeypatch.setattr(foresight, "_TRIAL", 1 << 12)
+    monkeypatch.setattr(cost_estimate, "_TRIAL", 1 << 12)
 
     def written(rule="", memory_gb=8.0):
         control = f"[window.control]\n{rule}\n" if rule else ""

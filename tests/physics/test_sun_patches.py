@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clerestory.phases.render import irradiance
+from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import DistantSource, Light, Plastic, Polygon, Scene
 from clerestory.scene.sensors import Sensors
 

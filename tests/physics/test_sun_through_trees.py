@@ -7,7 +7,7 @@ from physics_scenes import box
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.engine.device import load
-from clerestory.phases.sun import sun_coefficients
+from clerestory.phases.sun_coefficients import sun_coefficients
 from clerestory.scene.sensors import Sensors
 
 RADIUS = np.radians(0.533 / 2)

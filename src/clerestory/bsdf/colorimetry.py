@@ -1,4 +1,4 @@
-"""Colour of BSDFs: CIE XYZ of the files to Radiance's RGB."""
+"""Conversion between CIE XYZ of BSDF files and Radiance RGB."""
 
 import numpy as np
 from jaxtyping import Float
@@ -17,7 +17,7 @@ def _xyz(chromaticity: Points2) -> Directions:
 
 
 def rgb_to_xyz() -> Float[np.ndarray, "3 3"]:
-    """Matrix that takes Radiance's RGB to XYZ; equal parts make white."""
+    """Matrix from Radiance RGB to XYZ; equal RGB values are white."""
     primaries = _xyz(_PRIMARIES).T
     return primaries * np.linalg.solve(primaries, _xyz(_WHITE))
 
@@ -25,14 +25,14 @@ def rgb_to_xyz() -> Float[np.ndarray, "3 3"]:
 def rgb_from_xyz(
     xyz: Float[np.ndarray, "3 row column"],
 ) -> Float[np.ndarray, "3 row column"]:
-    """RGB in Radiance's primaries; colours outside them fade towards grey.
+    """RGB in the primaries of Radiance; colours outside the gamut are desaturated.
 
     >>> rgb_from_xyz(np.full((3, 1, 1), 0.5)).ravel().round(6).tolist()
     [0.5, 0.5, 0.5]
     """
     rgb = np.tensordot(np.linalg.inv(rgb_to_xyz()), xyz, axes=1)
 
-    # Keep the luminance Y and mix in grey until no primary is negative
+    # Desaturate at constant luminance until no primary is negative
     luminance, least = xyz[1], rgb.min(axis=0)
     share = np.divide(
         luminance, luminance - least, out=np.ones_like(least), where=least < 0

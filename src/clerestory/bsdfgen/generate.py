@@ -1,20 +1,19 @@
-"""BSDFs of shading systems by tracing their geometry, as genBSDF does.
+"""BSDF generation by ray tracing the geometry of shading systems, as genBSDF.
 
-Light enters a piece of the system from each incident patch or cell, evenly over the
-patch by projected solid angle, and is counted by the patch or cell through which it
-leaves. The piece is a finite sample or the cell of a repeating system.
+Rays enter the sample area from each incident patch or cell, uniformly in projected
+solid angle, and are scored in the exit patch or cell. The sample area is a finite
+sample or the unit cell of an endless system.
 """
 
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, Unpack
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Geometry, Product
 from clerestory.bsdfgen.area import SampleArea, area_of
 from clerestory.bsdfgen.channel_weights import VISIBLE, Weights, check_bands
-from clerestory.bsdfgen.effort import Progress, TraceEffort
 from clerestory.bsdfgen.geometry_checks import check_system
 from clerestory.bsdfgen.mgf_text import mgf_text
 from clerestory.bsdfgen.postprocessing import (
@@ -27,7 +26,8 @@ from clerestory.bsdfgen.trace_matrices import trace_matrices
 from clerestory.bsdfgen.trace_request import TraceRequest
 from clerestory.bsdfgen.trace_trees import trace_trees
 from clerestory.engine import device as devices
-from clerestory.engine.device import Device
+from clerestory.engine.effort import EffortKeywords, effort_of
+from clerestory.engine.work_units import Goal
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.model import Scene
@@ -43,6 +43,9 @@ _BACKS: dict[str, tuple[bool, ...]] = {
 
 _DEEPEST = 7
 
+# Used when neither samples nor an error is asked for: as many paths as genBSDF's
+_DEFAULT = Goal(samples=2000)
+
 
 def generate_bsdf(
     scene: Scene | System,
@@ -54,60 +57,52 @@ def generate_bsdf(
     periodic: bool = False,
     bands: Mapping[str, Weights] | None = None,
     colour: bool = False,
-    samples: int | None = None,
-    relative_error: float | None = None,
-    bounces: int | None = None,
     symmetry: bool = True,
     reciprocal: bool = False,
     reduction: float = 0.0,
     geometry: bool = True,
     name: str = "",
-    seed: int = 0,
-    device: Device = "auto",
-    progress: Progress | None = None,
+    **keywords: Unpack[EffortKeywords],
 ) -> Bsdf:
-    """Return the BSDF of a system in genBSDF's frame, with standard errors.
+    """Return the BSDF of a shading system with standard errors.
 
-    +x is the width, +y up, +z into the room; nothing lies at z > 0. *Front* is the
-    side of the sky, as in the files.
+    The frame is that of genBSDF: +x is the width, +y up, +z into the room, all geometry
+    at z ≤ 0. *Front* is the side of the sky, as in the files.
 
     Parameters
     ----------
-    scene : the geometry [m], or one of the parametric systems
-    basis : Klems' patches, or a tensor tree; rank 3 for systems that look alike from
-        every azimuth
-    halvings : a tree resolves 2^halvings cells along each axis, 2 to 7
-    sides : where light comes from
-    area : piece of the system to trace through; the box around it if None
-    periodic : whether the piece repeats, so that no light is lost at its sides
-    bands : for each band of the result, weights of the scene's three channels; the
-        visible band of red, green and blue if None
+    scene : geometry [m], or a parametric system
+    basis : Klems basis, or a tensor tree; rank 3 for isotropic systems
+    halvings : resolution of trees, 2^halvings cells along each axis, 2 to 7
+    sides : incident sides
+    area : sample area; the bounding box if None
+    periodic : whether the sample area is the unit cell of an endless system, so that no
+        light is lost at its sides
+    bands : for each band of the result, weights of the three channels of the scene;
+        luminance of red, green and blue if None
     colour : whether to add CIE X and Z, or u' and v' of trees
-    samples : paths from each incident patch, or from each finest incident cell of a
-        tree on average; 2000 if neither this nor an error is given
-    relative_error : instead of samples: root mean square of the standard errors of
-        all values, relative to their mean
+    samples : paths per incident patch, or average per finest incident cell of a tree;
+        2000 if neither this nor an error is given
+    relative_error : instead of samples, target root mean square of the standard errors
+        of all values over their mean
     bounces : most diffuse reflections of a path, as Radiance's -ab; None: no limit
-    symmetry : for matrices: where the geometry is its own mirror image, trace from one
-        of two patches that are alike, with the same errors in less time
-    reciprocal : average light that goes forth with light that goes back; right only
-        for a periodic or endless piece
-    reduction : share of the blocks of smallest cells of a tree to give up [%]
-    geometry : whether the result holds the geometry, as MGF
+    symmetry : for matrices, whether to trace only one of two mirror-symmetric patches
+    reciprocal : whether to average with the reciprocal; only for periodic sample areas
+    reduction : blocks of smallest cells of a tree to merge [%]
+    geometry : whether the result holds the geometry as MGF
     name : of the product
-    seed : whole number ≥ 0; the same seed on the same device gives the same bits
-    device : "auto" takes a GPU if there is one
-    progress : called with the share done, 0…1, and a note
+    seed : whole number ≥ 0; results are bitwise reproducible for a seed on one device
+    device : "auto" selects a GPU if there is one
+    progress : called with the fraction done, 0…1, and a note
 
     Raises
     ------
-    InputError : no geometry, a box without size, or a number out of range
+    InputError : no geometry, an empty sample area, or a number out of range
     DeviceError : no usable device
 
     Warns
     -----
-    ClerestoryWarning : geometry that is hardly what was meant, item by item; an error
-        that was not reached
+    ClerestoryWarning : doubtful geometry; a target error that was not reached
 
     Examples
     --------
@@ -117,8 +112,14 @@ def generate_bsdf(
     >>> round(bsdf.diffuse("transmission_front"), 2)
     0.4
     """
+    effort = effort_of(
+        generate_bsdf,
+        keywords,
+        default=_DEFAULT,
+        most_error=10.0,
+        without=("batches", "components"),
+    )
     system = _system(scene, area, periodic, bands, name)
-    effort = TraceEffort(samples, relative_error, bounces, seed, progress)
     check_bands(system.bands)
     if not 2 <= halvings <= _DEEPEST:
         raise InputError(f"{halvings} halvings; 2 to {_DEEPEST} expected")
@@ -133,15 +134,15 @@ def generate_bsdf(
         system.area, _BACKS[sides], system.bands, colour, effort, symmetry
     )
     if basis in ("tree3", "tree4"):
-        engine = devices.load(device, "sample_area_tree")
+        engine = devices.load(effort.device, "sample_area_tree")
         rank = int(basis[-1])
         traced = trace_trees(engine, system.scene, request, rank=rank, depth=halvings)
     else:
-        engine = devices.load(device, "sample_area_matrix")
+        engine = devices.load(effort.device, "sample_area_matrix")
         traced = trace_matrices(engine, system.scene, klems(basis), request)
     if not traced.reached:
         warnings.warn(
-            f"the relative error {relative_error} was not reached after"
+            f"the relative error {effort.relative_error} was not reached after"
             f" {traced.paths:,} paths; look at the standard errors",
             ClerestoryWarning,
             stacklevel=2,
@@ -163,7 +164,7 @@ def _system(
     bands: Mapping[str, Weights] | None,
     name: str,
 ) -> System:
-    # What is given explicitly goes before what a parametric system brings along
+    # Arguments override the values of a parametric system
     if isinstance(scene, System):
         system = replace(scene, area=area or scene.area, bands=bands or scene.bands)
     else:

@@ -1,4 +1,4 @@
-"""Geometry as a text in MGF, the Materials and Geometry Format, for BSDF files.
+"""Geometry as text in MGF, the Materials and Geometry Format, for BSDF files.
 
 Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
 """
@@ -10,9 +10,10 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.colorimetry import rgb_to_xyz
 from clerestory.bsdfgen.area import SampleArea
+from clerestory.colorimetry import RADIANCE
 from clerestory.errors import InputError
+from clerestory.scene.materials.highlight import Roughness
 from clerestory.scene.model import (
     Cone,
     Dielectric,
@@ -29,21 +30,15 @@ from clerestory.scene.model import (
     Trans,
 )
 
-# Thickness that MGF gives the transmittance of a solid for [m].
+# Thickness for which MGF gives the transmittance of a solid [m].
 _SOLID_THICKNESS = 0.005
 
 _Colour = Float[np.ndarray, "3"]
 
 
 def mgf_text(scene: Scene, area: SampleArea) -> str:
-    """Return the MGF of a system in metres, the middle of its area moved to x = y = 0.
+    """Return a system as MGF in metres, with the middle of its area at x = y = 0.
 
-    Raises
-    ------
-    InputError : a material that MGF has no words for
-
-    Examples
-    --------
     >>> grey = Plastic("grey", np.full(3, 0.5))
     >>> slat = Polygon(np.array([[0.0, 0, -1], [2, 0, -1], [2, 2, -1]]), "grey", "slat")
     >>> scene = Scene({"grey": grey}, (slat,))
@@ -75,19 +70,19 @@ def _numbers(values: Sequence[float] | Values) -> str:
 
 def _material(material: Material) -> Iterator[str]:
     match material:
-        case Plastic():
+        case Plastic(up=None):
             diffuse = material.reflectance * (1 - material.specularity)
             yield from _share("rd", diffuse)
             if material.specularity > 0:
                 white = np.full(3, material.specularity)
                 yield from _share("rs", white, material.roughness)
-        case Metal():
+        case Metal(up=None):
             yield from _share("rd", material.reflectance * (1 - material.specularity))
             shiny = material.reflectance * material.specularity
             yield from _share("rs", shiny, material.roughness)
         case Mirror():
             yield from _share("rs", material.reflectance, 0.0)
-        case Trans():
+        case Trans(up=None):
             yield from _trans(material)
         case Glass():
             yield from _glass(material)
@@ -98,7 +93,8 @@ def _material(material: Material) -> Iterator[str]:
             yield from _share("rs", np.full(3, face), 0.0)
             yield from _share("ts", passed, 0.0)
         case _:
-            kind = type(material).__name__.lower()
+            given = material.specification()
+            kind = given.kind if given else type(material).__name__.lower()
             source = material.source
             raise InputError(
                 f'{kind} "{material.name}" has no counterpart in MGF; leave the'
@@ -121,7 +117,7 @@ def _trans(material: Trans) -> Iterator[str]:
 
 
 def _glass(material: Glass) -> Iterator[str]:
-    # Both faces and the way between them, at normal incidence
+    # Both faces and the glass between them, at normal incidence
     face = ((material.index - 1) / (material.index + 1)) ** 2
     inner = material.transmissivity
     series = 1 / (1 - (face * inner) ** 2)
@@ -131,13 +127,13 @@ def _glass(material: Glass) -> Iterator[str]:
     yield from _share("ts", passed, 0.0)
 
 
-def _share(keyword: str, rgb: _Colour, *roughness: float) -> Iterator[str]:
-    # A share of light after its colour
-    xyz = rgb_to_xyz() @ np.asarray(rgb, dtype=float)
+def _share(keyword: str, rgb: _Colour, *roughness: Roughness) -> Iterator[str]:
+    # A reflectance or transmittance after its colour
+    xyz = RADIANCE.to_xyz() @ np.asarray(rgb, dtype=float)
     yield "\tc"
     if np.ptp(rgb) > 0:
         yield f"\t\tcxy {_numbers(xyz[:2] / xyz.sum())}"
-    yield f"\t{keyword} {_numbers([xyz[1], *roughness])}"
+    yield f"\t{keyword} {_numbers([xyz[1], *map(float, roughness)])}"
 
 
 def _surface(surface: Surface) -> Iterator[str]:

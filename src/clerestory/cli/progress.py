@@ -10,17 +10,17 @@ from typing import Any
 
 import typer
 
+from clerestory.progress import Progress
+
 # Work that ends sooner shows nothing [s]
 _PATIENCE = 2.0
 
 # Lines in a log follow each other at this distance [s]
 _LINE_EVERY = 10.0
 
-Report = Callable[[float, str], None]
-
 
 @contextmanager
-def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Report]]:
+def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Progress]]:
     """Yield a function that starts the display of a phase, given its name.
 
     What it returns is called with the share done, 0…1, and a note such as the
@@ -54,7 +54,7 @@ def _bars() -> Any:
     return rich.Progress(*columns, console=console, transient=True)
 
 
-def _bar(bars: Any, name: str) -> Report:
+def _bar(bars: Any, name: str) -> Progress:
     # Shown by the clock, so that even work that reports late is seen to go on
     task = bars.add_task(name, total=1.0, visible=False, note="")
     timer = threading.Timer(_PATIENCE, lambda: bars.update(task, visible=True))
@@ -70,7 +70,7 @@ def _bar(bars: Any, name: str) -> Report:
     return report
 
 
-def _lines(name: str) -> Report:
+def _lines(name: str) -> Progress:
     begin = time.monotonic()
     due = [begin + _PATIENCE]
 

@@ -23,13 +23,13 @@ import numpy as np
 
 from clerestory.cluster import optional
 from clerestory.engine.device import Device
-from clerestory.engine.work import Executor, Goal, Grain, Job, Local, Unit
+from clerestory.engine.work_units import Executor, Goal, Job, Local, Unit, UnitSize
 from clerestory.errors import ClerestoryError, ClerestoryWarning, DeviceError
 from clerestory.scene.model import Scene
 
 # Units are small beside launches on one machine: many workers share a round, and what
 # they return travels over a network.
-_GRAIN = Grain(paths=1 << 20, sums=1 << 25)
+_UNIT_SIZE = UnitSize(paths=1 << 20, sums=1 << 25)
 
 # Units under way, for each worker; what is done waits here for its turn
 _AHEAD = 3
@@ -115,9 +115,9 @@ class Cluster:
         """Return True: every job is done."""
         return True
 
-    def grain(self, device: Literal["cpu", "cuda"]) -> Grain:
+    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
         """Return how large units may be."""
-        return _GRAIN
+        return _UNIT_SIZE
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
         """Yield what each unit adds, in the order of the units.

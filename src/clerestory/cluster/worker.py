@@ -14,7 +14,7 @@ import numpy as np
 
 from clerestory import __version__
 from clerestory.engine.device import Device, resolve
-from clerestory.engine.work import Job, Local, Unit
+from clerestory.engine.work_units import Job, Local, Unit
 from clerestory.scene.model import Scene
 
 NAME = "clerestory"

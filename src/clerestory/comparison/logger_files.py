@@ -12,7 +12,7 @@ from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.csv_measurements import local_times, read_table
-from clerestory.sky.time_steps import centres, require_growth, typical_step
+from clerestory.sky.time_steps import centres, require_increasing, typical_step
 
 StandsFor = Literal["start", "centre", "end", "moment"]
 
@@ -67,7 +67,7 @@ def read_logger(
     times = local_times(
         table, layout.time, layout.time_format, layout.clock, utc_offset_hours
     )
-    require_growth(times, file=path, lines=table.lines)
+    require_increasing(times, rows=table)
     step = 0.0
     if layout.stands_for != "moment":
         step = typical_step(times)

@@ -10,10 +10,10 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.channels import SHINING
 from clerestory.scene.model import (
     BsdfSurface,
     Cone,
+    Emitter,
     Material,
     Scene,
     Sphere,
@@ -64,7 +64,7 @@ def round_shape(
 
 
 def _is_round(surface: Sphere | Cone, material: Material) -> bool:
-    if isinstance(material, SHINING):
+    if isinstance(material, Emitter):
         return False
     if isinstance(material, BsdfSurface) and material.thickness:
         return False

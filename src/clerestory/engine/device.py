@@ -44,7 +44,7 @@ class Finding:
     good: bool
 
 
-def load(device: Device = "auto", module: str = "estimate") -> ModuleType:
+def load(device: Device = "auto", module: str = "controller") -> ModuleType:
     """Start the device and return a module of tracing functions that run on it.
 
     Parameters

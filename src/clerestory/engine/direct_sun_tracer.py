@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.camera_rays import CameraRays
+from clerestory.engine.direct_sun_jobs import BATCHES, PixelSunJob, SunJob
 from clerestory.engine.path_tracer import PathTracer
 from clerestory.engine.sampler import (
     CONNECT_U,
@@ -26,11 +27,10 @@ from clerestory.engine.sampler import (
     random_number,
 )
 from clerestory.engine.sinks import RadianceSink
-from clerestory.engine.sunlit import BATCHES, PixelSunJob, SunJob
 from clerestory.engine.sunlit_window import SunlitWindow, SunWindow, on_disc
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.vertices import sensor_vertex
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 
 _SINK = RadianceSink()
 
@@ -96,9 +96,9 @@ def prepare_sun(job: SunJob) -> Tracer:
 def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
     """Return what traces direct sun to pixels: C_R-ds and C_F-ds.
 
-    A pixel of a window shows what its BSDF scatters of the sun to the eye, and the sun's
-    disc where light passes straight; any other pixel shows the sunlight that its surface
-    reflects.
+    A pixel of a window shows what its BSDF scatters of the sun to the eye, and the
+    sun's disc where light passes straight; any other pixel shows the sunlight that its
+    surface reflects.
     """
     centre = np.asarray(job.view.position, dtype=float)
     window = SunWindow.of(
@@ -107,7 +107,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
     rays = CameraRays.of(job.view, job.columns, job.rows)
     sequence = points(0, job.samples)
 
-    def trace(unit: Unit) -> Float[np.ndarray, "channel pixel sun"]:
+    def trace(unit: Unit) -> Float[np.ndarray, "pixel sun channel"]:
         suns, samples = len(unit.columns), unit.count
         lane = dr.arange(mi.UInt32, len(unit.rows) * suns * samples)
         index = lane % dr.opaque(mi.UInt32, samples)
@@ -124,7 +124,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
             light = tracer.trace(_SINK, _SINK.begin(), path, numbers, once, valid)
             dr.eval(light)
             total = dr.block_reduce(dr.ReduceOp.Add, light, samples).numpy()
-        return (total / samples).reshape(3, len(unit.rows), suns)
+        return (total / samples).T.reshape(len(unit.rows), suns, -1)
 
     return trace
 

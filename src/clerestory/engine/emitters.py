@@ -1,7 +1,7 @@
 """Emitting surfaces: radiance by direction, and sampling by area and power.
 
-Every emitting shape is one emitter. A pattern may vary its radiance with direction: it is
-tabulated over all directions. One that varies with position is taken at the middle of
+Every emitting shape is one emitter. A pattern that varies its radiance by direction is
+tabulated over all directions; one that varies with position is taken at the middle of
 the surface.
 """
 
@@ -15,10 +15,8 @@ from jaxtyping import Float
 from clerestory.engine.directional_map import DirectionalMap, map_directions
 from clerestory.engine.upload import on_device, vectors
 from clerestory.errors import InputError
-from clerestory.scene.model import Glow, Illum, Light, Spotlight
+from clerestory.scene.model import Emitter, Glow, Illum, Spotlight
 from clerestory.scene.tessellate import Mesh
-
-Emitter = Light | Glow | Illum | Spotlight
 
 # Cells along the edge of a pattern's table: 0.6° wide, for emitters of narrow beams
 _EDGE = 256

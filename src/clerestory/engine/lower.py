@@ -12,14 +12,16 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.bands import RGB
 from clerestory.engine import materials
 from clerestory.engine.analytic_shapes import round_shape, without_round
-from clerestory.engine.channels import SHINING, channels_of
+from clerestory.engine.channels import channels_of
 from clerestory.engine.emitters import Emitters, split_by_surface
-from clerestory.engine.shelf import shelved
+from clerestory.engine.scene_cache import cached
 from clerestory.engine.upload import on_device
 from clerestory.engine.windows import WindowTable, window_shapes
-from clerestory.scene.model import BsdfSurface, Scene
+from clerestory.errors import InputError
+from clerestory.scene.model import BsdfSurface, Emitter, Scene
 from clerestory.scene.tessellate import Mesh, meshes
 from clerestory.scene.window import Window
 
@@ -75,9 +77,15 @@ def lower(
     ----------
     origin : point of the scene that comes to lie at the device's origin [m]
     receivers : windows that are surfaces of the scene and end the paths that meet them
+
+    Raises
+    ------
+    InputError : the scene is not in three channels; see `channels.band_groups`
     """
+    if scene.bands != RGB:
+        raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")
     key = mi.variant(), scene, tuple(origin.tolist()), receivers
-    lowered: LoweredScene = shelved(key, lambda: _lowered(scene, origin, receivers))
+    lowered: LoweredScene = cached(key, lambda: _lowered(scene, origin, receivers))
     return lowered
 
 
@@ -100,7 +108,7 @@ def _lowered(
     for number, mesh in enumerate(meshes(flat)):
         material = mesh.material
         bsdf = materials.load(material, origin)
-        if isinstance(material, SHINING):
+        if isinstance(material, Emitter):
             for part in split_by_surface(mesh):
                 name = f"{_LAMP}{len(shining)}"
                 content[name] = _mesh(part.vertices - origin, part.faces, bsdf)

@@ -13,9 +13,15 @@ import numpy as np
 from jaxtyping import Float, UInt64
 
 from clerestory.engine.camera_rays import CameraRays
-from clerestory.engine.estimate import MatrixJob
-from clerestory.engine.facade import FacadeJob
+from clerestory.engine.controller import MatrixJob
+from clerestory.engine.facade_jobs import FacadeJob
 from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.matrix_jobs import (
+    CoefficientsJob,
+    DaylightJob,
+    PixelViewJob,
+    ViewJob,
+)
 from clerestory.engine.next_event_estimation import Source
 from clerestory.engine.origin import middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
@@ -23,11 +29,10 @@ from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.primary_rays import Lanes, lanes, window_ray
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
 from clerestory.engine.sinks import MatrixSink
-from clerestory.engine.traces import CoefficientsJob, DaylightJob, PixelViewJob, ViewJob
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.window_sampling import SkyPatches, WindowPatches
 from clerestory.engine.windows import window_shapes
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.errors import DeviceError
 
 # Streams of random numbers: errors of V and D must not agree. Those of pictures and of

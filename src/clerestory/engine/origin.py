@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.work import spread
+from clerestory.engine.work_units import evenly_spaced
 from clerestory.scene.model import Scene
 from clerestory.scene.surface import extent
 from clerestory.scene.window import Window
@@ -20,7 +20,7 @@ def middle_of_scene(scene: Scene) -> Float[np.ndarray, "3"]:
     """Return the median of the surfaces' middles [m]; far grounds hardly move it."""
     if not scene.surfaces:
         return np.zeros(3)
-    few = [scene.surfaces[n] for n in spread(len(scene.surfaces), _SURFACES)]
+    few = [scene.surfaces[n] for n in evenly_spaced(len(scene.surfaces), _SURFACES)]
     return np.asarray(np.median([extent(s).mean(axis=0) for s in few], axis=0))
 
 

@@ -2,8 +2,8 @@
 
 The best probabilities to share samples among several estimates of a sum are in
 proportion to the root mean square of each (the single-sample model with disjoint parts:
-the variance Σ mᵢ/pᵢ is least for pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i). The
-parts are the light from each portal and that from anywhere else. A pilot run
+the variance Σ mᵢ/pᵢ is least for pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i).
+The parts are the light from each portal and that from anywhere else. A pilot run
 measures their moments at surface points of the room, in cells of position and normal:
 for continued paths, and for rays that look for sunlit surfaces. Few paths are enough:
 probabilities that are a little wrong cost a little noise, never light.

@@ -16,7 +16,7 @@ from clerestory.engine.function_code import FunctionCode
 from clerestory.engine.function_library import Value
 from clerestory.errors import InputError
 from clerestory.radiance.data_array import DataArray
-from clerestory.radiance.function_pattern import NUMBERED, DataPattern, FunctionPattern
+from clerestory.radiance.function_pattern import NUMBERED, READINGS, FunctionPattern
 from clerestory.scene.material import Source
 from clerestory.scene.pattern import Pattern, Product
 from clerestory.scene.transform import Transform
@@ -39,8 +39,6 @@ def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
     match pattern:
         case FunctionPattern():
             code = _function(pattern, origin)
-        case DataPattern():
-            code = _data(pattern, origin)
         case Product(factors):
             return _product([pattern_code(factor, origin) for factor in factors])
         case _:
@@ -78,7 +76,11 @@ def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], A
 def perturbation(
     pattern: Pattern, origin: Float[np.ndarray, "3"]
 ) -> Callable[[Any], Any]:
-    """Return three values as a vector of the scene: what bends a normal."""
+    """Return three values as a vector of the scene, which perturbs a normal."""
+    if not isinstance(pattern, FunctionPattern):
+        raise InputError(
+            f"a {type(pattern).__name__} is no texture; functions expected"
+        )
     code = pattern_code(pattern, origin)
     turn = pattern.transform.matrix[:3, :3] / pattern.transform.scale
 
@@ -95,28 +97,17 @@ def perturbation(
 
 
 def _function(pattern: FunctionPattern, origin: Float[np.ndarray, "3"]) -> Code:
-    def code(si: Any) -> tuple[list[Any], Any]:
-        inputs = _inputs(pattern.transform, si, origin)
-        made = FunctionCode(pattern.program, inputs, pattern.arguments)
-        return _split([made.value(node) for node in pattern.expressions])
-
-    return code
-
-
-def _data(pattern: DataPattern, origin: Float[np.ndarray, "3"]) -> Code:
     tables = [_table(table) for table in pattern.tables]
 
     def code(si: Any) -> tuple[list[Any], Any]:
         inputs = _inputs(pattern.transform, si, origin)
         made = FunctionCode(pattern.program, inputs, pattern.arguments)
-        place = [made.value(node) for node in pattern.coordinates]
-        position, bad = _split(place)
-        read = [Value(table(position)) for table in tables]
-        values = []
-        for i, name in enumerate(pattern.functions):
-            given = read if made.arity(name) >= 3 else [read[min(i, len(read) - 1)]]
-            values.append(made.call(name, given))
-        found, faulty = _split(values)
+        if not tables:
+            return _split([made.value(node) for node in pattern.expressions])
+        position, bad = _split([made.value(node) for node in pattern.coordinates])
+        read = {n: t(position) for n, t in zip(READINGS, tables, strict=False)}
+        made = FunctionCode(pattern.program, inputs | read, pattern.arguments)
+        found, faulty = _split([made.value(node) for node in pattern.calls()])
         return found, faulty | bad
 
     return code

@@ -14,10 +14,10 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.colorimetry import rgb_from_xyz
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.colorimetry import rgb_from_xyz
 from clerestory.engine.square import square_from_disc
 from clerestory.engine.upload import on_device
 from clerestory.hemisphere.shirley_chiu import disc_from_square

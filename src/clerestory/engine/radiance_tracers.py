@@ -11,11 +11,11 @@ from jaxtyping import Float
 from clerestory.engine.camera_rays import CameraRays
 from clerestory.engine.first_hit import first_hit
 from clerestory.engine.illumination import Illumination
-from clerestory.engine.lit import IrradianceJob, PictureJob
 from clerestory.engine.path_guiding import learned_portals
 from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.pilot_paths import PILOT_PATHS, sample_surfaces
 from clerestory.engine.portals import window_rectangles
+from clerestory.engine.radiance_jobs import IrradianceJob, PictureJob
 from clerestory.engine.sampler import (
     DIRECTION_U,
     DIRECTION_V,
@@ -26,7 +26,7 @@ from clerestory.engine.sampler import (
 from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.sun_patches import sun_patches
 from clerestory.engine.upload import launching, vectors
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 
 # Hashed numbers of the point in a pixel

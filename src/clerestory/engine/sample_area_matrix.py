@@ -10,9 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.channels import channels_of
-from clerestory.engine.device import in_use
-from clerestory.engine.estimate import (
-    Effort,
+from clerestory.engine.controller import (
     Estimate,
     MatrixJob,
     Sums,
@@ -20,6 +18,8 @@ from clerestory.engine.estimate import (
     estimate,
     variance,
 )
+from clerestory.engine.device import in_use
+from clerestory.engine.effort import Effort
 from clerestory.engine.matrix_tracers import matrix_tracer
 from clerestory.engine.patches import PatchTable
 from clerestory.engine.path_tracer import segments_of
@@ -27,12 +27,13 @@ from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
 from clerestory.engine.sampler import PathNumbers
 from clerestory.engine.sinks import MatrixSink
+from clerestory.engine.sums import BATCHES
 from clerestory.engine.upload import on_device
-from clerestory.engine.work import Tracer, Unit
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
 
-__all__ = ["Effort", "trace_matrix"]
+__all__ = ["trace_matrix"]
 
 # Keeps the sample points apart from those of other matrices made with the same seed.
 _SALT = 0x5BD1E995
@@ -133,7 +134,7 @@ def trace_matrix(
         sides,
         effort.bounces,
         effort.seed,
-        effort.batches,
+        effort.batches or BATCHES,
         in_use(),
         incidents,
         stands_for,

@@ -58,11 +58,13 @@ class Sums:
 
     def means(self) -> Float[np.ndarray, "row batch column channel"]:
         """Mean weight of each batch's paths."""
-        return self.total / (FIXED_POINT * self.count[:, None, None, None])
+        means: np.ndarray = self.total / (FIXED_POINT * self.count[:, None, None, None])
+        return means
 
     def collected(self) -> Float[np.ndarray, "row batch channel"]:
         """Mean weight of each batch's paths, all columns together."""
-        return self.total.sum(axis=2) / (FIXED_POINT * self.count[:, None, None])
+        sums: np.ndarray = self.total.sum(axis=2)
+        return sums / (FIXED_POINT * self.count[:, None, None])
 
 
 def estimated(sums: Sums, *, reached: bool, components: bool) -> Estimate:

@@ -1,10 +1,10 @@
 """Lobes of sunlight behind BSDFs, as directions of rays back to the windows.
 
-A blind or a film sends the light of the sun into few directions. They are
-sampled from the BSDF for the sun's own direction, before any path is: directions of rays from a surface in the room back to the window, where sampling points of the
-window seldom finds a lobe.
+A blind or a film sends the light of the sun into few directions. They are sampled from
+the BSDF for the sun's own direction: rays from a surface in the room run back along
+them to a window, where sampling points of the window seldom finds a lobe.
 
-The directions do not ask which window they meet, so their density is that of all
+The directions do not depend on which window they meet, so their density is that of all
 windows' lobes together, on every window.
 """
 
@@ -17,8 +17,8 @@ from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
 from clerestory.engine import sampler
-from clerestory.engine.bsdf_file import Table, forward_table
 from clerestory.engine.distant_emitters import is_sun
+from clerestory.engine.materials.bsdf_file import Table, forward_table
 from clerestory.engine.sampler import points
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
 from clerestory.scene.surface import area_vectors

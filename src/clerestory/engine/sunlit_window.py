@@ -1,7 +1,8 @@
 """Sunlit windows as sources: what a window's BSDF scatters of one sun.
 
 The window is sampled by solid angle, and by the lobes into which its BSDF scatters this
-very sun, so a smooth blind and a film with lobes of a degree cost the same. What the BSDF passes straight, if asked for, is a term of its own, sharp as the sun.
+very sun, so a smooth blind and a film with lobes of a degree cost the same. What the
+BSDF passes straight, if asked for, is a term of its own, sharp as the sun.
 """
 
 from collections.abc import Iterator
@@ -14,8 +15,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine.bsdf_file import Table, forward_table
 from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.materials.bsdf_file import Table, forward_table
 from clerestory.engine.next_event_estimation import (
     Emission,
     LightSample,

@@ -17,8 +17,8 @@ import mitsuba as mi
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from clerestory.bsdf.colorimetry import rgb_to_xyz
 from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.colorimetry import RADIANCE
 from clerestory.engine.square import disc_from_square, square_from_disc
 from clerestory.engine.upload import on_device
 from clerestory.hemisphere import shirley_chiu
@@ -266,7 +266,7 @@ class TreeTable:
 
 def _rgb(xyz):
     # Colours outside Radiance's primaries fade towards grey, as in bsdf.colour
-    rows = np.linalg.inv(rgb_to_xyz())
+    rows = np.linalg.inv(RADIANCE.to_xyz())
     rgb = mi.Color3f(*[sum(float(row[i]) * xyz[i] for i in range(3)) for row in rows])
     least, luminance = dr.min(rgb), xyz[1]
     share = dr.select(least < 0, luminance / (luminance - least), 1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.formats.json_item import Item
-from clerestory.scene.emitter import Glow, Light
+from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.model import Glass, Material, Metal, Mirror, Plastic, Trans
 
 # Reflectance or transmissivity of honeybee's generic modifiers
@@ -84,12 +84,7 @@ class Modifiers:
         return _generic(place)
 
     def called(self, name: str, item: Item) -> Modifier:
-        """Return a modifier by its name.
-
-        Raises
-        ------
-        InputError : the model has none of that name
-        """
+        """Return a modifier by its name."""
         if name not in self.named:
             raise item.wrong("modifier", "the identifier of a modifier of the model")
         return self.named[name]

@@ -126,12 +126,7 @@ class Item:
 
 
 def read_json(path: str | Path) -> Item:
-    """Return the object in a JSON file.
-
-    Raises
-    ------
-    InputError : it cannot be read, is not JSON, or holds no object
-    """
+    """Return the object in a JSON file."""
     try:
         value = json.loads(read_text(path))
     except (ValueError, RecursionError) as error:

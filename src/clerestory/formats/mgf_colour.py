@@ -1,10 +1,9 @@
-"""Colours of MGF: chromaticities, from spectra and temperatures too.
+"""Colours of MGF: chromaticities, also of spectra and black bodies.
 
 MGF mixes colours by their luminances. Mixed as spectra or as chromaticities the
-result is the same colour, so the chromaticity is all that has to be kept.
+result is the same colour, so only the chromaticity is stored.
 
-References: CIE 15:2004, table of the 1931 observer every 10 nm, and Planck's law with
-c₂ = 1.4388 cm·K.
+Reference: Planck's law with c₂ = 1.4388 cm·K.
 """
 
 from typing import NamedTuple
@@ -12,27 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.colorimetry import rgb_from_xyz
+from clerestory.colorimetry import OBSERVER, OBSERVER_NM, rgb_from_xyz
 from clerestory.errors import InputError
-
-_WAVELENGTHS_NM = np.arange(380, 790, 10)
-# Colour matching functions x, y, z, times 10⁴
-_OBSERVER = np.array(
-    [
-        row.split()
-        for row in (
-            "14 42 143 435 1344 2839 3483 3362 2908 1954 956 320 49 93 633 1655 2904"
-            " 4334 5945 7621 9163 10263 10622 10026 8544 6424 4479 2835 1649 874 468"
-            " 227 114 58 29 14 7 3 2 1 0",
-            "0 1 4 12 40 116 230 380 600 910 1390 2080 3230 5030 7100 8620 9540 9950"
-            " 9950 9520 8700 7570 6310 5030 3810 2650 1750 1070 610 320 170 82 41 21 10"
-            " 5 2 1 1 0 0",
-            "65 201 679 2074 6456 13856 17471 17721 16692 12876 8130 4652 2720 1582 782"
-            " 422 203 87 39 21 17 11 8 3 2 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0",
-        )
-    ],
-    dtype=float,
-)
 
 _SECOND_RADIATION_CONSTANT = 1.4388e-2  # m·K
 _COOLEST = 1000.0
@@ -51,12 +31,7 @@ GREY = Chromaticity(1 / 3, 1 / 3)
 
 
 def chromaticity(x: float, y: float) -> Chromaticity:
-    """Return the chromaticity with the given coordinates.
-
-    Raises
-    ------
-    InputError : no colour has these coordinates
-    """
+    """Return the chromaticity with the given coordinates."""
     if not (x >= 0 and y >= 1e-4 and x + y <= 1):
         raise InputError(
             f"chromaticity {x:g}, {y:g}; x of 0 or more, y above 0, and together at"
@@ -72,10 +47,6 @@ def from_spectrum(values: list[float]) -> Chromaticity:
     ----------
     values : first and last wavelength [nm], then at least two samples at equal steps
 
-    Raises
-    ------
-    InputError : wavelengths or samples that make no visible light
-
     Examples
     --------
     >>> [round(c, 3) for c in from_spectrum([380, 780, 1, 1])]  # equal energy is grey
@@ -89,15 +60,11 @@ def from_spectrum(values: list[float]) -> Chromaticity:
         )
     known = np.linspace(first, last, len(samples))
     outside = {"left": 0.0, "right": 0.0}
-    return _of_light(np.interp(_WAVELENGTHS_NM, known, samples, **outside))
+    return _of_light(np.interp(OBSERVER_NM, known, samples, **outside))
 
 
 def from_temperature(kelvin: float) -> Chromaticity:
     """Return the colour of a black body.
-
-    Raises
-    ------
-    InputError : it is too cool to shine
 
     Examples
     --------
@@ -106,7 +73,7 @@ def from_temperature(kelvin: float) -> Chromaticity:
     """
     if kelvin < _COOLEST:
         raise InputError(f"colour temperature {kelvin:g} K; {_COOLEST:g} K or more")
-    metres = _WAVELENGTHS_NM * 1e-9
+    metres = OBSERVER_NM * 1e-9
     exponent = _SECOND_RADIATION_CONSTANT / (metres * kelvin)
     # Scaled by the brightest wavelength, so that no power over- or underflows
     power = -5 * np.log(metres) - exponent - np.log1p(-np.exp(-exponent))
@@ -115,10 +82,6 @@ def from_temperature(kelvin: float) -> Chromaticity:
 
 def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
     """Return the colour of lights added up, weighted by their luminances.
-
-    Raises
-    ------
-    InputError : the weights cancel out
 
     Examples
     --------
@@ -152,7 +115,7 @@ def is_grey(colour: Chromaticity) -> bool:
 
 
 def _of_light(power: Float[np.ndarray, " wavelength"]) -> Chromaticity:
-    total = _OBSERVER @ power
+    total = OBSERVER @ power
     if not (np.all(total >= 0) and total[1] > 0):
         raise InputError("a spectrum without visible light; positive samples expected")
     x, y, _ = total / total.sum()

@@ -94,12 +94,7 @@ class Contexts(Generic[Value]):
         return self.named[name]
 
     def choose(self, words: list[str]) -> None:
-        """Follow a statement's words: nothing, `name`, `name =` or `name = template`.
-
-        Raises
-        ------
-        InputError : other words, or a name that is not defined
-        """
+        """Follow the words: nothing, `name`, `name =` or `name = template`."""
         if len(words) > 3 or (len(words) > 1 and words[1] != "="):
             raise InputError(
                 f'context "{" ".join(words[:4])}"; a name, = and a template expected'

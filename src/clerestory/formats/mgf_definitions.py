@@ -112,12 +112,7 @@ DEFINING: dict[str, Callable[[Definitions, str, list[str]], None]] = {
 
 
 def numbers(keyword: str, words: list[str], count: int) -> list[float]:
-    """Return the numbers after a keyword.
-
-    Raises
-    ------
-    InputError : they are not as many numbers as expected, or beyond all measure
-    """
+    """Return the numbers after a keyword."""
     values = [v for v in map(number, words) if v is not None and abs(v) <= LARGEST]
     if not len(values) == len(words) == count:
         raise InputError(

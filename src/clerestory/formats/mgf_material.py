@@ -12,11 +12,15 @@ from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.formats.mgf_colour import is_grey, rgb
 from clerestory.formats.mgf_context import MgfMaterial
-from clerestory.scene.material import Dielectric, Glass, Metal, Plastic, Source, Trans
+from clerestory.scene.material import Source
+from clerestory.scene.materials.dielectric import Dielectric
+from clerestory.scene.materials.glass import Glass
+from clerestory.scene.materials.plastic import Metal, Plastic
+from clerestory.scene.materials.trans import Trans
 from clerestory.scene.model import Light, Material
 
 # Exitance from which a surface is a lamp [lm/m²].
-_SHINING = 0.1
+_LEAST_EMITTANCE = 0.1
 
 # Thickness that the transmittance of a solid is given for [m].
 _SOLID_THICKNESS = 0.005
@@ -31,16 +35,12 @@ _MOST_LIGHT = 1.001
 def scene_material(given: MgfMaterial, name: str, source: Source | None) -> Material:
     """Return the material of the scene that acts like one of MGF.
 
-    Raises
-    ------
-    InputError : more light leaves it than arrives
-
     Examples
     --------
     >>> scene_material(MgfMaterial(diffuse_reflectance=0.5), "grey", None).reflectance
     array([0.5, 0.5, 0.5])
     """
-    if given.emittance > _SHINING:
+    if given.emittance > _LEAST_EMITTANCE:
         radiance = given.emittance / (np.pi * LUMINOUS_EFFICACY)
         return Light(name, rgb(given.chromaticity("ed"), radiance), source)
     reflected = given.diffuse_reflectance + given.specular_reflectance

@@ -79,10 +79,6 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
 
     The corners given run counter-clockwise as seen from outside if the length is
     positive; the other end lies that far behind them.
-
-    Raises
-    ------
-    InputError : the corners span no plane, or there is no length
     """
     point = np.array([v.point for v in corner])
     spoke = point - point[0]
@@ -102,12 +98,7 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
 
 
 def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
-    """Yield the cones that a torus is made of; negative radii turn it inside out.
-
-    Raises
-    ------
-    InputError : it has no axis, or radii that do not grow
-    """
+    """Yield the cones that a torus is made of; negative radii turn it inside out."""
     if centre.normal is None:
         raise InputError("a torus around a vertex without normal; one expected")
     sign = -1.0 if inner < 0 or (inner == 0 and outer < 0) else 1.0

@@ -82,10 +82,6 @@ class TransformStack:
         ----------
         words : options of xform; none ends the innermost transform
         at : number of this statement
-
-        Raises
-        ------
-        InputError : options that are unknown, or none is open that could end
         """
         if words:
             if len(self.levels) >= _DEEPEST:

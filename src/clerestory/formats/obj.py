@@ -13,7 +13,8 @@ import numpy as np
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_bytes, read_text
 from clerestory.formats.obj_text import ObjPart, ObjText, parse_obj
-from clerestory.scene.material import Plastic, Source
+from clerestory.scene.material import Source
+from clerestory.scene.materials.plastic import Plastic
 from clerestory.scene.model import Material, Scene, TriangleMesh, insert_material
 from clerestory.scene.transform import number
 

@@ -66,10 +66,6 @@ class ObjText:
 def parse_obj(data: bytes, *, file: str) -> ObjText:
     r"""Return vertices and triangles of an OBJ file.
 
-    Raises
-    ------
-    InputError : with file and line, where a number or a vertex is missing
-
     Examples
     --------
     >>> text = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n"
@@ -251,7 +247,7 @@ class _Reading:
                 except ValueError:
                     shown = word[:40].decode("latin-1")
                     return InputError(
-                        f'"{shown}" stands where a number is expected',
+                        f'"{shown}" is found where a number is expected',
                         file=self.file,
                         line=line + i,
                     )

@@ -1,35 +1,48 @@
-"""Read goniophotometer files of any known format."""
+"""Reader of goniophotometer files, by a registry of formats.
 
-from collections.abc import Sequence
+The registry is made of the modules in `clerestory.gonio.formats`; the format of a file
+is recognized from its first bytes.
+"""
+
+import importlib
+import pkgutil
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, get_args
+from types import MappingProxyType
 
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
-from clerestory.gonio.formats.astm import read_astm
-from clerestory.gonio.formats.columns import read_columns
-from clerestory.gonio.formats.fred import read_fred
-from clerestory.gonio.formats.pabopto import Facing, read_pabopto
-from clerestory.gonio.formats.rt300s import read_rt300s
-from clerestory.gonio.formats.viavi import read_viavi
-from clerestory.gonio.formats.zemax import read_zemax
+from clerestory.gonio import formats
+from clerestory.gonio.formats.file_format import (
+    Facing,
+    FileFormat,
+    FileHead,
+    ReadOptions,
+)
 from clerestory.gonio.scattering_measurement import Measurement, merge_scans
 
-Format = Literal["pabopto", "viavi", "rt300s", "zemax", "fred", "astm", "columns"]
-FORMATS: tuple[Format, ...] = get_args(Format)
-
-# Bytes at the start of a file in which its format shows.
+# Bytes at the start of a file from which its format is recognized.
 _HEAD = 4096
 
-# How files of Excel 97 begin.
-_WORKBOOK = b"\xd0\xcf\x11\xe0"
+
+def _registry() -> Mapping[str, FileFormat]:
+    # All formats of the package, by name
+    modules = (
+        importlib.import_module(f"{formats.__name__}.{module.name}")
+        for module in pkgutil.iter_modules(formats.__path__)
+    )
+    found = (getattr(module, "FORMAT", None) for module in modules)
+    return MappingProxyType({f.name: f for f in found if isinstance(f, FileFormat)})
+
+
+FORMATS = _registry()
 
 
 def read_measurement(
     *paths: str | Path,
-    form: Format | None = None,
+    form: str | None = None,
     function: Function | None = None,
     facing: Facing = "room",
     blank: Path | None = None,
@@ -39,9 +52,9 @@ def read_measurement(
 
     Parameters
     ----------
-    form : of the files; None to tell from the first
-    function : which light was measured, where the format does not say
-    facing : where the normal of the sample looks, for pab-opto's files
+    form : name of the format; None to recognize it from the first file
+    function : scattering function that was measured, where the format does not say
+    facing : side that the normal of the sample faces, for pab-opto's files
     blank : readings without a sample, for workbooks of the RT-300S
     merge : join scans of the same incident direction instead of refusing them
 
@@ -51,59 +64,47 @@ def read_measurement(
 
     Raises
     ------
-    InputError : a file is not of a known format, or damaged
+    InputError : a file is damaged or of no known format
     """
     files = [Path(path) for path in paths]
     if not files:
         raise InputError("no goniophotometer file; one or more expected")
-    kind = form or _format(files[0])
-    if merge and kind == "pabopto":
-        return tuple(_merged(files, facing))
-    given = {} if function is None else {"function": function}
-    if kind == "pabopto":
-        return read_pabopto(files, facing=facing)
-    if kind == "zemax":
-        side = "back" if (function or "").endswith("back") else "front"
-        return read_zemax(files, side=side)
-    if kind == "rt300s":
-        return read_rt300s(files, blank=blank, **given)
-    if kind == "columns":
-        return read_columns(files, function=function)
-    readers = {"viavi": read_viavi, "fred": read_fred, "astm": read_astm}
-    return readers[kind](files, **given)
+    kind = recognized_format(files[0]) if form is None else FORMATS.get(form)
+    if kind is None:
+        raise InputError(
+            f"goniophotometer format {form!r}; one of {', '.join(FORMATS)} expected"
+        )
+    options = ReadOptions(function, facing, blank)
+    return _merged(files, kind, options) if merge else kind.read(files, options)
 
 
-def _merged(files: Sequence[Path], facing: Facing) -> list[Measurement]:
-    # Every file alone, then those of one function and channel together
-    single = [part for file in files for part in read_pabopto([file], facing=facing)]
-    keys = dict.fromkeys((part.function, part.channel) for part in single)
-    merged = []
-    for key in keys:
-        parts = [part for part in single if (part.function, part.channel) == key]
-        scans = merge_scans(scan for part in parts for scan in part.scans)
-        merged.append(replace(parts[-1], scans=scans))
-    return merged
-
-
-def _format(path: Path) -> Format:
-    head = read_bytes(path)[:_HEAD]
-    if head.startswith(_WORKBOOK):
-        return "rt300s"
-    text = head.decode("latin-1").lower()
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    if text.startswith("!!"):
-        return "viavi"
-    if lines and lines[0].startswith("type bsdf_data"):
-        return "fred"
-    if any(line.startswith("vars") for line in lines):
-        return "astm"
-    if any(line.startswith(("samplerotation", "angleofincidence")) for line in lines):
-        return "zemax"
-    if any(line.startswith("theta_i") for line in lines):
-        return "columns"
-    keys = ("#format", "#intheta", "#incident_angle", "#inphi", "#colorimetry")
-    if any(line.replace("# ", "#").startswith(keys) for line in lines):
-        return "pabopto"
+def recognized_format(path: Path) -> FileFormat:
+    """Return the format of a file, recognized from its first bytes."""
+    data = read_bytes(path)[:_HEAD]
+    text = "" if b"\0" in data else data.decode("latin-1").lower()
+    lines = (line.strip() for line in text.splitlines())
+    head = FileHead(data, tuple(line for line in lines if line))
+    for kind in FORMATS.values():
+        if kind.recognizes(head):
+            return kind
     raise InputError(
-        f"not a goniophotometer file; one of {', '.join(FORMATS)} expected", file=path
+        "not a goniophotometer file of a known format; one of"
+        f" {', '.join(FORMATS)} expected",
+        file=path,
+    )
+
+
+def _merged(
+    files: Sequence[Path], kind: FileFormat, options: ReadOptions
+) -> tuple[Measurement, ...]:
+    # Read every file alone, then join the scans of each function and channel
+    groups: dict[tuple[str, str], list[Measurement]] = {}
+    for file in files:
+        for part in kind.read([file], options):
+            groups.setdefault((part.function, part.channel), []).append(part)
+    return tuple(
+        replace(
+            parts[-1], scans=merge_scans(scan for part in parts for scan in part.scans)
+        )
+        for parts in groups.values()
     )

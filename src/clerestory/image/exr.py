@@ -14,11 +14,11 @@ import numpy as np
 import OpenEXR
 from jaxtyping import Float32
 
+from clerestory.colorimetry import RADIANCE, Primaries, conversion
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.files import read_bytes, replace_file
 from clerestory.image.picture import Picture
-from clerestory.image.primaries import RADIANCE, Primaries, conversion
 from clerestory.radiance.view_text import format_view, parse_view
 
 _MOST_PIXELS = 1 << 27

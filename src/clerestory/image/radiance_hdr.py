@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32, UInt8
 
+from clerestory.colorimetry import RADIANCE, conversion, xyz_to_rgb
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
 from clerestory.files import read_bytes, replace_file
 from clerestory.image.picture import Picture
-from clerestory.image.primaries import RADIANCE, conversion, xyz_to_rgb
 from clerestory.image.radiance_header import (
     Header,
     parse_header,

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from clerestory.colorimetry import RADIANCE, Primaries
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.image.picture import Quantity
-from clerestory.image.primaries import RADIANCE, Primaries
 from clerestory.radiance.view_text import opens_view, parse_view
 from clerestory.scene.transform import number
 from clerestory.scene.view import View

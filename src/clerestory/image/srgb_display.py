@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
+from clerestory.colorimetry import RADIANCE, SRGB, conversion
 from clerestory.errors import InputError
 from clerestory.files import replace_file
-from clerestory.image.primaries import RADIANCE, SRGB, conversion
 
 # Endings of files and Pillow's names of their formats
 _FORMATS: dict[str, Literal["PNG", "JPEG"]] = {

@@ -1,1 +1,1 @@
-"""Transfer matrices with labelled axes and standard errors, and their files."""
+"""Transfer matrices with labelled axes, and their files."""

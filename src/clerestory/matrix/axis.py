@@ -1,7 +1,7 @@
-"""What the rows or the columns of a matrix stand for.
+"""Axes of transfer matrices: what their rows and columns stand for.
 
-Rows receive, columns send. Two matrices can be multiplied when the columns of
-the left one stand for the same thing as the rows of the right one.
+Rows receive, columns send. Two matrices can be multiplied if the columns of the left
+one stand for the same as the rows of the right one.
 """
 
 from dataclasses import dataclass, replace
@@ -34,12 +34,12 @@ class Axis:
 
     Attributes
     ----------
-    kind : what they stand for; "unknown" for files that do not say
-    size : how many there are
-    partition : the patches, for window and sky axes
+    kind : what they stand for; "unknown" for files without labels
+    size : number of rows or columns
+    partition : patches of a window or sky
     window : name of the window group; None fits every window
-    times : moments of the time steps (local standard time), for time axes
-    names : names of the sensors, if they have any
+    times : time steps (local standard time)
+    names : names of the sensors
     """
 
     kind: Kind
@@ -50,7 +50,7 @@ class Axis:
     names: tuple[str, ...] | None = None
 
     def describe(self) -> str:
-        """Return a phrase for messages: "145 window patches on the room side"."""
+        """Describe the axis, for messages: "145 window patches on the room side"."""
         text = f"{self.size} {_MEANING[self.kind]}"
         if self.partition is not None:
             text += f" ({self.partition.name})"
@@ -74,7 +74,7 @@ class Axis:
         return True
 
     def at_window(self, window: str | None) -> "Axis":
-        """Return this axis as one of the named window, where it had no name yet."""
+        """Return this axis as one of the named window, if it has no name yet."""
         if self.window is None and window and self.kind in ("interior", "exterior"):
             return replace(self, window=window)
         return self
@@ -115,5 +115,5 @@ def time_axis(times: np.ndarray) -> Axis:
 
 
 def unknown_axis(size: int) -> Axis:
-    """Return the axis of a file that does not say what it holds."""
+    """Return the axis of a file without labels."""
     return Axis("unknown", size)

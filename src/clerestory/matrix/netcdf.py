@@ -39,7 +39,7 @@ _TIME = "datetime64[ns]"
 
 
 def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
-    """Write a matrix with its error and its axes.
+    """Write a matrix with its error components, bands and axes.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
     data = read_bytes(path)
     if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
         raise InputError(
-            "damaged, or not written by this package; a whole matrix file expected",
+            "damaged, or not written by Clerestory; a complete matrix file expected",
             file=path,
         )
     try:
@@ -114,14 +114,14 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
 
 
 def seal(data: memoryview) -> bytes:
-    """Return what stands behind the data of a file: the sum that tells damage."""
+    """Return the checksum line that follows the data of a file."""
     return b"\nsha256 " + hashlib.sha256(data).hexdigest().encode()
 
 
 def _add(
     file: h5netcdf.File, name: str, dimensions: tuple[str, ...], data: np.ndarray
 ) -> Any:
-    # Checksums tell a bit that flipped on disk from a value
+    # Checksums detect bits that flipped on disk
     check = {"fletcher32": True} if data.size else {}
     return file.create_variable(
         name, dimensions, data=np.ascontiguousarray(data), **check
@@ -152,7 +152,7 @@ def _read_bands(variable: h5py.Dataset) -> Bands:
 
 
 def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
-    # A variable of patch, sensor or step numbers that carries the rest as attributes
+    # A variable of patch, sensor or step numbers with the labels as attributes
     variable = _add(file, f"{side}s", (side,), np.arange(axis.size))
     variable.attrs["kind"] = axis.kind
     if axis.window is not None:
@@ -176,14 +176,14 @@ def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
 
 
 def _read_floats(file: h5py.File, name: str, length: int) -> np.ndarray:
-    # The data lie in the file as they are: more than its length is a lie of the header
+    # The data are not compressed, so they cannot be longer than the file
     variable = file[name]
     if variable.dtype.kind != "f" or variable.dtype.itemsize > 8:
         raise InputError(f"{name} of type {variable.dtype}; floating point expected")
     size = math.prod(variable.shape) * variable.dtype.itemsize
     if size > length:
         raise InputError(
-            f"{name} of {size} bytes in a file of {length}; a whole file expected"
+            f"{name} of {size} bytes in a file of {length}; a complete file expected"
         )
     data: np.ndarray = variable[...]
     return data
@@ -194,9 +194,7 @@ def _read_axis(file: h5py.File, side: str) -> Axis:
     attributes = variable.attrs
     kind: Kind = attributes["kind"]
     if kind not in get_args(Kind):
-        raise InputError(
-            f"{side}s stand for {kind!r}; one of {get_args(Kind)} expected"
-        )
+        raise InputError(f"{side}s of kind {kind!r}; one of {get_args(Kind)} expected")
     partition: Any = None
     if "ring_count" in attributes:
         partition = RingPartition(

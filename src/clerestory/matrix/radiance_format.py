@@ -31,8 +31,8 @@ _LONGEST_HEADER = 1 << 20
 
 @dataclass(frozen=True)
 class _Header:
-    # What the text before the empty line says; `rows` may have to be counted
-    rows: int | None
+    # Variables of the text header
+    rows: int | None  # None: as many as there are values for
     columns: int
     channels: int
     encoding: Encoding
@@ -106,12 +106,12 @@ def write_matrix(
 ) -> None:
     """Write the values of a matrix in Radiance's format.
 
-    ASCII carries as many digits as the values have. Statistical errors and the
-    meaning of the axes are lost; `matrix.netcdf` keeps them.
+    ASCII files have as many digits as the values. Statistical errors and labels of
+    the axes are not written; `matrix.netcdf` keeps them.
 
     Parameters
     ----------
-    command : line of the header that says how the matrix was made
+    command : line of the header: the command that made the matrix
 
     Raises
     ------
@@ -136,12 +136,12 @@ def write_rows(
     encoding: Encoding = "float",
     command: str = "",
 ) -> None:
-    """Write a matrix that comes in blocks of rows and is never held as a whole.
+    """Write a matrix given as blocks of rows, without holding all of it in memory.
 
     Parameters
     ----------
-    blocks : the rows in their order
-    shape : rows, columns and channels of them all
+    blocks : successive rows
+    shape : rows, columns and channels of the whole matrix
     encoding, command : as for `write_matrix`
 
     Raises
@@ -169,14 +169,14 @@ def write_rows(
 
 
 def _format_row(row: Float[np.ndarray, "column channel"]) -> str:
-    # A row in text that reads back to the same floating-point numbers
+    # A row as text from which the same floating-point numbers are read
     digits = 9 if row.dtype == np.float32 else 17
     entry = " ".join([f"%.{digits}g"] * row.shape[1])
     return "\t".join([entry] * row.shape[0]) % tuple(row.ravel().tolist()) + "\n"
 
 
 def _read_header(data: bytes, path: str | Path) -> _Header:
-    # Find the empty line and read the variables before it
+    # Read the variables before the empty line
     if not data.startswith(b"#?"):
         raise InputError(
             "does not start with #?RADIANCE; a Radiance matrix with header expected",
@@ -186,7 +186,7 @@ def _read_header(data: bytes, path: str | Path) -> _Header:
     end = re.compile(rb"\r?\n\r?\n").search(data, 0, _LONGEST_HEADER)
     if end is None:
         raise InputError(
-            "no empty line after the header; a whole Radiance matrix expected",
+            "no empty line after the header; a complete Radiance matrix expected",
             file=path,
         )
     variables: dict[str, tuple[str, int]] = {}
@@ -229,7 +229,7 @@ def _read_count(
 
 
 def _read_binary(body: memoryview, header: _Header, path: str | Path) -> np.ndarray:
-    # Compare the sizes before anything is allocated
+    # Compare the sizes before memory is allocated
     item = np.dtype((">" if header.big_endian else "<") + _ITEM[header.encoding])
     row = header.columns * header.channels * item.itemsize
     expected = (header.rows or len(body) // row or 1) * row
@@ -244,7 +244,7 @@ def _read_binary(body: memoryview, header: _Header, path: str | Path) -> np.ndar
 
 
 def _read_ascii(body: memoryview, header: _Header, path: str | Path) -> np.ndarray:
-    # What is read is bounded by the text, whatever the header claims
+    # Memory is bounded by the size of the text, not by the header
     row = header.columns * header.channels
     text = str(body, "latin-1")
     try:
@@ -277,7 +277,7 @@ def _bad_number(text: str, path: str | Path) -> InputError:
 def _require_finite(
     table: Float[np.ndarray, "row column channel"], path: str | Path
 ) -> None:
-    # Sum first: it needs no memory, and is finite for every sound matrix
+    # The sum of finite values is finite and needs no memory
     with np.errstate(all="ignore"):
         if np.isfinite(np.sum(table, dtype=float)):
             return

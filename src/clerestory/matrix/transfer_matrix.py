@@ -1,10 +1,9 @@
-"""The matrix of the daylight methods: labelled, in colour, with its error.
+"""Transfer matrices of the daylight methods, with statistical errors.
 
-The statistical error of a traced matrix is kept as a few *error components*:
-the deviations of its independent batches from their mean, scaled so that the
-variance of any entry is the sum of their squares. Components pass through
-products like the values themselves, so the standard error of V·T·D·S contains
-every correlation between the coefficients without a covariance matrix:
+The error of a traced matrix is stored as *error components*: the deviations of its
+independent batches from their mean, scaled so that the variance of any entry is the
+sum of their squares. Products propagate components like the values, so the standard
+error of V·T·D·S contains all correlations between coefficients:
 
     E = A·B   →   components of E = (components of A)·B  and  A·(components of B)
 """
@@ -27,18 +26,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class TransferMatrix:
-    """How much of what each column sends every row receives.
+    """What each row receives per unit of what each column sends.
 
     Attributes
     ----------
     values : coefficients in one channel per band, or in one for all bands alike
-    rows, columns : what receives and what sends
-    components : error components, None for a matrix that has no statistical error
+    rows, columns : receivers and senders
+    components : error components; None for a matrix without statistical error
     bands : spectral bands of the channels
 
     Raises
     ------
-    MatrixError : shape and axes disagree, or a value is not finite
+    MatrixError : the shape does not fit axes or bands, or a value is not finite
     """
 
     values: Float[np.ndarray, "channel row column"]
@@ -74,18 +73,18 @@ class TransferMatrix:
 
     @property
     def standard_error(self) -> Float[np.ndarray, "channel row column"]:
-        """Standard error of each coefficient; zero if nothing is uncertain."""
+        """Standard error of each coefficient; zero without error components."""
         if self.components is None:
             return np.zeros_like(self.values)
         error: np.ndarray = np.sqrt(np.sum(np.square(self.components), axis=0))
         return error
 
     def __matmul__(self, other: object) -> "TransferMatrix":
-        """Return the product, refused when columns and rows do not fit.
+        """Return the matrix product.
 
         Raises
         ------
-        MatrixError : names what was found and what was expected
+        MatrixError : columns and rows, or the bands, do not fit
         """
         if not isinstance(other, TransferMatrix):
             return NotImplemented
@@ -94,21 +93,20 @@ class TransferMatrix:
         left, right = self.values, other.values
         values = left @ right
 
-        # Carry the error of either factor through the other one
+        # Propagate the error of each factor through the other
         parts = []
         if self.components is not None:
             parts.append(self.components @ right.astype(self.components.dtype))
         if other.components is not None:
             parts.append(left.astype(other.components.dtype) @ other.components)
-        parts = [np.broadcast_to(part, (len(part), *values.shape)) for part in parts]
-        components = np.concatenate(parts) if parts else None
+        components = _concatenated(parts, values.shape)
 
         rows = self.rows.at_window(other.rows.window)
         columns = other.columns.at_window(self.columns.window)
         return TransferMatrix(values, rows, columns, components, bands)
 
     def __add__(self, other: "TransferMatrix") -> "TransferMatrix":
-        """Return the sum of two independent matrices over the same rows and columns."""
+        """Return the sum of two statistically independent matrices."""
         if not isinstance(other, TransferMatrix):
             return NotImplemented
         if not (self.rows.fits(other.rows) and self.columns.fits(other.columns)):
@@ -119,16 +117,15 @@ class TransferMatrix:
         bands = self._common_bands(other)
         values = self.values + other.values
         parts = [m.components for m in (self, other) if m.components is not None]
-        parts = [np.broadcast_to(part, (len(part), *values.shape)) for part in parts]
+        components = _concatenated(parts, values.shape)
         columns = replace(self.columns, window=None)
-        components = np.concatenate(parts) if parts else None
         return TransferMatrix(values, self.rows, columns, components, bands)
 
     def _common_bands(self, other: "TransferMatrix") -> Bands:
         return common_bands((m.bands, len(m.values)) for m in (self, other))
 
     def select_rows(self, rows: slice) -> "TransferMatrix":
-        """Return some of the rows, such as one block of sensors."""
+        """Return a block of rows."""
         names = self.rows.names[rows] if self.rows.names else None
         axis = replace(self.rows, size=len(range(self.rows.size)[rows]), names=names)
         components = None if self.components is None else self.components[:, :, rows]
@@ -172,12 +169,19 @@ class TransferMatrix:
         )
 
 
+def _concatenated(
+    components: Sequence[np.ndarray], shape: tuple[int, ...]
+) -> Float[np.ndarray, "component channel row column"] | None:
+    parts = [np.broadcast_to(part, (len(part), *shape)) for part in components]
+    return np.concatenate(parts) if parts else None
+
+
 def require_fit(columns: Axis, rows: Axis) -> None:
-    """Refuse a product whose inner axes stand for different things.
+    """Require that the inner axes of a product stand for the same.
 
     Raises
     ------
-    MatrixError : names what was found and what was expected
+    MatrixError : they do not
     """
     if columns.fits(rows):
         return

@@ -1,8 +1,9 @@
 """One short text for everything a traced matrix depends on.
 
 Two values have the same fingerprint when all that matters in them is equal. What
-does not matter is where an item stands in a file: fields named `source` are left
-out, so that a comment added above a wall does not trace the wall again.
+does not matter is where an item stands in a file and who traces it: fields named
+`source`, `executor` and `progress` are left out, so that a comment added above a wall
+does not trace the wall again.
 """
 
 import hashlib
@@ -16,7 +17,7 @@ import numpy as np
 
 Feed = Callable[[bytes], None]
 
-_IRRELEVANT_FIELDS = frozenset({"source"})
+_IRRELEVANT_FIELDS = frozenset({"source", "executor", "progress"})
 
 
 def fingerprint(*values: Any) -> str:

@@ -14,12 +14,8 @@ import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
-from clerestory.radiance.statements import (
-    MODIFIER_KINDS,
-    SURFACE_KINDS,
-    Alias,
-    Primitive,
-)
+from clerestory.radiance.statements import MODIFIER_KINDS, SURFACE_KINDS, Alias
+from clerestory.scene.primitive import Primitive
 
 _OCTREE = (b"Radiance_octree", 4 * 8 + 251)
 _MESH = (b"Radiance_tmesh", 1 * 8 + 311)
@@ -64,12 +60,7 @@ def read_octree(path: str | Path) -> Octree:
 
 
 class Reader:
-    """A compiled file read from front to back.
-
-    Raises
-    ------
-    InputError : the file is missing
-    """
+    """A compiled file read from front to back."""
 
     def __init__(self, path: str | Path) -> None:
         self.data, self.path, self.at = read_bytes(path), path, 0

@@ -14,7 +14,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.radiance.compiled import Reader
-from clerestory.radiance.statements import Alias, Primitive
+from clerestory.radiance.statements import Alias
+from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
 
 _VERTICES, _NORMALS, _COORDINATES = 1, 2, 4
@@ -45,12 +46,7 @@ class CompiledMesh:
 
 
 def read_compiled_mesh(path: str | Path) -> CompiledMesh:
-    """Return the triangles of a compiled mesh.
-
-    Raises
-    ------
-    InputError : the file is missing, damaged or no compiled mesh
-    """
+    """Return the triangles of a compiled mesh."""
     reader = Reader(path)
     size = reader.mesh_header()
     cube = [number(reader.text()) for _ in range(4)]

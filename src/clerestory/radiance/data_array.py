@@ -32,10 +32,6 @@ class DataArray:
     ----------
     axes : positions along each axis, growing or falling
     values : at the crossings
-
-    Raises
-    ------
-    InputError : axes that do not fit the values or do not run one way
     """
 
     axes: tuple[Float[np.ndarray, " positions"], ...]
@@ -72,12 +68,7 @@ class DataArray:
 
 
 def read_data_array(path: str | Path) -> DataArray:
-    """Return the table in a file.
-
-    Raises
-    ------
-    InputError : with the file, where it is missing or no table
-    """
+    """Return the table in a file."""
     words = read_text(path).split()
     try:
         numbers = np.array(words, dtype=float)

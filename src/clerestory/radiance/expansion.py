@@ -21,11 +21,11 @@ from clerestory.radiance.statements import (
     Command,
     Directive,
     PolygonRun,
-    Primitive,
     Statement,
     parse_statements,
 )
 from clerestory.scene.model import Scene, Simple, TriangleMesh
+from clerestory.scene.primitive import Primitive
 
 
 @dataclass(frozen=True)
@@ -62,13 +62,7 @@ class Placed:
 
 
 def placed_items(path: str | Path) -> Iterator[Placed]:
-    """Yield everything in a file and in the files it includes, in Radiance's order.
-
-    Raises
-    ------
-    InputError : with file and line, where a file is missing, malformed, includes
-        itself, or holds a command that is not read here
-    """
+    """Yield everything in a file and in the files it includes, in Radiance's order."""
     walk = _Walk(Path(path).parent, {}, {})
     yield from walk.items(Path(path), Placement(), ())
 

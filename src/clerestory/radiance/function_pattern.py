@@ -1,9 +1,9 @@
-"""Patterns from functions and tables: brightfunc, colorfunc, brightdata, colordata.
+"""Patterns and textures from functions and tables (brightfunc, colordata, texfunc …).
 
-Functions see a ray as Radiance shows it to them: D points from the viewer to the
-emitter, so against the light that leaves a surface, and along the direction given for
-a source at infinity. They see it in the coordinates of the function, whose transform
-stands behind the file's name.
+The ray variables of functions are Radiance's: D points from the viewer to the emitter,
+so against the light that leaves a surface, and along the direction given for a source
+at infinity. They are in the coordinates of the function, whose transform follows the
+name of its file.
 """
 
 import warnings
@@ -26,7 +26,10 @@ _NORMAL = {f"N{a}" for a in "xyz"} | {f"N{a}P" for a in "xyz"} | {"Rdot", "RdotP
 _POINT = {f"P{a}" for a in "xyz"}
 _FRAME = {"S"} | {f"{k}{a}" for k in "TIJK" for a in "xyz"}
 
-# Names that a pattern of an emitter can give a value; $1… are Radiance's numbers
+# Values read from the tables
+READINGS = ("$101", "$102", "$103")
+
+# Variables that have a value for a pattern; $1… are Radiance's numbers of them
 _CHANNELS = (
     *("Dx", "Dy", "Dz", "Nx", "Ny", "Nz", "Px", "Py", "Pz", "T", "Rdot", "S"),
     *("Tx", "Ty", "Tz", "Ix", "Iy", "Iz", "Jx", "Jy", "Jz", "Kx", "Ky", "Kz"),
@@ -37,7 +40,11 @@ KNOWN = frozenset(_DIRECTION | _NORMAL | _POINT | _FRAME | set(NUMBERED))
 
 @dataclass(frozen=True, eq=False)
 class FunctionPattern:
-    """A brightfunc or colorfunc: the value of one or three expressions.
+    """A pattern or texture of Radiance: expressions, or functions of tables.
+
+    Without tables (brightfunc, colorfunc, texfunc) the values are those of the
+    expressions. With tables (brightdata, colordata, texdata) the expressions are names
+    of functions, each applied to the values read from the tables at the coordinates.
 
     Attributes
     ----------
@@ -45,7 +52,9 @@ class FunctionPattern:
     expressions : one for all channels, or one each
     arguments : real arguments
     transform : from the function's coordinates to the scene's
-    source : where it stands
+    source : where it is defined
+    tables : none, or one for each expression
+    coordinates : expressions for the position in the tables
 
     Examples
     --------
@@ -60,20 +69,27 @@ class FunctionPattern:
     arguments: tuple[float, ...] = ()
     transform: Transform = field(default_factory=Transform)
     source: Source | None = None
+    tables: tuple[DataArray, ...] = ()
+    coordinates: tuple[Node, ...] = ()
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """What the functions ask of a ray."""
-        return _aliases(self.program.uses(*self.expressions))
+        """Ray variables that the functions use."""
+        return _aliases(self.program.uses(*self.coordinates, *self.expressions))
+
+    @property
+    def grey(self) -> bool:
+        """Whether one expression serves all bands."""
+        return len(self.expressions) == 1
 
     @property
     def needs_normal(self) -> bool:
-        """Whether a function asks for the normal."""
+        """Whether a function uses the normal."""
         return bool(self.names & _NORMAL)
 
     @property
     def needs_point(self) -> bool:
-        """Whether a function asks for the point."""
+        """Whether a function uses the point."""
         return bool(self.names & _POINT)
 
     def value(
@@ -83,85 +99,39 @@ class FunctionPattern:
         point: Float[np.ndarray, "rays 3"] | None = None,
     ) -> Float[np.ndarray, "rays 3"]:
         """Multiplier of radiance; see `Pattern.value`. 1 where there is no value."""
-        inputs = _inputs(self.transform, direction, normal, point)
-        computed = self.program.values(self.expressions, inputs, self.arguments)
+        computed = self.computed(_inputs(self.transform, direction, normal, point))
         return _multipliers(computed, self.source)
 
+    def computed(self, inputs: dict[str, np.ndarray]) -> Computed:
+        """Return the values for rays, and whether they exist."""
+        if not self.tables:
+            return self.program.values(self.expressions, inputs, self.arguments)
+        position = self.program.values(self.coordinates, inputs, self.arguments)
+        readings = [table.value(position.value) for table in self.tables]
+        inputs = inputs | dict(zip(READINGS, readings, strict=False))
+        found = self.program.values(self.calls(), inputs, self.arguments)
+        return Computed(found.value, position.valid & found.valid)
 
-@dataclass(frozen=True, eq=False)
-class DataPattern:
-    """A brightdata or colordata: tables looked up, then passed through functions.
+    def calls(self) -> tuple[Node, ...]:
+        """Return the functions of the tables, called with the values read.
 
-    Attributes
-    ----------
-    program : definitions that functions and coordinates use
-    functions : names, one for all channels, or one each
-    tables : one for each function
-    coordinates : expressions for the place in the tables
-    arguments : real arguments
-    transform : from the function's coordinates to the scene's
-    source : where it stands
-    """
-
-    program: Program
-    functions: tuple[str, ...]
-    tables: tuple[DataArray, ...]
-    coordinates: tuple[Node, ...]
-    arguments: tuple[float, ...] = ()
-    transform: Transform = field(default_factory=Transform)
-    source: Source | None = None
-
-    @cached_property
-    def names(self) -> frozenset[str]:
-        """What the functions ask of a ray."""
-        names = tuple(Name(name) for name in self.functions)
-        return _aliases(self.program.uses(*self.coordinates, *names))
-
-    @property
-    def needs_normal(self) -> bool:
-        """Whether a function asks for the normal."""
-        return bool(self.names & _NORMAL)
-
-    @property
-    def needs_point(self) -> bool:
-        """Whether a function asks for the point."""
-        return bool(self.names & _POINT)
-
-    def value(
-        self,
-        direction: Float[np.ndarray, "rays 3"],
-        normal: Float[np.ndarray, "rays 3"] | None = None,
-        point: Float[np.ndarray, "rays 3"] | None = None,
-    ) -> Float[np.ndarray, "rays 3"]:
-        """Multiplier of radiance; see `Pattern.value`. 1 where there is no value."""
-        inputs = _inputs(self.transform, direction, normal, point)
-        place = self.program.values(self.coordinates, inputs, self.arguments)
-        read = {
-            f"${101 + i}": table.value(place.value)
-            for i, table in enumerate(self.tables)
-        }
-        calls = tuple(self._call(i) for i in range(len(self.functions)))
-        shaded = self.program.values(calls, inputs | read, self.arguments)
-        valid = place.valid & shaded.valid
-        return _multipliers(Computed(shaded.value, valid), self.source)
-
-    def _call(self, channel: int) -> Call:
-        # A function of three arguments gets all channels, another its own
-        name = self.functions[channel]
-        readings = [Name(f"${101 + i}") for i in range(len(self.tables))]
-        wants_all = self.program.arity(name) >= 3
-        return Call(name, tuple(readings) if wants_all else (readings[channel],))
+        A function of three arguments takes the values of all tables, another the value
+        of its own.
+        """
+        readings = tuple(Name(name) for name in READINGS[: len(self.tables)])
+        names = [node.name for node in self.expressions if isinstance(node, Name)]
+        return tuple(
+            Call(name, readings if self.program.arity(name) >= 3 else (reading,))
+            for name, reading in zip(names, readings, strict=True)
+        )
 
 
 def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
     """Return the value of a pattern that is the same everywhere, None for others."""
     match pattern:
-        case FunctionPattern() | DataPattern():
-            if pattern.names - _FRAME:
-                return None
+        case FunctionPattern() if not pattern.names - _FRAME:
             along = np.array([[0.0, 0.0, 1.0]])
-            value: np.ndarray = pattern.value(along, along, np.zeros((1, 3)))[0]
-            return value
+            return np.asarray(pattern.value(along, along, np.zeros((1, 3)))[0])
         case Product(factors):
             values = [constant_value(factor) for factor in factors]
             known = [value for value in values if value is not None]

@@ -14,9 +14,9 @@ from jaxtyping import Float
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.radiance.cal.program import Program
-from clerestory.radiance.cal.syntax import parse_expression
+from clerestory.radiance.cal.syntax import Name, parse_expression
 from clerestory.radiance.data_array import DataArray
-from clerestory.radiance.function_pattern import DataPattern
+from clerestory.radiance.function_pattern import FunctionPattern
 from clerestory.scene.model import Illum, Polygon, Scene
 
 # Angles of the light that leaves, from the normal A1–A3 and from A4–A6 towards A7–A9;
@@ -56,7 +56,7 @@ def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
     return weights
 
 
-def light_pattern(light: LeavingLight) -> DataPattern:
+def light_pattern(light: LeavingLight) -> FunctionPattern:
     """Return the radiance of a patch as a pattern of an emitter of radiance 1.
 
     The table's values stand in the middle of rings and sectors; all are scaled so that
@@ -72,12 +72,12 @@ def light_pattern(light: LeavingLight) -> DataPattern:
     grey = bool(np.ptp(light.radiance, axis=2).max() == 0)
     tables = [_table(light.radiance[..., c]) for c in range(1 if grey else 3)]
     flat = light.frame[[2, 0, 1]].ravel()
-    return DataPattern(
+    return FunctionPattern(
         Program(),
-        _GREY if grey else _COLOUR,
-        tuple(tables),
-        (parse_expression(_FROM_NORMAL), parse_expression(_AROUND)),
+        tuple(Name(name) for name in (_GREY if grey else _COLOUR)),
         tuple(float(x) for x in flat),
+        tables=tuple(tables),
+        coordinates=(parse_expression(_FROM_NORMAL), parse_expression(_AROUND)),
     )
 
 
@@ -135,7 +135,7 @@ def write_illums(scene: Scene, path: str | Path) -> list[Path]:
         if (
             not isinstance(surface, Polygon)
             or not isinstance(lamp, Illum)
-            or not isinstance(lamp.pattern, DataPattern)
+            or not isinstance(lamp.pattern, FunctionPattern)
         ):
             raise InputError(f'surface "{surface.name}" is no window made a lamp')
         names = []
@@ -151,10 +151,11 @@ def write_illums(scene: Scene, path: str | Path) -> list[Path]:
 
 
 def _lamp_lines(
-    surface: Polygon, lamp: Illum, pattern: DataPattern, names: list[str]
+    surface: Polygon, lamp: Illum, pattern: FunctionPattern, names: list[str]
 ) -> list[str]:
     kind = "colordata" if len(names) == 3 else "brightdata"
-    words = [*pattern.functions, *names, ".", _FROM_NORMAL, _AROUND]
+    functions = _COLOUR if len(names) == 3 else _GREY
+    words = [*functions, *names, ".", _FROM_NORMAL, _AROUND]
     axes = " ".join(f"{x:.9g}" for x in pattern.arguments)
     seen = lamp.alternate.name
     radiance = " ".join(f"{c:.9g}" for c in lamp.radiance)

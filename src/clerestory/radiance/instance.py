@@ -18,12 +18,12 @@ from clerestory.errors import InputError
 from clerestory.files import read_bytes
 from clerestory.formats.obj import obj_meshes
 from clerestory.formats.obj_text import ObjText, parse_obj
-from clerestory.radiance.arguments import Arguments
 from clerestory.radiance.compiled import Octree, read_octree
 from clerestory.radiance.compiled_mesh import CompiledMesh, read_compiled_mesh
 from clerestory.radiance.placement import Placement
-from clerestory.radiance.statements import Alias, Primitive
+from clerestory.radiance.statements import Alias
 from clerestory.scene.model import Source, TriangleMesh
+from clerestory.scene.primitive import Arguments, Primitive
 
 INSTANCE_KINDS = frozenset({"instance", "mesh"})
 
@@ -61,11 +61,6 @@ def read_instance(
     file : where it stands
     find : path of a file that it names
     loaded : what has been read before; what is read now is added
-
-    Raises
-    ------
-    InputError : with file and line, where its file is missing or damaged, or its
-        arguments do not fit
     """
     given = Arguments(item, file)
     given.reals(0)

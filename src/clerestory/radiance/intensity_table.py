@@ -15,12 +15,7 @@ def intensity_table(luminaire: Luminaire) -> DataArray:
 
 
 def table_coordinates(luminaire: Luminaire) -> tuple[str, ...]:
-    """Return the functions of source.cal that give the place in the table.
-
-    Raises
-    ------
-    InputError : type A, for which source.cal has no functions
-    """
+    """Return the functions of source.cal that give the place in the table."""
     if luminaire.photometry == "A":
         raise InputError(
             f'luminaire "{luminaire.name}" has photometry of type A; B or C expected'

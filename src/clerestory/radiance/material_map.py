@@ -71,12 +71,7 @@ class MaterialMap:
 
 
 def read_material_map(path: str | Path) -> MaterialMap:
-    """Return the material map in a TOML file; `file` is relative to it.
-
-    Raises
-    ------
-    InputError : it is not TOML, a key is wrong, or a material is not in the file
-    """
+    """Return the material map in a TOML file; `file` is relative to it."""
     path = Path(path)
     try:
         told = _MapFile.model_validate(tomllib.loads(read_text(path)))

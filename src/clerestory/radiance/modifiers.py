@@ -1,122 +1,91 @@
-"""What patterns and textures do to materials: finishes.
+"""Patterns and textures as modifiers of materials.
 
-A finish stands between a surface and its material, or above the material; either way
-it varies the colour or bends the normal. Where the material is a mixture, both parts
-take it, and a mirror with an alternate hands it on.
+A modifier stands between a surface and its material, or modifies the material; either
+way a pattern varies the colour and a texture perturbs the normal. Of a mixture both
+parts are modified, and of a mirror with an alternate the alternate.
 """
 
 from dataclasses import dataclass, replace
 
-from clerestory.radiance.arguments import Arguments
-from clerestory.radiance.function_pattern import (
-    DataPattern,
-    FunctionPattern,
-    constant_value,
-)
-from clerestory.scene.composite import (
-    BsdfSurface,
-    Illum,
-    Material,
-    Mirror,
-    Mixture,
-    Patterned,
-    Textured,
-    Void,
-)
-from clerestory.scene.emitter import Glow, Light, Spotlight
-from clerestory.scene.material import (
-    Dielectric,
-    Glass,
-    Interface,
-    Metal,
-    Metal2,
-    Plastic,
-    Plastic2,
-    Trans,
-    Trans2,
-)
+from clerestory.radiance.function_pattern import FunctionPattern, constant_value
+from clerestory.scene.material import Emitter, Material, altered
+from clerestory.scene.materials.mirror import Mirror
+from clerestory.scene.materials.mixture import Mixture, Void
+from clerestory.scene.materials.modified import Patterned, Textured
+from clerestory.scene.materials.plastic import Metal, Plastic
+from clerestory.scene.materials.trans import Trans
 from clerestory.scene.pattern import Pattern, Product
+from clerestory.scene.primitive import Arguments
 
 
 @dataclass(frozen=True, eq=False)
-class Finish:
-    """Patterns and textures, in one.
+class Modifiers:
+    """Patterns and textures that modify one material.
 
     Attributes
     ----------
     patterns : multipliers of the colour, the outermost first
-    textures : of which each bends the normal
+    textures : perturbations of the normal
     """
 
     patterns: tuple[Pattern, ...] = ()
-    textures: tuple[FunctionPattern | DataPattern, ...] = ()
+    textures: tuple[FunctionPattern, ...] = ()
 
-    def within(self, outer: "Finish | None") -> "Finish":
-        """Return this finish modified by another, or by none."""
+    def within(self, outer: "Modifiers | None") -> "Modifiers":
+        """Return these modifiers, modified by others or by none."""
         if outer is None:
             return self
-        return Finish(outer.patterns + self.patterns, outer.textures + self.textures)
-
-    def pattern(self) -> Pattern | None:
-        """Return the product of the patterns, None without any."""
-        if len(self.patterns) <= 1:
-            return self.patterns[0] if self.patterns else None
-        return Product(self.patterns)
+        patterns, textures = outer.patterns + self.patterns, outer.textures
+        return Modifiers(patterns, textures + self.textures)
 
 
-def finished(material: Material, finish: Finish, given: Arguments) -> Material:
-    """Return a material with a finish.
+def modified(material: Material, modifiers: Modifiers, given: Arguments) -> Material:
+    """Return a material under patterns and textures.
 
     Parameters
     ----------
     given : the primitive that names both, for errors
-
-    Raises
-    ------
-    InputError : with file and line, where the material takes no pattern
     """
     match material:
-        case Light() | Glow() | Spotlight() | Illum():
-            if not finish.patterns:
-                return material
-            patterns = finish.patterns
-            patterns += () if material.pattern is None else (material.pattern,)
-            return replace(material, pattern=Finish(patterns).pattern())
+        case Emitter():
+            inner = () if material.pattern is None else (material.pattern,)
+            pattern = _product(modifiers.patterns + inner)
+            return altered(material, pattern=pattern)
         case Mixture():
             return replace(
                 material,
-                foreground=finished(material.foreground, finish, given),
-                background=finished(material.background, finish, given),
+                foreground=modified(material.foreground, modifiers, given),
+                background=modified(material.background, modifiers, given),
             )
         case Mirror(alternate=other) if other is not None:
-            return replace(material, alternate=finished(other, finish, given))
+            return replace(material, alternate=modified(other, modifiers, given))
         case Void():
             return material
-    made = _painted(material, finish, given)
-    for texture in finish.textures:
+    pattern = _product(modifiers.patterns)
+    made = material if pattern is None else _patterned(material, pattern, given)
+    for texture in modifiers.textures:
         made = Textured(material.name, made, texture, material.source)
     return made
 
 
-def _painted(material: Material, finish: Finish, given: Arguments) -> Material:
-    pattern = finish.pattern()
-    if pattern is None:
-        return material
+def _product(patterns: tuple[Pattern, ...]) -> Pattern | None:
+    if len(patterns) <= 1:
+        return patterns[0] if patterns else None
+    return Product(patterns)
+
+
+def _patterned(material: Material, pattern: Pattern, given: Arguments) -> Material:
     factor = constant_value(pattern)
     match material:
-        case Plastic() | Metal() | Trans() | Plastic2() | Metal2() | Trans2():
-            if factor is not None:
-                return replace(material, reflectance=material.reflectance * factor)
-            return Patterned(material.name, material, pattern, material.source)
-        case Glass() | Mirror():
-            return Patterned(material.name, material, pattern, material.source)
+        case Plastic() | Metal() | Trans() if factor is not None:
+            return replace(material, reflectance=material.reflectance * factor)
         case Patterned(base=base, pattern=inner):
             both = Product((pattern, inner))
             return Patterned(material.name, base, both, material.source)
         case Textured(base=base):
-            return replace(material, base=_painted(base, finish, given))
-        case BsdfSurface() | Dielectric() | Interface():
-            pass
+            return replace(material, base=_patterned(base, pattern, given))
+        case _ if material.takes_pattern:
+            return Patterned(material.name, material, pattern, material.source)
     raise given.error(
         f"{type(material).__name__} does not take a pattern; void expected as its"
         " modifier, or plastic, metal, trans, glass or mirror in its place"

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.formats.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
-from clerestory.radiance.arguments import Arguments
 from clerestory.radiance.cal.files import NATIVE_FILES, TEXT_FILES
 from clerestory.radiance.cal.program import Program
 from clerestory.radiance.cal.syntax import (
@@ -24,54 +24,65 @@ from clerestory.radiance.cal.syntax import (
     parse_expression,
 )
 from clerestory.radiance.data_array import DataArray, read_data_array
-from clerestory.radiance.function_pattern import KNOWN, DataPattern, FunctionPattern
+from clerestory.radiance.function_pattern import (
+    KNOWN,
+    FunctionPattern,
+    constant_value,
+    constant_vector,
+)
 from clerestory.radiance.intensity_table import intensity_table
-from clerestory.radiance.modifiers import Finish
+from clerestory.radiance.modifiers import Modifiers
 from clerestory.radiance.search_path import library_file
-from clerestory.radiance.statements import Primitive
+from clerestory.scene.pattern import Pattern
+from clerestory.scene.primitive import Arguments, Primitive
 from clerestory.scene.transform import Transform
 
 
-def read_finish(item: Primitive, *, file: str, placed: Transform) -> Finish:
+def read_modifiers(item: Primitive, *, file: str, placed: Transform) -> Modifiers:
     """Return the pattern or texture that a primitive describes.
 
     Parameters
     ----------
-    item : one of `FINISHES`
+    item : one of `PATTERN_KINDS`
     file : where it stands
     placed : transform of the file that holds it
-
-    Raises
-    ------
-    InputError : with file and line, where a function or table is missing, malformed,
-        or asks for what a pattern cannot know
     """
     made = _read(Arguments(item, file), placed)
-    return Finish((), (made,)) if item.kind in _TEXTURES else Finish((made,))
+    return Modifiers((), (made,)) if item.kind in _TEXTURES else Modifiers((made,))
 
 
-def read_share(given: Arguments, placed: Transform) -> FunctionPattern | DataPattern:
-    """Return how the foreground of a mixture varies, as the first channel.
+def read_share(given: Arguments, placed: Transform) -> float | Pattern:
+    """Return the share of a mixture's foreground; a pattern, by its first channel.
 
     Its function is the third string argument, after the two materials.
     """
-    return _read(given, placed)
+    share = _read(given, placed)
+    constant = constant_value(share)
+    return share if constant is None else float(np.clip(constant[0], 0, 1))
 
 
-def read_vector(given: Arguments, placed: Transform, first: int) -> FunctionPattern:
-    """Return three expressions from a string argument on, then file and transform.
+def read_vector(
+    given: Arguments, placed: Transform, first: int
+) -> Float[np.ndarray, "3"] | Pattern:
+    """Return the vector that three expressions define; a pattern where it varies.
 
-    The values are components of a vector in the coordinates of the function.
+    The values are components in the coordinates of the function.
+
+    Parameters
+    ----------
+    first : string argument with the first expression; file and transform follow
     """
     try:
-        return _function(given, placed, 3, first)
+        vector = _function(given, placed, 3, first)
     except InputError as error:
         if error.file is not None:
             raise
         raise given.error(error.message) from error
+    constant = constant_vector(vector)
+    return vector if constant is None else constant
 
 
-def _read(given: Arguments, placed: Transform) -> FunctionPattern | DataPattern:
+def _read(given: Arguments, placed: Transform) -> FunctionPattern:
     try:
         count, first, tables = _FORMS[given.item.kind]
         if tables is None:
@@ -104,7 +115,7 @@ def _function(
 
 def _data(
     given: Arguments, placed: Transform, count: int, first: int, files: int
-) -> DataPattern:
+) -> FunctionPattern:
     # Functions, data files, function file, coordinates, transform
     middle = first + count
     at = middle + files + 1
@@ -118,17 +129,17 @@ def _data(
         raise given.error(f"{len(strings) - at} coordinates for a table of {axes} axes")
     program = _program(given, at - 1)
     places = tuple(_expression(given, text) for text in strings[at : at + axes])
-    functions = strings[first:middle]
-    pattern = DataPattern(
+    functions = tuple(Name(name) for name in strings[first:middle])
+    pattern = FunctionPattern(
         program,
         functions,
-        tables,
-        places,
         given.item.reals,
         _transform(given, at + axes, placed),
         given.source,
+        tables,
+        places,
     )
-    _check(given, program, (*places, *(Name(name) for name in functions)))
+    _check(given, program, (*places, *functions))
     return pattern
 
 
@@ -144,7 +155,7 @@ _FORMS: Mapping[str, tuple[int, int, int | None]] = {
     "mixdata": (1, 2, 1),
 }
 _TEXTURES = ("texfunc", "texdata")
-FINISHES = frozenset(_FORMS) - {"mixfunc", "mixdata"}
+PATTERN_KINDS = frozenset(_FORMS) - {"mixfunc", "mixdata"}
 
 
 def _table(given: Arguments, name: str) -> DataArray:

@@ -24,10 +24,6 @@ def checked(run: PolygonRun, *, file: str) -> PolygonRun:
 
     Warns of polygons without area, which Radiance ignores too, and of those that
     are not flat, with the distance of the farthest vertex from the mean plane.
-
-    Raises
-    ------
-    InputError : coordinates beyond all measure
     """
     _refuse_beyond_measure(run, file)
     run = _without_closing_vertex(run)

@@ -7,9 +7,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from clerestory.radiance.arguments import Arguments
-from clerestory.radiance.statements import Primitive
 from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
+from clerestory.scene.primitive import Arguments, Primitive
 
 # Radiance's FTINY: what is shorter has no length
 _TINY = 1e-6
@@ -19,10 +18,6 @@ def surface(item: Primitive, *, file: str) -> Simple | None:
     """Return the surface that a primitive other than a polygon describes.
 
     Returns None, with a warning, where it has no extent.
-
-    Raises
-    ------
-    InputError : a type that is not read, or arguments that do not fit it
     """
     given = Arguments(item, file)
     if item.kind not in SURFACES:

@@ -14,26 +14,24 @@ from pathlib import Path
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import InputError
 from clerestory.gonio.layer_file import read_layer
-from clerestory.radiance.arguments import Arguments, Definition
-from clerestory.radiance.definition import material
 from clerestory.radiance.expansion import Placed, Scope, placed_items
-from clerestory.radiance.modifiers import Finish, finished
-from clerestory.radiance.pattern_reader import FINISHES, read_finish
+from clerestory.radiance.modifiers import Modifiers, modified
+from clerestory.radiance.pattern_reader import (
+    PATTERN_KINDS,
+    read_modifiers,
+    read_share,
+    read_vector,
+)
 from clerestory.radiance.placement import Placement
 from clerestory.radiance.search_path import library_file
-from clerestory.radiance.statements import Alias, Directive, PolygonRun, Primitive
-from clerestory.scene.model import (
-    DistantSource,
-    Glow,
-    Light,
-    Material,
-    Polygon,
-    Scene,
-    Source,
-    Surface,
-    Void,
-    insert_material,
-)
+from clerestory.radiance.statements import Alias, Directive, PolygonRun
+from clerestory.scene.material import Material, Source, altered, insert_material
+from clerestory.scene.materials import read_material
+from clerestory.scene.materials.emitters import Glow, Light
+from clerestory.scene.materials.mixture import Void
+from clerestory.scene.model import Scene
+from clerestory.scene.primitive import Arguments, Definition, Primitive
+from clerestory.scene.surface import DistantSource, Polygon, Surface
 
 # What "void" stands for among modifiers: no material at all
 _VOID = ""
@@ -83,13 +81,13 @@ class _Reading:
     distant: list[DistantSource] = field(default_factory=list)
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
     # Patterns and textures with all that modifies them, and alone
-    finishes: dict[str, Finish] = field(default_factory=dict)
-    outside: list[tuple[dict[str, str], dict[str, Finish]]] = field(
+    modifiers: dict[str, Modifiers] = field(default_factory=dict)
+    outside: list[tuple[dict[str, str], dict[str, Modifiers]]] = field(
         default_factory=list
     )
-    bare: dict[str, Finish] = field(default_factory=dict)
+    bare: dict[str, Modifiers] = field(default_factory=dict)
     # Materials without what modifies them, by key
-    unfinished: dict[str, Material] = field(default_factory=dict)
+    unmodified: dict[str, Material] = field(default_factory=dict)
 
     def add(self, placed: Placed) -> None:
         match placed.item:
@@ -102,9 +100,9 @@ class _Reading:
             case DistantSource():
                 self._add_distant(placed.item)
             case Scope(opens=True):
-                self.outside.append((dict(self.in_force), dict(self.finishes)))
+                self.outside.append((dict(self.in_force), dict(self.modifiers)))
             case Scope():
-                self.in_force, self.finishes = self.outside.pop()
+                self.in_force, self.modifiers = self.outside.pop()
             case Scene():
                 self._add_scene(placed.item, placed.file, placed.placement)
             case Directive():
@@ -116,7 +114,7 @@ class _Reading:
                     self.surfaces.append(replace(surface, material=key))
 
     def _key(self, modifier: str, file: str, line: int) -> str:
-        if modifier in self.finishes:
+        if modifier in self.modifiers:
             raise InputError(
                 f'the modifier "{modifier}" is a pattern; a material expected',
                 file=file,
@@ -172,50 +170,55 @@ class _Reading:
         self.distant.append(replace(item, material=key))
 
     def _define(self, item: Primitive, file: str, placement: Placement) -> None:
-        if item.kind in FINISHES:
-            self._define_finish(item, file, placement)
+        if item.kind in PATTERN_KINDS:
+            self._define_modifiers(item, file, placement)
             return
-        value = material(
+        given = Arguments(item, file)
+        value = read_material(
             Definition(
                 item,
                 file,
                 placed=placement.transform,
                 named=lambda name: self._named(name, file, item.line),
                 bsdf=lambda name: self._bsdf(name, file, item.line),
+                vector=lambda first, placed: read_vector(given, placed, first),
+                share_of_foreground=lambda: read_share(given, placement.transform),
             )
         )
-        self._name_material(
-            item.name, value, self._modifying(item, file), Arguments(item, file)
-        )
+        self._name_material(item.name, value, self._modifying(item, file), given)
 
     def _name_material(
-        self, name: str, value: Material, finish: Finish | None, given: Arguments
+        self, name: str, value: Material, modifiers: Modifiers | None, given: Arguments
     ) -> None:
-        made = value if finish is None else finished(value, finish, given)
-        self.finishes.pop(name, None)
+        made = value if modifiers is None else modified(value, modifiers, given)
+        self.modifiers.pop(name, None)
         key = insert_material(self.materials, made)
         self.in_force[name] = key
-        if finish is not None:
-            self.unfinished[key] = value
+        if modifiers is not None:
+            self.unmodified[key] = value
 
-    def _define_finish(self, item: Primitive, file: str, placement: Placement) -> None:
-        finish = read_finish(item, file=file, placed=placement.transform)
-        if item.modifier not in self.finishes and item.modifier != "void":
+    def _define_modifiers(
+        self, item: Primitive, file: str, placement: Placement
+    ) -> None:
+        modifiers = read_modifiers(item, file=file, placed=placement.transform)
+        if item.modifier not in self.modifiers and item.modifier != "void":
             # Between a material and what it covers: a material of its own
-            value = replace(self._named(item.modifier, file, item.line), name=item.name)
-            self._name_material(item.name, value, finish, Arguments(item, file))
+            value = altered(self._named(item.modifier, file, item.line), name=item.name)
+            self._name_material(item.name, value, modifiers, Arguments(item, file))
             return
-        self._name_finish(item.name, finish, self._modifying(item, file))
+        self._name_modifiers(item.name, modifiers, self._modifying(item, file))
 
-    def _name_finish(self, name: str, finish: Finish, outer: Finish | None) -> None:
-        self.bare[name] = finish
-        self.finishes[name] = finish.within(outer)
+    def _name_modifiers(
+        self, name: str, modifiers: Modifiers, outer: Modifiers | None
+    ) -> None:
+        self.bare[name] = modifiers
+        self.modifiers[name] = modifiers.within(outer)
         self.in_force.pop(name, None)
 
-    def _modifying(self, item: Primitive | Alias, file: str) -> Finish | None:
-        # The finish that modifies an item, None for void
-        if item.modifier in self.finishes:
-            return self.finishes[item.modifier]
+    def _modifying(self, item: Primitive | Alias, file: str) -> Modifiers | None:
+        # The modifiers of an item, None for void
+        if item.modifier in self.modifiers:
+            return self.modifiers[item.modifier]
         if self._key(item.modifier, file, item.line) != _VOID:
             kind = item.kind if isinstance(item, Primitive) else "alias"
             raise InputError(
@@ -247,17 +250,17 @@ class _Reading:
             )
         inherits = item.modifier == "inherit"
         outer = None if inherits else self._modifying(item, file)
-        if item.target in self.finishes:
-            whole, bare = self.finishes[item.target], self.bare[item.target]
-            self._name_finish(item.name, whole if inherits else bare, outer)
+        if item.target in self.modifiers:
+            whole, bare = self.modifiers[item.target], self.bare[item.target]
+            self._name_modifiers(item.name, whole if inherits else bare, outer)
             return
         key = self._key(item.target, file, item.line)
-        if not inherits and (outer or key in self.unfinished):
-            value = replace(
-                self.unfinished.get(key, self.materials[key]), name=item.name
+        if not inherits and (outer or key in self.unmodified):
+            value = altered(
+                self.unmodified.get(key, self.materials[key]), name=item.name
             )
             given = Primitive(item.modifier, "alias", item.name, (), (), item.line)
             self._name_material(item.name, value, outer, Arguments(given, file))
             return
-        self.finishes.pop(item.name, None)
+        self.modifiers.pop(item.name, None)
         self.in_force[item.name] = key

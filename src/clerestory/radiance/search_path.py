@@ -16,10 +16,6 @@ def library_file(name: str, *, beside: str | Path, line: int) -> Path:
     Parameters
     ----------
     beside, line : the file that names it, and where
-
-    Raises
-    ------
-    InputError : it is nowhere
     """
     listed = [Path(f) for f in os.environ.get("RAYPATH", "").split(os.pathsep) if f]
     folders = dict.fromkeys([Path(beside).parent, Path(), *listed])

@@ -11,19 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
+from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
-
-
-@dataclass(frozen=True, eq=False)
-class Primitive:
-    """`modifier kind name`, with its strings and real numbers."""
-
-    modifier: str
-    kind: str
-    name: str
-    strings: tuple[str, ...]
-    reals: tuple[float, ...]
-    line: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,12 +78,7 @@ _WORD = re.compile(r"""\s*(?:"([^"]*)(")?|'([^']*)(')?|(\S+))""", re.ASCII)
 
 
 def parse_statements(text: str, *, file: str) -> list[Statement]:
-    """Return the statements of a file's text in their order.
-
-    Raises
-    ------
-    InputError : with file and line, where the text is not a scene description
-    """
+    """Return the statements of a file's text in their order."""
     statements: list[Statement] = []
     polygons = _PolygonCollector()
     cursor = _Cursor(text, file)
@@ -209,7 +193,7 @@ def _primitive(
 def _count(cursor: _Cursor, what: str) -> int:
     word = cursor.word(what)
     if not (word.isascii() and word.isdecimal() and len(word) < 12):
-        raise cursor.error(f'"{word}" stands where {what} is expected')
+        raise cursor.error(f'"{word}" is found where {what} is expected')
     return int(word)
 
 

@@ -44,10 +44,6 @@ def floor_grid(
     others : further openings, which close the room too
     spacing : of the sensors [m]
     height : above the floor [m]
-
-    Raises
-    ------
-    InputError : no closed room on either side of the window
     """
     walls = _walls(scene, [window, *others])
     side = room_side(scene, window)

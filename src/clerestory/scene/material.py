@@ -1,174 +1,180 @@
-"""Materials that reflect, transmit or refract by a formula, as plain values.
+"""Materials as plain values: the interface of all types of material.
 
-A material has its key in the scene as `name`, and the line of the file it comes from
-as `source`.
+Each type has one file in `scene.materials`, with its value, its arguments in Radiance's
+scene language (`READERS`, `specification`), what drawings show of it and the Mitsuba
+plugin that renders it. `scene.materials` finds the types by their files.
 
-Colours are RGB. Roughness is the rms slope of the facets; 0 makes a highlight a
-mirror image. Materials act alike on either side unless their page says otherwise.
-
-References: G. Ward, "Measuring and modeling anisotropic reflection", SIGGRAPH 1992;
-"The RADIANCE 6.0 Synthetic Imaging System" (ray.html), section 2.1.3.
+Colours have one value per band of the scene, or are grey: the same value, given any
+number of times. Every field of the type `Colour` is one.
 """
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.scene.pattern import Pattern
+
+Colour = Float[np.ndarray, " band"]
+Vector = Float[np.ndarray, "3"]
 
 
 @dataclass(frozen=True)
 class Source:
-    """Where an item stands: file and line."""
+    """File and line of a definition."""
 
     file: str
     line: int
 
 
+@dataclass(frozen=True)
+class Plugin:
+    """A Mitsuba plugin and its parameters, as plain values.
+
+    Attributes
+    ----------
+    parameters : by name; materials, patterns and BSDFs by value
+    """
+
+    name: str
+    parameters: "Mapping[str, Parameter]" = field(default_factory=dict)
+
+
 @dataclass(frozen=True, eq=False)
-class Plastic:
-    """Radiance's plastic: a diffuse colour under an uncoloured Gaussian highlight.
+class Specification:
+    """Type and arguments of a material in Radiance's scene language.
+
+    Attributes
+    ----------
+    kind : type of the primitive
+    strings : string arguments; a material stands for its name, a BSDF for its file
+    reals : real arguments
+    """
+
+    kind: str
+    strings: "tuple[str | float | Material | Pattern | Bsdf, ...]" = ()
+    reals: tuple[float, ...] = ()
+
+
+class Material(ABC):
+    """A material of a scene.
 
     Attributes
     ----------
     name : key in the scene
-    reflectance : diffuse reflectance before the highlight takes its share
-    specularity : share reflected by the highlight, 0…1
-    roughness : rms slope of the facets; 0 is a mirror-like coat
+    source : where it is defined
+    takes_pattern : whether a pattern may multiply its colour
     """
 
     name: str
-    reflectance: Float[np.ndarray, "3"]
-    specularity: float = 0.0
-    roughness: float = 0.0
-    source: Source | None = None
+    source: Source | None
+    takes_pattern: ClassVar[bool] = False
+
+    @property
+    @abstractmethod
+    def opaque(self) -> bool:
+        """Whether it transmits no light."""
+
+    @abstractmethod
+    def display_colour(self) -> Colour:
+        """Return its colour in drawings, patterns left out; light sources are white."""
+
+    @abstractmethod
+    def plugin(self) -> Plugin:
+        """Return the plugin that renders it; a light source is rendered as black."""
+
+    @abstractmethod
+    def specification(self) -> Specification | None:
+        """Return its arguments in Radiance's language; None where it has none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Metal:
-    """Radiance's metal: as plastic, with a highlight of the metal's own colour."""
-
-    name: str
-    reflectance: Float[np.ndarray, "3"]
-    specularity: float = 0.0
-    roughness: float = 0.0
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Trans:
-    """Radiance's trans: a translucent sheet.
+class Emitter(Material, ABC):
+    """A material that emits light from its front.
 
     Attributes
     ----------
-    reflectance : colour of all that is not the highlight, reflected or transmitted
-    specularity : share reflected by the uncoloured highlight
-    roughness : of the reflected and of the transmitted highlight
-    transmission : share of the rest that is transmitted
-    transmitted_specular : share of the transmitted light that is not diffused
+    radiance : [W/(m²·sr)]
+    pattern : multiplier of the radiance; None: the same for all directions and points
     """
 
-    name: str
-    reflectance: Float[np.ndarray, "3"]
-    specularity: float = 0.0
-    roughness: float = 0.0
-    transmission: float = 0.0
-    transmitted_specular: float = 0.0
-    source: Source | None = None
+    radiance: Colour
+    pattern: Pattern | None
 
 
-@dataclass(frozen=True, eq=False)
-class Plastic2:
-    """Plastic with an elliptical highlight.
+Parameter = float | np.ndarray | Material | Pattern | Bsdf
+_AnyMaterial = TypeVar("_AnyMaterial", bound=Material)
 
-    Attributes
-    ----------
-    roughness : rms slope along `up` laid into the surface, and across it
-    up : vector in the scene's coordinates, or expressions for it in those of a
-        function; where it is along the normal the highlight is round
+
+def parts(material: Material) -> Iterator[Material]:
+    """Yield the materials that a material holds."""
+    return (part for part in vars(material).values() if isinstance(part, Material))
+
+
+def colours(material: Material) -> Iterator[Colour]:
+    """Yield the colours of a material, those of its parts left out."""
+    known = fields(material)  # type: ignore[arg-type]
+    return (getattr(material, f.name) for f in known if f.type is Colour)
+
+
+def with_colours(
+    material: _AnyMaterial, change: Callable[[Colour], Colour]
+) -> _AnyMaterial:
+    """Return a material with other colours, in its parts too."""
+    known = fields(material)  # type: ignore[arg-type]
+    values = {f.name: getattr(material, f.name) for f in known}
+    changed: dict[str, object] = {
+        f.name: change(values[f.name]) for f in known if f.type is Colour
+    }
+    for name, value in values.items():
+        if isinstance(value, Material):
+            changed[name] = with_colours(value, change)
+    return altered(material, **changed)
+
+
+def insert_material(materials: dict[str, Material], material: Material) -> str:
+    """Add a material under its name, or a numbered one if taken; return its key.
+
+    A material equal in all but its place in a file is not added twice.
     """
-
-    name: str
-    reflectance: Float[np.ndarray, "3"]
-    specularity: float
-    roughness: Float[np.ndarray, "2"]
-    up: Float[np.ndarray, "3"] | Pattern
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Metal2:
-    """Metal with an elliptical highlight; see `Plastic2`."""
-
-    name: str
-    reflectance: Float[np.ndarray, "3"]
-    specularity: float
-    roughness: Float[np.ndarray, "2"]
-    up: Float[np.ndarray, "3"] | Pattern
-    source: Source | None = None
+    stem = material.name.rpartition("#")[0] if "#" in material.name else material.name
+    key, count = material.name, 1
+    while key in materials:
+        if same_material(materials[key], material):
+            return key
+        count += 1
+        key = f"{stem}#{count}"
+    materials[key] = material if key == material.name else altered(material, name=key)
+    return key
 
 
-@dataclass(frozen=True, eq=False)
-class Trans2:
-    """Trans with elliptical highlights; see `Trans` and `Plastic2`."""
-
-    name: str
-    reflectance: Float[np.ndarray, "3"]
-    specularity: float
-    roughness: Float[np.ndarray, "2"]
-    transmission: float
-    transmitted_specular: float
-    up: Float[np.ndarray, "3"] | Pattern
-    source: Source | None = None
+def altered(material: _AnyMaterial, **values: object) -> _AnyMaterial:
+    """Return a material with other values of some fields."""
+    return replace(material, **values)  # type: ignore[type-var]
 
 
-@dataclass(frozen=True, eq=False)
-class Glass:
-    """Radiance's glass: one thin pane, given by what passes on one crossing.
-
-    Attributes
-    ----------
-    name : key in the scene
-    transmissivity : share left after one passage at normal incidence, surfaces excluded
-    index : index of refraction
-    """
-
-    name: str
-    transmissivity: Float[np.ndarray, "3"]
-    index: float = 1.52
-    source: Source | None = None
+def same_material(one: Material, other: Material) -> bool:
+    """Whether two materials are equal in all but their names and places in files."""
+    return _equal(one, other)
 
 
-@dataclass(frozen=True, eq=False)
-class Dielectric:
-    """A solid that refracts; its surface has the inside behind its front.
-
-    Attributes
-    ----------
-    transmissivity : share left after 1 m inside
-    index : index of refraction at the wavelength of 500 nm
-    """
-
-    name: str
-    transmissivity: Float[np.ndarray, "3"]
-    index: float
-    source: Source | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Interface:
-    """The surface between two dielectrics; the inside lies behind its front.
-
-    Attributes
-    ----------
-    inside_transmissivity, outside_transmissivity : share left after 1 m
-    inside_index, outside_index : indices of refraction
-    """
-
-    name: str
-    inside_transmissivity: Float[np.ndarray, "3"]
-    inside_index: float
-    outside_transmissivity: Float[np.ndarray, "3"]
-    outside_index: float
-    source: Source | None = None
+def _equal(one: object, other: object) -> bool:
+    if one is other:
+        return True
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_equal(one[k], other[k]) for k in one)
+    if isinstance(one, tuple | list) and isinstance(other, tuple | list):
+        return len(one) == len(other) and all(map(_equal, one, other))
+    if is_dataclass(one) and not isinstance(one, type):
+        ignored = ("name", "source") if isinstance(one, Material) else ()
+        return all(
+            _equal(getattr(one, f.name), getattr(other, f.name))
+            for f in fields(one)
+            if f.name not in ignored
+        )
+    return bool(np.array_equal(one, other))  # type: ignore[arg-type]

@@ -1,10 +1,8 @@
 """The scene as plain values: materials, surfaces, distant sources.
 
-A surface names its material by a key of `Scene.materials`. Where a file defines a
-name twice, the later definition holds for the surfaces read after it, as in
-Radiance; both survive here, the later under a key of its own ("wall#2").
-
-Materials, emitters and surfaces have files of their own and are all found here.
+A surface names its material by a key of `Scene.materials`. Where a file defines a name
+twice, the later definition holds for the surfaces read after it, as in Radiance; the
+scene keeps both, the later under a key of its own ("wall#2").
 """
 
 from collections.abc import Mapping
@@ -14,33 +12,26 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import RGB, Bands
 from clerestory.errors import InputError
-from clerestory.scene.composite import (
-    BsdfSurface,
+from clerestory.scene.material import (
     Emitter,
-    Illum,
     Material,
-    Mirror,
-    Mixture,
-    Patterned,
-    Textured,
-    Void,
+    Source,
+    colours,
     insert_material,
+    parts,
     same_material,
 )
-from clerestory.scene.emitter import Glow, Light, Spotlight
-from clerestory.scene.material import (
-    Dielectric,
-    Glass,
-    Interface,
-    Metal,
-    Metal2,
-    Plastic,
-    Plastic2,
-    Source,
-    Trans,
-    Trans2,
-)
+from clerestory.scene.materials.bsdf_surface import BsdfSurface
+from clerestory.scene.materials.dielectric import Dielectric, Interface
+from clerestory.scene.materials.emitters import Glow, Illum, Light, Spotlight
+from clerestory.scene.materials.glass import Glass
+from clerestory.scene.materials.mirror import Mirror
+from clerestory.scene.materials.mixture import Mixture, Void
+from clerestory.scene.materials.modified import Patterned, Textured
+from clerestory.scene.materials.plastic import Metal, Plastic
+from clerestory.scene.materials.trans import Trans
 from clerestory.scene.surface import (
     Cone,
     DistantSource,
@@ -50,6 +41,7 @@ from clerestory.scene.surface import (
     Sphere,
     Surface,
     TriangleMesh,
+    area_vector,
     extent,
 )
 
@@ -66,12 +58,10 @@ __all__ = [
     "Light",
     "Material",
     "Metal",
-    "Metal2",
     "Mirror",
     "Mixture",
     "Patterned",
     "Plastic",
-    "Plastic2",
     "Polygon",
     "Ring",
     "Scene",
@@ -82,7 +72,6 @@ __all__ = [
     "Surface",
     "Textured",
     "Trans",
-    "Trans2",
     "TriangleMesh",
     "Void",
     "insert_material",
@@ -102,11 +91,12 @@ class Scene:
     materials : by key; each material carries its key as name
     surfaces : in the order read
     distant : sources at infinity
+    bands : spectral bands of the materials' colours
 
     Raises
     ------
     InputError : a surface is made of a material that is not in the scene, or the up
-        vector of its BSDF stands upright on it
+        vector of its BSDF is along its normal; a colour has other bands
 
     Examples
     --------
@@ -120,8 +110,11 @@ class Scene:
     materials: Mapping[str, Material] = field(default_factory=dict)
     surfaces: tuple[Surface, ...] = ()
     distant: tuple[DistantSource, ...] = ()
+    bands: Bands = RGB
 
     def __post_init__(self) -> None:
+        for material in self.materials.values():
+            _check_colours(material, self.bands)
         for item in (*self.surfaces, *self.distant):
             if item.material not in self.materials:
                 raise InputError(
@@ -132,7 +125,19 @@ class Scene:
                 _check_up(item, self.materials[item.material])
 
     def __add__(self, other: "Scene") -> "Scene":
-        """Both scenes in one; equal names of different materials are kept apart."""
+        """Both scenes in one; equal names of different materials are kept apart.
+
+        Raises
+        ------
+        InputError : the scenes have materials in different bands
+        """
+        if other.bands != self.bands and other.materials:
+            if self.materials:
+                raise InputError(
+                    f"scenes in the bands {self.bands} and {other.bands}; the same"
+                    " expected: convert one with `in_bands`"
+                )
+            return replace(self, bands=other.bands) + other
         materials = dict(self.materials)
         key = {
             name: insert_material(materials, m) for name, m in other.materials.items()
@@ -141,6 +146,7 @@ class Scene:
             materials,
             self.surfaces + tuple(_renamed(s, key) for s in other.surfaces),
             self.distant + tuple(_renamed(d, key) for d in other.distant),
+            self.bands,
         )
 
     def bounds(self) -> Float[np.ndarray, "2 3"]:
@@ -151,38 +157,45 @@ class Scene:
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
+def _check_colours(material: Material, bands: Bands) -> None:
+    # Grey is the same in all bands; the colours of RGB scenes have three values
+    for colour in colours(material):
+        if len(colour) != len(bands) and (bands == RGB or np.ptp(colour) > 0):
+            source = material.source
+            raise InputError(
+                f'a colour of {len(colour)} values in the material "{material.name}" of'
+                f" a scene in the bands {bands}; one value per band expected",
+                file=source.file if source else None,
+                line=source.line if source else None,
+            )
+    for part in parts(material):
+        _check_colours(part, bands)
+
+
 def _check_up(surface: Polygon | Ring, material: Material) -> None:
-    # The up vector of a BSDF, laid into the surface, must point somewhere
-    match material:
-        case Mixture():
-            _check_up(surface, material.foreground)
-            _check_up(surface, material.background)
-        case Textured():
-            _check_up(surface, material.base)
-        case Mirror(alternate=other) | Illum(alternate=other) if other is not None:
-            _check_up(surface, other)
-        case BsdfSurface():
-            normal = _normal(surface)
-            up = material.up @ material.transform
-            across = np.linalg.norm(np.cross(up, normal))
-            if across < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
-                source = surface.source
-                raise InputError(
-                    f'"{surface.name}": the up vector of BSDF "{material.name}" is'
-                    " along its normal; a vector that points up along the surface"
-                    " expected",
-                    file=source.file if source else None,
-                    line=source.line if source else None,
-                )
+    # The up vector of a BSDF must not be along the normal of a surface
+    for part in parts(material):
+        _check_up(surface, part)
+    if not isinstance(material, BsdfSurface):
+        return
+    normal = _normal(surface)
+    up = material.up @ material.transform
+    sine = np.linalg.norm(np.cross(up, normal))
+    if sine < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
+        source = surface.source
+        raise InputError(
+            f'"{surface.name}": the up vector of BSDF "{material.name}" is along its'
+            " normal; a vector that points up along the surface expected",
+            file=source.file if source else None,
+            line=source.line if source else None,
+        )
 
 
 def _normal(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
     # Normal, of any length
     if isinstance(surface, Ring):
         return surface.normal
-    around = surface.vertices - surface.vertices[0]
-    normal: np.ndarray = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
-    return normal
+    return area_vector(surface.vertices)
 
 
 _Item = TypeVar("_Item", bound=Surface | DistantSource)

@@ -10,7 +10,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.directions import Frame
-from clerestory.scene.appearance import is_opaque
 from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, distances, first_hits
 from clerestory.scene.sensors import Sensors
@@ -65,9 +64,7 @@ def check_scene(
         findings += _window(window, scene, box, triangles, sensors)
     if sensors is not None and len(sensors):
         findings += _sensors(sensors, box, windows)
-        opaque = np.array(
-            [is_opaque(scene.materials[s.material]) for s in scene.surfaces]
-        )
+        opaque = np.array([scene.materials[s.material].opaque for s in scene.surfaces])
         findings += _surroundings(sensors, box, _solid(triangles, opaque))
     return tuple(findings)
 

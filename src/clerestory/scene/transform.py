@@ -53,12 +53,7 @@ class Transform:
         return turned
 
     def then(self, outer: "Transform") -> "Transform":
-        """Return this transform followed by another.
-
-        Raises
-        ------
-        InputError : both together leave the range of lengths that make sense
-        """
+        """Return this transform followed by another."""
         both = Transform(
             self.matrix @ outer.matrix,
             self.scale * outer.scale,
@@ -77,10 +72,6 @@ def parse_transform(words: list[str]) -> tuple[Transform, int]:
 
     Takes -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz and -i count, which
     repeats the options after it up to the next -i. Stops at any other word.
-
-    Raises
-    ------
-    InputError : an option lacks a number, scales by zero or leads out of all measure
     """
     total, part, count = Transform(), Transform(), 1
     at = 0

@@ -78,10 +78,6 @@ def window_of(
     ----------
     up : up vector of the basis; None: +z, or +y for a horizontal window
     partition : None: Klems full
-
-    Raises
-    ------
-    InputError : polygons of different normals, or an up vector along the normal
     """
     normal = unit(_normals(polygons).sum(axis=0))
     if up is None:

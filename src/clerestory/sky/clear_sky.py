@@ -1,18 +1,22 @@
-"""Weather without clouds, by formula: sun and sky of a clear year anywhere.
+"""Clear-sky irradiance of Ineichen and Perez.
 
-Global and direct irradiance follow from the height of the sun, the turbidity of the
-air and the elevation; the rest of the global is the sky's.
+Global and direct irradiance follow from the solar altitude, the Linke turbidity and the
+elevation; diffuse is the rest. `pvlib.clearsky.ineichen` is the same model; it is not
+used because pvlib takes a second to import.
 
 References: P. Ineichen, R. Perez, A new airmass independent formulation for the Linke
 turbidity coefficient, Solar Energy 73 (3), 2002; F. Kasten, A. T. Young, Applied
-Optics 28, 1989 (air mass); J. W. Spencer, Search 2 (5), 1971 (sun's distance).
+Optics 28, 1989 (air mass); J. W. Spencer, Search 2 (5), 1971 (distance to the sun).
 """
+
+from dataclasses import asdict
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
-from clerestory.sky.solar_position import day_of_year, sun_position
+from clerestory.sky.sky_state import orbit_factor
+from clerestory.sky.solar_position import day_of_year, sun_at
 from clerestory.sky.weather import TYPICAL_YEAR, Site, Weather
 
 SOLAR_CONSTANT = 1366.1
@@ -23,12 +27,12 @@ _MINUTES_A_YEAR = 365 * 24 * 60
 def clear_sky_weather(
     site: Site, *, turbidity: float = 3.0, step_minutes: int = 60
 ) -> Weather:
-    """Return a year without clouds, 2023.
+    """Return a cloudless year, 2023.
 
     Parameters
     ----------
-    site : place and time zone
-    turbidity : Linke's, of the whole year: 2 is very clear, 3 usual, 5 hazy
+    site : location and time zone
+    turbidity : Linke turbidity of the whole year: 2 very clear, 3 usual, 5 hazy
     step_minutes : length of a step, a divisor of an hour
 
     Raises
@@ -49,29 +53,18 @@ def clear_sky_weather(
     start = np.datetime64(f"{TYPICAL_YEAR}-01-01T00:00:00", "s")
     middles = np.arange(30 * step_minutes, 60 * _MINUTES_A_YEAR, 60 * step_minutes)
     times = start + middles.astype("timedelta64[s]")
-    sun = sun_position(
-        times,
-        latitude_deg=site.latitude_deg,
-        longitude_deg=site.longitude_deg,
-        utc_offset_hours=site.utc_offset_hours,
-        elevation=site.elevation,
-    )
     direct, diffuse = clear_sky_irradiance(
-        sun.altitude,
-        outside=irradiance_outside(times),
+        sun_at(site, times).altitude,
+        extraterrestrial=extraterrestrial_irradiance(times),
         turbidity=turbidity,
         elevation=site.elevation,
     )
     return Weather(
-        site.place,
-        site.latitude_deg,
-        site.longitude_deg,
-        site.elevation,
-        site.utc_offset_hours,
-        times,
-        float(step_minutes),
-        direct,
-        diffuse,
+        **asdict(site),
+        times=times,
+        step_minutes=float(step_minutes),
+        direct_normal=direct,
+        diffuse_horizontal=diffuse,
         source=f"clear sky of Ineichen and Perez, turbidity {turbidity:g}",
     )
 
@@ -79,7 +72,7 @@ def clear_sky_weather(
 def clear_sky_irradiance(
     altitude: Float[np.ndarray, " time"],
     *,
-    outside: Float[np.ndarray, " time"] | float = SOLAR_CONSTANT,
+    extraterrestrial: Float[np.ndarray, " time"] | float = SOLAR_CONSTANT,
     turbidity: float = 3.0,
     elevation: float = 0.0,
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
@@ -88,20 +81,25 @@ def clear_sky_irradiance(
     Parameters
     ----------
     altitude : of the sun, with refraction [rad]
-    outside : direct normal irradiance outside the atmosphere [W/m²]
-    turbidity : Linke's
-    elevation : above the sea [m]
+    extraterrestrial : normal irradiance outside the atmosphere [W/m²]
+    turbidity : Linke turbidity
+    elevation : above sea level [m]
     """
     sine = np.maximum(np.sin(altitude), 1e-3)
-    height = np.degrees(np.maximum(altitude, 0))
+    altitude_deg = np.degrees(np.maximum(altitude, 0))
     pressure = (1 - 2.25577e-5 * elevation) ** 5.25588
-    mass = pressure / (sine + 0.50572 * (height + 6.07995) ** -1.6364)
+    mass = pressure / (sine + 0.50572 * (altitude_deg + 6.07995) ** -1.6364)
     low, high = np.exp(-elevation / 8000), np.exp(-elevation / 1250)
 
     # Ineichen and Perez, eqs. for global and beam irradiance
     c1, c2 = 5.09e-5 * elevation + 0.868, 3.92e-5 * elevation + 0.0387
-    total = c1 * outside * sine * np.exp(-c2 * mass * (low + high * (turbidity - 1)))
-    beam = outside * (0.664 + 0.163 / low) * np.exp(-0.09 * mass * (turbidity - 1))
+    attenuation = np.exp(-c2 * mass * (low + high * (turbidity - 1)))
+    total = c1 * extraterrestrial * sine * attenuation
+    beam = (
+        extraterrestrial
+        * (0.664 + 0.163 / low)
+        * np.exp(-0.09 * mass * (turbidity - 1))
+    )
     share = 1 - (0.1 - 0.2 * np.exp(-turbidity)) / (0.1 + 0.882 / low)
     direct = np.minimum(beam, np.maximum(total * share / sine, 0))
     up = np.sin(altitude) > 0
@@ -109,9 +107,6 @@ def clear_sky_irradiance(
     return np.where(up, direct, 0.0), np.where(up, diffuse, 0.0)
 
 
-def irradiance_outside(times: np.ndarray) -> Float[np.ndarray, " time"]:
-    """Direct normal irradiance outside the atmosphere [W/m²], Spencer's series."""
-    x = 2 * np.pi * (day_of_year(times) - 1) / 365
-    series = 1.00011 + 0.034221 * np.cos(x) + 0.00128 * np.sin(x)
-    series = series + 0.000719 * np.cos(2 * x) + 0.000077 * np.sin(2 * x)
-    return np.asarray(SOLAR_CONSTANT * series)
+def extraterrestrial_irradiance(times: np.ndarray) -> Float[np.ndarray, " time"]:
+    """Normal irradiance outside the atmosphere [W/m²], by Spencer's series."""
+    return np.asarray(SOLAR_CONSTANT * orbit_factor(day_of_year(times)))

@@ -1,10 +1,10 @@
-"""Measured irradiance in CSV files, in columns that the user names.
+"""Measured irradiance in CSV files with columns that the user names.
 
-Times are read as they stand: ISO 8601 or a given format, with or without an
-offset from UTC. Times with an offset may change it over the year (daylight
-saving); times without one are local standard time, or what a clock shows that is
-named by its time zone. Where such a clock is put back, the hour that it shows
-twice is told apart by the order of the rows.
+Times are ISO 8601 or in a given format, with or without an offset from UTC. Times with
+an offset may change it over the year (daylight saving time); times without one are
+local standard time, or the civil time of a named time zone. When
+daylight saving time ends, civil time repeats an hour: the order of the rows decides
+which of the two is meant.
 """
 
 import csv
@@ -15,14 +15,19 @@ from typing import get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
-from clerestory.sky.table_cells import column
-from clerestory.sky.time_steps import StandsFor, centres, require_growth, typical_step
+from clerestory.sky.table_cells import DataRows
+from clerestory.sky.time_steps import (
+    StandsFor,
+    centres,
+    require_increasing,
+    typical_step,
+)
 from clerestory.sky.weather import Site, Weather
 
 # Values that loggers write for missing data
@@ -31,7 +36,7 @@ _MISSING = (-9999.9, -9999.0, -999.0, 9999.0, 99999.0)
 
 @dataclass(frozen=True)
 class Columns:
-    """What the columns of a CSV file are called.
+    """Names of the columns of a CSV file.
 
     Attributes
     ----------
@@ -52,7 +57,7 @@ class Columns:
     dew_point: str | None = None
 
     def series(self) -> dict[Quantity, str]:
-        """Return the columns of light that there are, by quantity."""
+        """Return the names of the columns of irradiance and illuminance."""
         named = {q: getattr(self, q) for q in get_args(Quantity)}
         return {q: name for q, name in named.items() if name is not None}
 
@@ -78,22 +83,22 @@ def read_measured(
     time_format : as for `datetime.strptime`, its parts separated by one space
         where the time is in several columns; None reads ISO 8601
     stands_for : the moment of its step that a time stands for
-    clock : time zone of the clock, such as "Europe/Berlin", with its daylight
-        saving; None for local standard time
+    clock : time zone of civil time, such as "Europe/Berlin", with its daylight saving
+        time; None for local standard time
     separator : between cells
     skip_lines : lines before the header
-    decomposition : model that splits global irradiance where it stands alone
+    decomposition : model that decomposes global irradiance if nothing else is measured
 
     Raises
     ------
-    InputError : a column is missing, a cell is not a number or time, time does
-        not grow, or there is too little irradiance
+    InputError : a column is missing, a cell is not a number or time, times do not
+        increase, or too few quantities are measured
     """
     table = read_table(path, separator, skip_lines)
 
     # Go from the stated moment of each step to its centre
     times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
-    require_growth(times, file=path, lines=table.lines)
+    require_increasing(times, rows=table)
     step = typical_step(times)
     times = centres(times, step, stands_for)
 
@@ -110,35 +115,31 @@ def read_measured(
 
 
 @dataclass(frozen=True, eq=False)
-class LoggerTable:
-    """A CSV file as text: names of its columns, and the rows with their lines."""
+class LoggerTable(DataRows):
+    """Rows of a CSV file with a header.
 
-    path: str | Path
+    Attributes
+    ----------
+    header_line : line number of the header
+    names : of the columns
+    """
+
     header_line: int
     names: list[str]
-    rows: list[list[str]]
-    lines: Int[np.ndarray, " time"]
 
     def index(self, name: str) -> int:
-        """Place of a column, which must be there."""
+        """Return the index of a column; raise `InputError` if there is none."""
         if name not in self.names:
             raise InputError(
                 f"no column {name!r}; one of {', '.join(self.names)} expected",
-                file=self.path,
+                file=self.file,
                 line=self.header_line,
             )
         return self.names.index(name)
 
     def numbers(self, name: str) -> Float[np.ndarray, " time"]:
         """Return a column of numbers; NaN where it is missing."""
-        values = column(
-            self.rows,
-            self.index(name),
-            name=name,
-            file=self.path,
-            lines=self.lines,
-            may_miss=True,
-        )
+        values = self.column(self.index(name), name, may_miss=True)
         return np.where(np.isin(values, _MISSING), np.nan, values)
 
 
@@ -150,13 +151,10 @@ def read_table(path: str | Path, separator: str, skip_lines: int) -> LoggerTable
     InputError : no rows follow the header
     """
     table = list(csv.reader(read_text(path).splitlines(), delimiter=separator))
-    numbers = [i for i, row in enumerate(table) if i > skip_lines and any(row)]
-    if not numbers:
-        line = max(len(table), 1)
-        raise InputError("no data rows after the header", file=path, line=line)
+    filled = (row if any(row) else [] for row in table)
+    rows = DataRows.below(skip_lines + 1, filled, file=path)
     names = [name.strip() for name in table[skip_lines]]
-    rows = [table[i] for i in numbers]
-    return LoggerTable(path, skip_lines + 1, names, rows, np.array(numbers) + 1)
+    return LoggerTable(path, rows.cells, rows.lines, skip_lines + 1, names)
 
 
 def local_times(
@@ -166,7 +164,7 @@ def local_times(
     clock: str | None,
     utc_offset_hours: float,
 ) -> np.ndarray:
-    """Return the moments of the rows in local standard time.
+    """Return the times of the rows in local standard time.
 
     Raises
     ------
@@ -178,7 +176,7 @@ def local_times(
         table.index(name) for name in ((names,) if isinstance(names, str) else names)
     ]
     moments: list[float] = []
-    for row, line in zip(table.rows, table.lines, strict=True):
+    for row, line in zip(table.cells, table.lines, strict=True):
         text = " ".join(row[i].strip() for i in where if i < len(row))
         try:
             if time_format is None:
@@ -188,12 +186,12 @@ def local_times(
         except ValueError as error:
             raise InputError(
                 f"time {text!r}; {time_format or 'ISO 8601'} expected",
-                file=table.path,
+                file=table.file,
                 line=int(line),
             ) from error
         if moment.tzinfo is None and zone is not None:
             before = moments[-1] if moments else -np.inf
-            moment = _on_clock(moment, zone, standard, before)
+            moment = _civil_time(moment, zone, standard, before)
         if moment.tzinfo is not None:
             moment = moment.astimezone(standard)
         moments.append(moment.replace(tzinfo=UTC).timestamp())
@@ -211,10 +209,10 @@ def _zone(clock: str | None) -> ZoneInfo | None:
         ) from error
 
 
-def _on_clock(
+def _civil_time(
     moment: datetime, zone: ZoneInfo, standard: timezone, before: float
 ) -> datetime:
-    # The hour shown twice is the second one when time would not grow otherwise
+    # A repeated hour is its second occurrence if times would not increase otherwise
     first = moment.replace(tzinfo=zone).astimezone(standard)
     if first.replace(tzinfo=UTC).timestamp() > before:
         return first

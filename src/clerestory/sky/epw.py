@@ -1,8 +1,9 @@
 """EnergyPlus weather files (.epw).
 
-Hours are numbered 1…24 and stand for the time that ends there; the sun is
-evaluated half a step earlier. The minute field of hourly files is 0 or 60
-and means nothing; the header tells the records per hour.
+Hours are numbered 1…24 and stand for the hour that ends then; the sun is computed at
+the centre of the step. The minute field of hourly files is 0 or 60 and has no meaning;
+the header states the records per hour. pvlib's reader is not used: it loads pandas, and
+does not name the line of an error.
 
 Reference: U.S. Department of Energy, EnergyPlus, Auxiliary Programs, chapter
 "EnergyPlus Weather File (EPW) Data Dictionary".
@@ -16,13 +17,14 @@ import numpy as np
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_text
 from clerestory.sky.gap_filling import repaired_weather
-from clerestory.sky.table_cells import column, number
-from clerestory.sky.time_steps import moments
+from clerestory.sky.table_cells import DataRows, number
+from clerestory.sky.time_steps import calendar_times
 from clerestory.sky.weather import Site, Weather
 
 _HEADER_LINES = 8
 
-# Fields of a data row, counted from 0
+# Fields, counted from 0
+_SITE = {"latitude": 6, "longitude": 7, "time zone": 8, "elevation": 9}
 _TIME = {"month": 1, "day": 2, "hour": 3, "minute": 4}
 _SERIES = {
     "direct normal irradiance": 14,
@@ -49,55 +51,33 @@ def read_epw(path: str | Path) -> Weather:
         raise InputError(
             "no LOCATION in the first line; an EPW file expected", file=path, line=1
         )
-    site = _site(cells, path)
-    per_hour = _records_per_hour(lines, path)
-
-    # Split the data rows
-    numbers = [i for i, text in enumerate(lines) if i >= _HEADER_LINES and text.strip()]
-    if not numbers:
-        raise InputError("no data rows after the header", file=path, line=len(lines))
-    rows = [lines[i].split(",") for i in numbers]
-    at = np.array(numbers) + 1
-    month, day, hour, minute = (
-        column(rows, index, name=name, file=path, lines=at)
-        for name, index in _TIME.items()
+    place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
+    latitude, longitude, offset, elevation = (
+        number(cells, i, name=name, file=path, line=1) for name, i in _SITE.items()
     )
+    site = Site(latitude, longitude, offset, elevation, place)
+    per_hour = _records_per_hour(lines, path)
+    table = (text.split(",") if text.strip() else [] for text in lines)
+    rows = DataRows.below(_HEADER_LINES, table, file=path)
 
     # Go from the end of each step to its centre
+    month, day, hour, minute = (rows.column(i, name) for name, i in _TIME.items())
     end = hour if per_hour == 1 else hour - 1 + minute / 60
-    centre = end - 0.5 / per_hour
-    times = moments(month, day, centre, file=path, lines=at)
+    times = calendar_times(month, day, end - 0.5 / per_hour, rows=rows)
 
-    # Read the irradiance and the dew point
     direct, diffuse, dew_point = (
-        column(rows, index, name=name, file=path, lines=at, may_miss=True)
-        for name, index in _SERIES.items()
+        rows.column(i, name, may_miss=True) for name, i in _SERIES.items()
     )
-    _warn_if_cut_off(times, per_hour, lines, path)
+    _warn_if_truncated(times, per_hour, lines, path)
     return repaired_weather(
         site,
         times,
+        rows,
         direct_normal=np.where(direct >= _MISSING_IRRADIANCE, np.nan, direct),
         diffuse_horizontal=np.where(diffuse >= _MISSING_IRRADIANCE, np.nan, diffuse),
         dew_point_c=np.where(np.abs(dew_point) < _MISSING_DEW_POINT, dew_point, np.nan),
         step_minutes=60 / per_hour,
-        file=path,
-        lines=at,
     )
-
-
-def _site(cells: list[str], path: str | Path) -> Site:
-    place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
-    latitude, longitude, offset, elevation = (
-        number(cells, index, name=name, file=path, line=1)
-        for index, name in (
-            (6, "latitude"),
-            (7, "longitude"),
-            (8, "time zone"),
-            (9, "elevation"),
-        )
-    )
-    return Site(latitude, longitude, offset, elevation, place)
 
 
 def _records_per_hour(lines: list[str], path: str | Path) -> int:
@@ -118,10 +98,10 @@ def _records_per_hour(lines: list[str], path: str | Path) -> int:
     )
 
 
-def _warn_if_cut_off(
+def _warn_if_truncated(
     times: np.ndarray, per_hour: int, lines: list[str], path: str | Path
 ) -> None:
-    # A year without holes that stops early was cut; a choice of hours has holes
+    # A truncated year has no gaps before its end; a selection of hours has gaps
     step = np.timedelta64(3600 // per_hour, "s")
     unbroken = len(times) > 24 * per_hour and bool(np.all(np.diff(times) == step))
     last = times[-1].astype("datetime64[D]")
@@ -129,8 +109,8 @@ def _warn_if_cut_off(
     header = " ".join(lines[:_HEADER_LINES]).replace(" ", "")
     if unbroken and last < year_end and "12/31" in header.split("DATAPERIODS")[-1]:
         warnings.warn(
-            f"{path}:{len(lines)}: the data stop at {times[-1]}, the header"
-            f" promises 12/31; {len(times)} steps are used",
+            f"{path}:{len(lines)}: the data end at {times[-1]}, the header states"
+            f" 12/31; {len(times)} steps are used",
             ClerestoryWarning,
             stacklevel=3,
         )

@@ -1,13 +1,12 @@
-"""The stated rules by which doubtful irradiance in a weather file is repaired.
+"""Quality control and gap filling of irradiance in weather files.
 
 1. Values down to -10 W/m² are the zero offset of a pyranometer: set to 0.
-2. Lower values, values above 1500 W/m² (no place on Earth receives that) and
-   codes for missing data are gaps: filled by interpolation in time, as long as
-   they are at most a tenth of the steps. More is an error.
-3. Direct irradiance above the extraterrestrial is cut to it.
+2. Lower values, values above 1500 W/m² (physically impossible) and codes for missing
+   data are gaps, filled by interpolation in time where they are at most a tenth of the
+   steps. More gaps are an error.
+3. Direct irradiance above the extraterrestrial irradiance is limited to it.
 
-Every repair is counted; the counts go into the notes of the weather and into
-one warning.
+Corrections are counted; the counts are the notes of the weather and one warning.
 """
 
 import warnings
@@ -18,7 +17,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.errors import ClerestoryWarning, InputError
-from clerestory.sky.irradiance_decomposition import cut_to_extraterrestrial
+from clerestory.sky.irradiance_decomposition import limit_to_extraterrestrial
+from clerestory.sky.table_cells import DataRows
 from clerestory.sky.weather import Site, Weather
 
 _ZERO_OFFSET = -10.0
@@ -36,15 +36,15 @@ def repair_irradiance(
     scale: float = 1.0,
     unit: str = "W/m²",
 ) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
-    """Return irradiance without gaps, and notes on what was done.
+    """Return irradiance with its gaps filled, and notes on the corrections.
 
     Parameters
     ----------
     values : irradiance; NaN where the file says it is missing
-    name : what the values are, for messages
+    name : of the values, for messages
     times : centres of the steps
-    file, lines : where each value stands
-    scale, unit : of the values, in place of W/m²
+    file, lines : file and line number of each value
+    scale, unit : of the values if they are not in W/m²
 
     Raises
     ------
@@ -83,62 +83,56 @@ def repair_irradiance(
 def repaired_weather(
     site: Site,
     times: np.ndarray,
+    rows: DataRows,
     *,
     direct_normal: Float[np.ndarray, " time"],
     diffuse_horizontal: Float[np.ndarray, " time"],
     dew_point_c: Float[np.ndarray, " time"] | None = None,
     step_minutes: float,
-    file: str | Path,
-    lines: Int[np.ndarray, " time"],
     notes: tuple[str, ...] = (),
 ) -> Weather:
-    """Return weather from the columns of a file, repaired and reported.
+    """Return weather from the columns of a file, after quality control.
 
     Parameters
     ----------
-    site : the place
     times : centres of the steps
+    rows : of the file, one per step
     direct_normal, diffuse_horizontal : irradiance [W/m²]; NaN where missing
     dew_point_c : [°C]; NaN where missing
     step_minutes : length of a step [min]
-    file, lines : where each step stands
-    notes : repairs made before
+    notes : corrections made before
 
     Raises
     ------
     InputError : more than a tenth of the irradiance is missing or impossible
     """
-    direct, first = repair_irradiance(
-        direct_normal,
-        name="direct normal irradiance",
-        times=times,
-        file=file,
-        lines=lines,
-    )
-    diffuse, second = repair_irradiance(
-        diffuse_horizontal,
-        name="diffuse horizontal irradiance",
-        times=times,
-        file=file,
-        lines=lines,
-    )
-    direct, third = cut_to_extraterrestrial(direct, times)
-    notes += first + second + third
-    report(notes, file=file)
+    filled = []
+    for name, values in (
+        ("direct normal irradiance", direct_normal),
+        ("diffuse horizontal irradiance", diffuse_horizontal),
+    ):
+        series, made = repair_irradiance(
+            values, name=name, times=times, file=rows.file, lines=rows.lines
+        )
+        filled.append(series)
+        notes += made
+    direct, made = limit_to_extraterrestrial(filled[0], times)
+    notes += made
+    warn_of_corrections(notes, file=rows.file)
     return Weather(
         **asdict(site),
         times=times,
         step_minutes=step_minutes,
         direct_normal=direct,
-        diffuse_horizontal=diffuse,
+        diffuse_horizontal=filled[1],
         dew_point_c=dew_point_c,
-        source=str(file),
+        source=str(rows.file),
         notes=notes,
     )
 
 
-def report(notes: tuple[str, ...], *, file: str | Path) -> None:
-    """Warn once about all the repairs made to a file."""
+def warn_of_corrections(notes: tuple[str, ...], *, file: str | Path) -> None:
+    """Warn once of all corrections made to the data of a file."""
     if notes:
         warnings.warn(f"{file}: {'; '.join(notes)}", ClerestoryWarning, stacklevel=5)
 

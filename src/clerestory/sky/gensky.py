@@ -1,7 +1,7 @@
-"""CIE skies with the levels that Radiance's gensky gives them.
+"""CIE skies with the zenith luminance of Radiance's gensky.
 
-Where no measurement is at hand, the zenith luminance follows from the sun's
-altitude and the turbidity of the air.
+Without a measurement, the zenith luminance follows from the solar altitude and the
+turbidity.
 
 Reference: Radiance, gensky; zenith luminance after R. Dogniaux (clear) and
 R. G. Hopkinson (overcast).
@@ -32,7 +32,7 @@ _SUN_EFFICACY = 208.0
 # Solid angle of gensky's sun, half a degree wide [sr]
 _SUN_SOLID_ANGLE = 6e-5
 
-# The clear sky's sun is kept off the zenith [rad]
+# Largest solar altitude of a clear sky [rad]
 _HIGHEST_SUN = np.radians(87.0)
 
 
@@ -53,17 +53,16 @@ def cie_sky(
     ----------
     kind : one of gensky's four skies, or the number of a CIE general sky, 1…15
     sun_altitude, sun_azimuth : of the sun, azimuth clockwise from north [rad]
-    with_sun : whether the sun is part of the sky; the ground is lit by it either
-        way, as in gensky; uniform and overcast skies have none
-    turbidity : Linke's, for the zenith of clear skies
-    diffuse_horizontal : what the sky sends to a level plane [W/m²]; None takes
-        gensky's zenith luminance, needed for the general skies
+    with_sun : whether the sun is part of the sky; the ground reflects its light in
+        either case, as in gensky; uniform and overcast skies have no sun
+    turbidity : Linke turbidity, for the zenith luminance of clear skies
+    diffuse_horizontal : irradiance of the sky [W/m²], required for CIE general skies;
+        None takes gensky's zenith luminance
     direct_normal : irradiance from the sun [W/m²]; None takes gensky's
-    ground_reflectance : of the ground
 
     Raises
     ------
-    InputError : an unknown kind, or a general sky without a level
+    InputError : an unknown kind, or a general sky without an irradiance
     """
     overcast = kind in ("uniform", "overcast")
     altitude = sun_altitude if overcast else min(sun_altitude, _HIGHEST_SUN)
@@ -84,7 +83,7 @@ def cie_sky(
         at_zenith = float(distribution.relative(up, sun=sun))
         scale = _zenith_radiance(kind, sun, turbidity) / at_zenith
 
-    # Light the ground by sky and sun, whether the sun itself is shown or not
+    # The ground reflects the light of sky and sun
     direct = 0.0
     if not overcast and sun[2] > 0:
         direct = _direct_normal(kind, sun) if direct_normal is None else direct_normal

@@ -1,11 +1,9 @@
-"""Measured illuminance: the irradiance that goes with it.
+"""Irradiance from measured illuminance, by inversion of Perez's luminous efficacy.
 
-Perez's models take irradiance. Where only illuminance was measured, the irradiance
-is the one whose luminous efficacy gives that illuminance back. Efficacy depends
-on irradiance in turn, so it is found by going round in circles; it jumps between
-the categories of clearness, so some skies have two answers, and a few of the
-rarest none. The illuminance itself is kept beside it, and is what the sky matrix
-sends.
+Perez's models take irradiance. It is found by fixed-point iteration, since the luminous
+efficacy depends on it. The efficacy is discontinuous between categories of clearness:
+some illuminances have two solutions, a few none. Sky matrices are scaled to the
+measured illuminance itself.
 """
 
 import numpy as np
@@ -20,9 +18,9 @@ from clerestory.sky.sky_state import (
 from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.weather import Illuminance
 
-# Efficacy to begin with, that of a mean sky [lm/W]
+# Initial efficacy, that of a mean sky [lm/W]
 _MEAN_EFFICACY = 110.0
-_ROUNDS = 40
+_ITERATIONS = 40
 
 # Bounds of the efficacy of daylight [lm/W]
 _EFFICACIES = (20.0, 250.0)
@@ -39,14 +37,14 @@ def irradiance_of(
 
     Parameters
     ----------
-    illuminance : what was measured
+    illuminance : measured
     times : centres of the steps
-    sun : its position then
+    sun : solar position at the steps
     dew_point_c : [°C], NaN where unknown; None takes 11 °C
 
     Examples
     --------
-    Skylight has more lumens in a watt than sunlight.
+    Skylight has a higher luminous efficacy than sunlight.
 
     >>> noon = np.array(["2023-06-21T12:00"], "datetime64[s]")
     >>> lux = Illuminance(np.array([80_000.0]), np.array([15_000.0]))
@@ -61,7 +59,7 @@ def irradiance_of(
         dew_point = np.where(np.isfinite(dew_point_c), dew_point_c, dew_point)
     efficacy = np.full(lux.shape, _MEAN_EFFICACY)
     day = day_of_year(times)
-    for turn in range(_ROUNDS):
+    for iteration in range(_ITERATIONS):
         irradiance = lux / efficacy
         state = sky_state(*irradiance, altitude=sun.altitude, day_of_year=day)
         visible = visible_irradiance(*irradiance, state=state, dew_point_c=dew_point)
@@ -69,8 +67,8 @@ def irradiance_of(
             found = LUMINOUS_EFFICACY * np.stack(visible) / irradiance
         found = np.where(lux > 0, found, _MEAN_EFFICACY)
 
-        # Go half way later on, so that pairs of categories do not alternate
-        share = 1.0 if turn < _ROUNDS / 4 else 0.5
+        # Under-relax later iterations, so that pairs of categories do not alternate
+        share = 1.0 if iteration < _ITERATIONS / 4 else 0.5
         efficacy = np.clip(efficacy + share * (found - efficacy), *_EFFICACIES)
     direct, diffuse = lux / efficacy
     return direct, diffuse

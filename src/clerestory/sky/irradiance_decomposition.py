@@ -1,14 +1,13 @@
-"""Sun and sky apart, from whichever irradiance was measured.
+"""Decomposition of measured irradiance into direct and diffuse.
 
-Global, direct and diffuse obey  GHI = DHI + DNI sin h,  so any two give the
-third. Near the horizon the division by sin h blows errors up; the rules:
+Global, direct and diffuse irradiance obey GHI = DHI + DNI sin h, so any two give the
+third. Since the division by sin h amplifies errors near the horizon:
 
-1. Where the direct irradiance is computed, sin h is taken as at least sin 3°.
-2. It never exceeds the extraterrestrial irradiance: computed, what is left over is
-   diffuse; measured, it is cut.
-3. Diffuse above global is cut to global.
-4. With the sun more than 6° below the horizon (civil twilight) all is dark.
-5. Global alone is split by a statistical model: Erbs (hourly) or DIRINT.
+1. Where the direct irradiance is computed, sin h is at least sin 3°.
+2. It is at most the extraterrestrial irradiance; the rest of a computed one is diffuse.
+3. Diffuse above global irradiance is limited to it.
+4. With the sun more than 6° below the horizon (civil twilight) irradiance is zero.
+5. Global irradiance alone is decomposed by the model of Erbs (hourly) or DIRINT.
 """
 
 import importlib
@@ -28,18 +27,18 @@ Decomposition = Literal["erbs", "dirint"]
 _LOWEST_SINE = np.sin(np.radians(3.0))
 _TWILIGHT = np.radians(-6.0)
 
-# Diffuse may exceed global by this before it counts as a repair [W/m²]
+# Diffuse may exceed global by this before it counts as a correction [W/m²]
 _TOLERANCE = 5.0
 
 
 @dataclass(frozen=True, eq=False)
 class Irradiance:
-    """Irradiance from sun and sky, and notes on what had to be repaired.
+    """Direct and diffuse irradiance, and notes on the corrections made.
 
     Attributes
     ----------
     direct_normal, diffuse_horizontal : [W/m²]
-    notes : repairs, each with its count
+    notes : corrections, each with its count
     """
 
     direct_normal: Float[np.ndarray, " time"]
@@ -61,24 +60,24 @@ def split_irradiance(
     Parameters
     ----------
     times : centres of the steps
-    sun : its position then
-    global_horizontal, diffuse_horizontal, direct_normal : what was measured
+    sun : solar position at the steps
+    global_horizontal, diffuse_horizontal, direct_normal : measured irradiance
         [W/m²]; global alone, or any two; with all three, global is not used
-    decomposition : model that splits global irradiance where it stands alone
+    decomposition : model that decomposes global irradiance if nothing else is measured
 
     Raises
     ------
-    InputError : too little was measured, or another decomposition
+    InputError : too few quantities are given, or the model is unknown
     """
     notes: tuple[str, ...] = ()
     if direct_normal is not None:
-        direct_normal, notes = cut_to_extraterrestrial(direct_normal, times)
+        direct_normal, notes = limit_to_extraterrestrial(direct_normal, times)
     if direct_normal is not None and diffuse_horizontal is not None:
         split = Irradiance(direct_normal, diffuse_horizontal)
     elif global_horizontal is None:
         raise InputError(
-            "too little irradiance; global, or any two of global, diffuse and"
-            " direct expected"
+            "too few irradiances; global, or any two of global, diffuse and direct"
+            " expected"
         )
     elif diffuse_horizontal is not None:
         split = _from_diffuse(global_horizontal, diffuse_horizontal, times, sun)
@@ -88,14 +87,14 @@ def split_irradiance(
     else:
         split = _decompose(global_horizontal, times, sun, decomposition)
 
-    # Darken what lies beyond civil twilight
+    # Set irradiance to zero beyond civil twilight
     dark = sun.altitude < _TWILIGHT
     stray = dark & (split.direct_normal + split.diffuse_horizontal > _TOLERANCE)
     notes += split.notes
     if np.any(stray):
         notes += (
-            f"{np.count_nonzero(stray)} steps with light and the sun 6° and more below"
-            " the horizon set to zero: is the time zone right?",
+            f"{np.count_nonzero(stray)} steps with irradiance and the sun more than 6°"
+            " below the horizon set to zero: is the time zone right?",
         )
     return Irradiance(
         np.where(dark, 0, split.direct_normal),
@@ -104,17 +103,17 @@ def split_irradiance(
     )
 
 
-def cut_to_extraterrestrial(
+def limit_to_extraterrestrial(
     direct_normal: Float[np.ndarray, " time"], times: np.ndarray
 ) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
-    """Return direct irradiance [W/m²] not above that outside the air, and notes."""
+    """Return direct irradiance limited to the extraterrestrial [W/m²], and notes."""
     limit = SOLAR_CONSTANT * orbit_factor(day_of_year(times))
     above = direct_normal > limit + _TOLERANCE
     notes: tuple[str, ...] = ()
     if np.any(above):
         notes = (
             f"{np.count_nonzero(above)} direct values above the extraterrestrial"
-            " irradiance cut to it",
+            " irradiance limited to it",
         )
     return np.minimum(direct_normal, limit), notes
 
@@ -129,7 +128,7 @@ def _from_diffuse(
     above = diffuse > level + _TOLERANCE
     if np.any(above):
         notes = (
-            f"{np.count_nonzero(above)} diffuse values above global cut to global",
+            f"{np.count_nonzero(above)} diffuse values above global limited to global",
         )
     diffuse = np.minimum(diffuse, level)
     sine = np.maximum(np.sin(sun.altitude), _LOWEST_SINE)
@@ -145,7 +144,7 @@ def _decompose(
     sun: SunPosition,
     decomposition: Decomposition,
 ) -> Irradiance:
-    # pvlib and pandas take a second to load, which only these models should wait for
+    # Import pvlib and pandas here: they take a second and only these models need them
     models = importlib.import_module("pvlib.irradiance")
     zenith = np.degrees(np.pi / 2 - sun.altitude)
     if decomposition == "erbs":
@@ -156,7 +155,7 @@ def _decompose(
         index = pd.DatetimeIndex(times)
         series = pd.Series(level, index)
         with warnings.catch_warnings():
-            # pvlib 0.16 asks pandas 3 for a name that pandas 4 will drop
+            # pvlib 0.16 uses a name that pandas 4 will drop
             warnings.simplefilter("ignore", DeprecationWarning)
             direct = models.dirint(series, pd.Series(zenith, index), index)
         direct = np.nan_to_num(direct.to_numpy())

@@ -1,12 +1,11 @@
-"""How luminance is distributed over a sky: functions of direction.
+"""Sky luminance distributions: relative luminance as a function of direction.
 
-Perez's sky, the CIE's clear and overcast skies and its fifteen general ones are
-one formula, a gradation from horizon to zenith times an indicatrix around the
-sun:
+The Perez sky and the fifteen CIE general skies are a gradation from horizon to zenith
+times an indicatrix around the sun:
 
     L ∝ (1 + a exp(b / cos ζ)) (base + c exp(d γ) + e cos² γ)
 
-Only the traditional overcast and the intermediate sky stand apart.
+The traditional overcast and the intermediate sky have formulas of their own.
 """
 
 from dataclasses import dataclass
@@ -28,13 +27,13 @@ class Distribution(Protocol):
     def relative(
         self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Return luminance up to a scale, for unit vectors above the horizon."""
+        """Return relative luminance for unit vectors above the horizon."""
         ...
 
 
 @dataclass(frozen=True)
 class FiveParameters:
-    """Gradation times indicatrix, see the module.
+    """Luminance distribution of Perez and of the CIE general skies.
 
     Attributes
     ----------
@@ -53,7 +52,7 @@ class FiveParameters:
     def relative(
         self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Return luminance up to a scale; never negative."""
+        """Return relative luminance, 0 or more."""
         cos_zeta = np.maximum(direction[..., 2], _LOWEST_COSINE)
         cos_gamma = np.clip(direction @ sun, -1, 1)
         gradation = 1 + self.a * np.exp(self.b / cos_zeta)
@@ -64,7 +63,7 @@ class FiveParameters:
 
 @dataclass(frozen=True)
 class Overcast:
-    """The CIE's traditional overcast sky: three times brighter at the zenith.
+    """CIE traditional overcast sky: L ∝ 1 + 2 cos ζ.
 
     Reference: P. Moon, D. E. Spencer, Illumination from a non-uniform sky, 1942.
     """
@@ -78,7 +77,7 @@ class Overcast:
 
 @dataclass(frozen=True)
 class Intermediate:
-    """The CIE's intermediate sky as gensky has it, between clear and overcast.
+    """CIE intermediate sky, as gensky computes it.
 
     Reference: J. Matsuura, T. Iwata, A model of daylight source for the daylight
     illuminance calculations on the all weather conditions, 1990.
@@ -87,7 +86,7 @@ class Intermediate:
     def relative(
         self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Return luminance up to a scale."""
+        """Return relative luminance."""
         zeta = np.arccos(np.clip(direction[..., 2], 0, 1))
         gamma = np.arccos(np.clip(direction @ sun, -1, 1))
         zenith = np.arccos(np.clip(sun[2], 0, 1))
@@ -125,7 +124,7 @@ _TYPES = (
 def cie_general(number: int) -> FiveParameters:
     """Return one of the fifteen CIE general skies.
 
-    1 is overcast with steep gradation, 5 uniform, 12 clear with low turbidity.
+    Type 1 is overcast with steep gradation, 5 uniform, 12 clear with low turbidity.
 
     Raises
     ------
@@ -150,10 +149,9 @@ def cie_general(number: int) -> FiveParameters:
 def horizontal_integral(
     distribution: Distribution, *, sun: Float[np.ndarray, "3"]
 ) -> float:
-    """Irradiance on a level plane that the relative luminance sends [W/m²].
+    """Horizontal irradiance of a relative luminance distribution [W/m²].
 
-    By Gauss's rule in sin² ζ, in which the level plane weighs all evenly, and even
-    steps in azimuth.
+    By Gauss–Legendre quadrature in sin² ζ and the midpoint rule in azimuth.
     """
     node, weight = np.polynomial.legendre.leggauss(96)
     sine = np.sqrt((node + 1) / 2)

@@ -1,26 +1,26 @@
-"""From measured series to weather: repaired, parted into sun and sky, reported.
+"""Weather from measured series, by quality control and irradiance decomposition.
 
-Loggers and networks measure global, diffuse or direct light, as irradiance or as
-illuminance. Any two of the three of one kind are enough.
+Loggers and networks measure global, diffuse or direct irradiance or illuminance. Any
+two of the three of one kind determine the third.
 """
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
-from clerestory.sky.gap_filling import repair_irradiance, report
+from clerestory.sky.gap_filling import repair_irradiance, warn_of_corrections
 from clerestory.sky.illuminance_conversion import irradiance_of
 from clerestory.sky.irradiance_decomposition import (
     Decomposition,
     Irradiance,
     split_irradiance,
 )
-from clerestory.sky.solar_position import SunPosition, sun_position
+from clerestory.sky.solar_position import SunPosition, sun_at
 from clerestory.sky.weather import Illuminance, Site, Weather
 
 Quantity = Literal[
@@ -34,35 +34,30 @@ Quantity = Literal[
 
 _Role = Literal["global_horizontal", "diffuse_horizontal", "direct_normal"]
 
-# What the closure of global, diffuse and direct light calls them
-_IRRADIANCE: dict[Quantity, _Role] = {
-    "global_horizontal": "global_horizontal",
-    "diffuse_horizontal": "diffuse_horizontal",
-    "direct_normal": "direct_normal",
-}
+# Components of `split_irradiance`
+_IRRADIANCE: dict[Quantity, _Role] = {role: role for role in get_args(_Role)}
 _ILLUMINANCE: dict[Quantity, _Role] = {
     "global_illuminance": "global_horizontal",
     "diffuse_illuminance": "diffuse_horizontal",
     "direct_illuminance": "direct_normal",
 }
 
-# The same rules serve for illuminance, a hundred lux for a watt: no place on
-# Earth receives 150,000 lux
+# Illuminance is checked by the limits of irradiance, 100 lux for 1 W/m²
 _LUX_PER_WATT = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """What was measured at one place.
+    """Series measured at one site.
 
     Attributes
     ----------
-    site : the place
+    site : location of the instruments
     times : centres of the steps, local standard time
     step_minutes : length of a step [min]
     series : by quantity, [W/m²] or [lux]; NaN where missing
-    file, lines : where each step stands
-    names : what the file calls the quantities
+    file, lines : file and line number of each step
+    names : of the quantities in the file
     dew_point_c : [°C], NaN where missing
     """
 
@@ -79,24 +74,18 @@ class Measurement:
 def weather_of(
     measurement: Measurement, *, decomposition: Decomposition = "erbs"
 ) -> Weather:
-    """Return the weather that was measured; one warning tells of all repairs.
+    """Return the measured weather; one warning lists all corrections.
 
     Parameters
     ----------
-    decomposition : model that splits global irradiance where it stands alone
+    decomposition : model that decomposes global irradiance if nothing else is measured
 
     Raises
     ------
-    InputError : too little was measured, or too much of it is missing
+    InputError : too few quantities are measured, or too many values are missing
     """
     site, times = measurement.site, measurement.times
-    sun = sun_position(
-        times,
-        latitude_deg=site.latitude_deg,
-        longitude_deg=site.longitude_deg,
-        utc_offset_hours=site.utc_offset_hours,
-        elevation=site.elevation,
-    )
+    sun = sun_at(site, times)
     watts, notes = _repaired(measurement, _IRRADIANCE, scale=1.0, unit="W/m²")
     lux, more = _repaired(measurement, _ILLUMINANCE, scale=_LUX_PER_WATT, unit="lux")
     notes += more
@@ -113,7 +102,7 @@ def weather_of(
             )
         )
     notes += parts.notes
-    report(notes, file=measurement.file)
+    warn_of_corrections(notes, file=measurement.file)
     return Weather(
         **asdict(site),
         times=times,
@@ -133,7 +122,7 @@ def _assumptions(
     decomposition: Decomposition,
 ) -> tuple[str, ...]:
     if set(watts) == {"global_horizontal"}:
-        return (f"global irradiance split into sun and sky by {decomposition}",)
+        return (f"global irradiance decomposed by the {decomposition} model",)
     if not watts and illuminance is not None:
         return ("irradiance from illuminance by Perez's luminous efficacy",)
     return ()
@@ -142,7 +131,7 @@ def _assumptions(
 def _repaired(
     measurement: Measurement, kind: Mapping[Quantity, _Role], *, scale: float, unit: str
 ) -> tuple[dict[_Role, Float[np.ndarray, " time"]], tuple[str, ...]]:
-    # What there is of one kind, in watts or hundreds of lux, as the closure calls it
+    # Series of one kind by component, in W/m² or hundreds of lux
     notes: tuple[str, ...] = ()
     series = {}
     for quantity, role in kind.items():
@@ -170,8 +159,8 @@ def _illuminance(
 ) -> tuple[Illuminance, tuple[str, ...]]:
     if len(series) < 2:
         raise InputError(
-            "one kind of illuminance; two of global, diffuse and direct expected,"
-            " since models that split it want irradiance",
+            "one component of illuminance; two of global, diffuse and direct expected,"
+            " since decomposition models apply to irradiance",
             file=file,
         )
     parts = _split(series, times, sun)

@@ -1,7 +1,7 @@
-"""Patches of a dome nearest to directions, found among few of each ring.
+"""Nearest sky patches of directions.
 
-A search tree would do for any points, but takes longer to load than a year of suns to
-be looked up here: in rings the neighbours are known.
+The candidates are a few patches of the rings around a direction. SciPy's search tree
+takes longer to import than the search of a year of solar positions takes here.
 """
 
 from typing import NamedTuple
@@ -11,14 +11,14 @@ from jaxtyping import Float, Int
 
 from clerestory.hemisphere.partition import RingPartition
 
-# Rings around that of a direction, and patches in each, among which the nearest are:
-# patches are up to half again as wide as high
+# Candidates: rings around that of a direction, and patches of each. Patches are at most
+# 1.5 times as wide as high
 _RINGS = 5
 _MOST = 4
 
 
 class Nearest(NamedTuple):
-    """The nearest patches, the nearest first.
+    """Nearest patches, in order of distance.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ def nearest_patches(
 
     Parameters
     ----------
-    dome : a sky of Tregenza's or Reinhart's, counted by the compass
+    dome : Tregenza's or Reinhart's partition, azimuths clockwise from north
     directions : unit vectors
     count : how many patches each, 1 to 4
 
@@ -58,14 +58,14 @@ def nearest_patches(
     lowest = np.clip(own - rings // 2, 0, len(height) - rings)
     ring = lowest[:, None] + np.arange(rings)
 
-    # In each of them, take the patches around the azimuth; the first is in the north
+    # Of each ring, take the patches around the azimuth; the first is in the north
     each = dome.count[ring]
     azimuth = np.arctan2(directions[:, 0], directions[:, 1])[:, None]
     offset = np.arange(_MOST)
     place = np.floor(azimuth * each / (2 * np.pi)).astype(int)[..., None] - 1 + offset
     patch = dome.first[ring][..., None] + place % each[..., None]
 
-    # Choose the nearest; a ring of fewer patches counts each once
+    # Choose the nearest; exclude the repeated patches of rings with fewer patches
     apart = centres[patch] - directions[:, None, None]
     distance = np.sqrt(np.einsum("drpx,drpx->drp", apart, apart))
     distance[offset >= each[..., None]] = np.inf

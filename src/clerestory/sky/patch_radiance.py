@@ -1,7 +1,7 @@
-"""The sky matrix S: radiance of every sky patch at every time step.
+"""Sky matrix S: radiance of every sky patch at every time step.
 
-Stored as its factors: a grey sky times a colour per patch, plus a sparse sun. Memory
-and, with `SkyResponse`, the time of a product are those of one band.
+It is stored in factors, an achromatic sky times a colour per patch plus a sparse sun.
+Memory and, with `SkyResponse`, the time of a product are those of one band.
 """
 
 from collections.abc import Iterator, Mapping
@@ -22,7 +22,7 @@ from clerestory.matrix.transfer_matrix import (
     illuminance_dataset,
     require_fit,
 )
-from clerestory.sky.product import fold, lit_steps, product_blocks, row_blocks
+from clerestory.sky.sky_product import fold, lit_steps, product_blocks, row_blocks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,11 +46,11 @@ class SkyMatrix:
     ----------
     partition : the patches, with the ground as patch 0
     times : centres of the steps, local standard time
-    diffuse : grey radiance of ground and sky [W/(m²·sr)]
+    diffuse : achromatic radiance of ground and sky [W/(m²·sr)]
     colour : factor of each band, per patch; the ground's reflectance for patch 0
-    sun : radiance that the sun adds to the patches [W/(m²·sr)], (patch, time)
+    sun : radiance of the direct sun in the patches [W/(m²·sr)], (patch, time)
     sun_colour : factor of each band
-    attributes : how it was made
+    attributes : provenance
     bands : spectral bands
 
     Raises
@@ -67,7 +67,7 @@ class SkyMatrix:
     attributes: Mapping[str, str | float]
     bands: Bands = RGB
 
-    # Leave `array @ sky` to this class, which refuses it
+    # Have `array @ sky` raise a TypeError
     __array_ufunc__ = None
 
     def __post_init__(self) -> None:
@@ -124,9 +124,9 @@ class SkyMatrix:
         )
 
     def mean(self) -> "SkyMatrix":
-        """Return the mean over all steps, nights too, as a matrix of one step.
+        """Return the mean over all steps, nights included, as a matrix of one step.
 
-        It is stamped with the first of the times.
+        Its time is the first of the times.
         """
         share = 1 / len(self.times)
         weight = np.full((len(self.times), 1), share)
@@ -158,10 +158,7 @@ class SkyMatrix:
         return TransferMatrix(values[None], self.rows, self.columns, bands=GREY)
 
     def row_blocks(self) -> Iterator[Float32[np.ndarray, "patch time band"]]:
-        """Yield the radiance of successive blocks of patches, bands side by side.
-
-        The order is that of matrix files; the matrix is never held in all bands.
-        """
+        """Yield the radiance of blocks of patches in the order of matrix files."""
         sun = csr_array(self.sun)
         tint = self.sun_colour.astype(np.float32)
         for start in range(0, len(self.partition), _BLOCK):
@@ -176,12 +173,7 @@ class SkyMatrix:
             yield radiance
 
     def __rmatmul__(self, transfer: object) -> "SkyResponse":
-        """Return the product with what sends from the sky, not yet multiplied out.
-
-        Raises
-        ------
-        MatrixError : the columns of the left matrix are not these sky patches
-        """
+        """Return the product, not yet computed, of a matrix from the sky patches."""
         if not isinstance(transfer, TransferMatrix):
             return NotImplemented
         return SkyResponse(transfer, self)
@@ -189,7 +181,7 @@ class SkyMatrix:
 
 @dataclass(frozen=True, eq=False)
 class SkyResponse:
-    """What sensors receive from the sky: a product that is multiplied out when asked.
+    """Product of daylight coefficients and a sky matrix, computed on request.
 
     Attributes
     ----------
@@ -215,8 +207,7 @@ class SkyResponse:
     def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of sensors per time step, with its standard error.
 
-        The bands are folded into luminance before the product; hours without light
-        are skipped.
+        The bands are reduced to luminance before the product; dark steps are skipped.
         """
         weights = common_bands(self._parts()).weights
         lux = self._weighted(self.transfer.values[None], weights)[0]

@@ -1,10 +1,10 @@
-"""Perez's all-weather distribution of luminance over the sky.
+"""Perez all-weather sky luminance distribution.
 
     L ∝ (1 + a exp(b / cos ζ)) (1 + c exp(d γ) + e cos² γ)
 
-with ζ the angle to the zenith and γ that to the sun. Only ratios matter: the
-sky is scaled to the irradiance of the weather afterwards, so each factor is
-divided by its largest term first and cannot overflow, whatever the weather.
+with the angles ζ to the zenith and γ to the sun. The sky is scaled to the diffuse
+irradiance afterwards, so each factor may be divided by its largest term, which avoids
+overflow.
 
 Reference: R. Perez, R. Seals, J. Michalsky, All-weather model for sky luminance
 distribution – preliminary configuration and validation, Solar Energy 50 (3),
@@ -48,18 +48,18 @@ _COEFFICIENTS = np.array([
 ]).reshape(8, 5, 4)
 # fmt: on
 
-# Exponents beyond this are as good as infinite, in any weather
+# Largest exponent, to avoid overflow
 _LARGEST_EXPONENT = 600.0
 
 
 @dataclass(frozen=True, eq=False)
 class PerezSky:
-    """The relative distribution of luminance at some time steps.
+    """Relative luminance distribution at some time steps.
 
     Attributes
     ----------
     a, b, c, d, e : parameters of the distribution
-    sun : unit vectors to the sun, kept between 3° from the zenith and the horizon
+    sun : unit vectors to the sun, its zenith angle limited to 3°…90°
     """
 
     a: Float[np.ndarray, " time"]
@@ -72,7 +72,7 @@ class PerezSky:
     def gradation(
         self, cos_zenith: Float[np.ndarray, " patch"]
     ) -> Float[np.ndarray, "time patch"]:
-        """Factor that depends on the angle to the zenith, up to a scale per step."""
+        """Relative gradation: the factor of the zenith angle."""
         exponent = self.b[:, None] / cos_zenith
         largest = np.maximum(exponent.max(axis=1, keepdims=True), 0)
         factor = np.exp(-largest) + self.a[:, None] * np.exp(exponent - largest)
@@ -81,9 +81,9 @@ class PerezSky:
     def indicatrix(
         self, cos_sun: Float32[np.ndarray, "time patch"]
     ) -> Float32[np.ndarray, "time patch"]:
-        """Factor that depends on the angle to the sun, up to a scale per step.
+        """Relative indicatrix: the factor of the angle to the sun.
 
-        Works in the array given, which is overwritten.
+        The argument is overwritten and returned.
         """
         # Divide by the larger of 1, |c| and the growth of the exponential
         growth = np.maximum(self.d * np.pi, 0)
@@ -116,14 +116,14 @@ class PerezSky:
 
 
 def perez_sky(state: SkyState, *, azimuth: Float[np.ndarray, " time"]) -> PerezSky:
-    """Return the distribution for a state of the sky (Perez et al. 1993, eqs. 6 to 8).
+    """Return the distribution of a sky (Perez et al. 1993, eqs. 6 to 8).
 
     Parameters
     ----------
     state : clearness, brightness and zenith angle of the sun
     azimuth : of the sun, clockwise from north [rad]
     """
-    # Keep the brightness where the model was fitted, as gendaymtx does
+    # Limit the brightness to the range of the fit, as gendaymtx does
     low = (state.clearness > 1.065) & (state.clearness < 2.8)
     brightness = np.where(low, np.maximum(state.brightness, 0.2), state.brightness)
 

@@ -1,8 +1,8 @@
-"""Perez's sky on the patches of a dome, for many time steps at once.
+"""Radiance of sky patches under the Perez all-weather sky.
 
-The exponential and the arc cosine of every patch and lit step are the cost of a
-sky matrix; they are taken in float32, in blocks that fit in the processor's
-cache, on all cores (NumPy lets go of the interpreter).
+Most of the time of a sky matrix is spent in the exponential and the arc cosine of every
+patch and step; they are computed in float32, in blocks that fit in the cache, by a
+thread on every core.
 """
 
 import os
@@ -36,15 +36,15 @@ def dome_radiance(
 
     Parameters
     ----------
-    sky : relative distribution, for all steps
-    diffuse : what the sky sends to a level plane [W/m²], for all steps
+    sky : relative luminance distribution at all steps
+    diffuse : diffuse horizontal irradiance at all steps [W/m²]
     dome : the patches
     quadrature : the sky is scaled to `diffuse` by the "exact" projected solid
         angles of the patches, or by their "centres" as in Radiance
 
     Raises
     ------
-    InputError : another quadrature
+    InputError : an unknown quadrature
     """
     centres = dome.centres()
     if quadrature not in ("exact", "centres"):
@@ -67,7 +67,7 @@ def dome_radiance(
         block *= np.repeat(gradation, dome.count, axis=1)
         np.maximum(block, 0, out=block)
 
-        # Scale to the irradiance; a sky that the model leaves dark is uniform
+        # Scale to the irradiance; where the model gives zero, the sky is uniform
         total = block @ weight
         dark = ~(total > 1e-30)
         block[dark] = 1

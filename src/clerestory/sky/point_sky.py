@@ -1,19 +1,21 @@
-"""The sky at one moment, as a function of direction and as a vector of patches.
+"""Sky at one moment, as a function of direction and as a vector of patches.
 
-Pictures are rendered under the function; the vector (Radiance's genskyvec) is a
-sky matrix of one column and goes wherever a year of them goes.
+Pictures are rendered with the function; the vector (Radiance's genskyvec) is a sky
+matrix of one time step.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 from scipy.sparse import csc_array
 
 from clerestory.bands import RGB, Bands
-from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
+from clerestory.constants import GROUND_REFLECTANCE, LUMINOUS_EFFICACY, SKY_COLOUR
 from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import reinhart
+from clerestory.sky.illuminance_conversion import irradiance_of
 from clerestory.sky.luminance_distribution import (
     Distribution,
     FiveParameters,
@@ -21,13 +23,17 @@ from clerestory.sky.luminance_distribution import (
 )
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.perez import perez_sky
-from clerestory.sky.sky_conditions import SkyConditions, Spectrum, sky_conditions
-from clerestory.sky.solar_position import SunFormula
+from clerestory.sky.sky_conditions import SkyConditions, SkyOptions, sky_conditions
+from clerestory.sky.sky_state import sky_state
+from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
-from clerestory.sky.weather import Weather
+from clerestory.sky.weather import Illuminance, Weather
 
 # Points per patch edge of a sky vector
 _SAMPLES = 4
+
+# A day with the sun at its mean distance
+_MEAN_DAY = np.datetime64("2023-04-04", "s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +43,9 @@ class PointSky:
     Attributes
     ----------
     distribution : relative luminance of the sky
-    scale : what it is multiplied by [W/(m²·sr)]
+    scale : radiance for a relative luminance of 1 [W/(m²·sr)]
     sun : unit vector to the sun
-    direct_normal : irradiance from the sun [W/m²], zero for none
+    direct_normal : irradiance from the sun [W/m²]
     ground : radiance of the ground [W/(m²·sr)]
     colour : factor of each band of the sky
     time : local standard time, NaT for none
@@ -71,12 +77,12 @@ class PointSky:
     def radiance(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Grey radiance [W/(m²·sr)] of sky and ground without the sun's disc."""
+        """Achromatic radiance of sky and ground without the sun [W/(m²·sr)]."""
         sky = self.scale * self.distribution.relative(direction, sun=self.sun)
         return np.where(direction[..., 2] > 0, sky, self.ground)
 
     def diffuse_horizontal(self) -> float:
-        """Irradiance [W/m²] that the sky sends to a level plane."""
+        """Diffuse horizontal irradiance [W/m²]."""
         return self.scale * horizontal_integral(self.distribution, sun=self.sun)
 
 
@@ -85,12 +91,9 @@ def perez_point(
     *,
     ground_reflectance: float = GROUND_REFLECTANCE,
     sky_colour: tuple[float, float, float] = SKY_COLOUR,
-    rotation_deg: float = 0.0,
-    sun_formula: SunFormula = "spa",
-    dew_point_c: float | None = None,
-    spectrum: Spectrum = "visible",
+    **options: Unpack[SkyOptions],
 ) -> PointSky:
-    """Return Perez's sky for weather of a single step.
+    """Return the Perez sky of weather of a single step.
 
     The arguments are those of `sky_matrix`; `weather.select(slice(i, i + 1))` is
     one step of a year.
@@ -101,39 +104,92 @@ def perez_point(
     """
     if len(weather) != 1:
         raise InputError(f"weather of {len(weather)} steps; a single one expected")
-    conditions = sky_conditions(
-        weather,
-        rotation_deg=rotation_deg,
-        sun_formula=sun_formula,
-        dew_point_c=dew_point_c,
-        spectrum=spectrum,
-    )
-    return perez_under(
-        conditions,
+    return _perez(
+        sky_conditions(weather, **options),
         ground_reflectance=ground_reflectance,
         sky_colour=sky_colour,
         time=weather.times[0],
     )
 
 
-def perez_under(
-    conditions: SkyConditions,
+def perez_moment(
     *,
+    sun_altitude: float,
+    sun_azimuth: float,
+    diffuse_horizontal: float,
+    direct_normal: float,
+    with_sun: bool = True,
     ground_reflectance: float = GROUND_REFLECTANCE,
     sky_colour: tuple[float, float, float] = SKY_COLOUR,
+    time: np.datetime64 = _MEAN_DAY,
+) -> PointSky:
+    """Return the Perez sky for a solar position and visible irradiances.
+
+    Parameters
+    ----------
+    sun_altitude, sun_azimuth : of the sun, azimuth clockwise from north [rad]
+    diffuse_horizontal, direct_normal : visible irradiance [W/m²], lux over 179
+    with_sun : whether the sun is part of the sky; the ground reflects its light in
+        either case
+    ground_reflectance, sky_colour : as for `perez_point`
+    time : its day determines the distance to the sun
+
+    Raises
+    ------
+    InputError : irradiance that is negative or not finite, an altitude beyond ±90°
+
+    Examples
+    --------
+    >>> sky = perez_moment(
+    ...     sun_altitude=0.7, sun_azimuth=3.1, diffuse_horizontal=90, direct_normal=400
+    ... )
+    >>> round(sky.diffuse_horizontal(), 6)
+    90.0
+    """
+    if not (0 <= diffuse_horizontal < np.inf and 0 <= direct_normal < np.inf):
+        raise InputError(
+            f"irradiance {diffuse_horizontal} of the sky, {direct_normal} of the sun;"
+            " numbers from 0 expected"
+        )
+    if not abs(sun_altitude) <= np.pi / 2:
+        raise InputError(f"sun at {np.degrees(sun_altitude):g}°; -90 to 90 expected")
+    sun = SunPosition(np.array([sun_altitude]), np.array([sun_azimuth]))
+    visible = np.array([direct_normal * (sun_altitude > 0)], dtype=float)
+    sky = np.array([diffuse_horizontal], dtype=float)
+    times = np.array([time], dtype="datetime64[s]")
+
+    # The sky parameters follow from the irradiance of the whole solar spectrum
+    lux = Illuminance(LUMINOUS_EFFICACY * visible, LUMINOUS_EFFICACY * sky)
+    irradiance = irradiance_of(lux, times=times, sun=sun)
+    state = sky_state(
+        *irradiance, altitude=sun.altitude, day_of_year=day_of_year(times)
+    )
+    found = _perez(
+        SkyConditions(sun, state, visible, sky),
+        ground_reflectance=ground_reflectance,
+        sky_colour=sky_colour,
+    )
+    return found if with_sun else replace(found, direct_normal=0.0)
+
+
+def _perez(
+    conditions: SkyConditions,
+    *,
+    ground_reflectance: float,
+    sky_colour: tuple[float, float, float],
     time: np.datetime64 = np.datetime64("NaT", "s"),  # noqa: B008
 ) -> PointSky:
-    """Return Perez's sky under the conditions of a single step."""
     sky = perez_sky(conditions.state, azimuth=conditions.sun.azimuth)
     shape = FiveParameters(*(float(p[0]) for p in (sky.a, sky.b, sky.c, sky.d, sky.e)))
     diffuse = float(conditions.diffuse_horizontal[0])
     level = diffuse + float(conditions.direct_horizontal()[0])
 
-    # The model keeps the glow of a high sun off the zenith, so it has its own sun
-    distribution = _Fixed(shape, sky.sun[0])
+    # The circumsolar region of the model is limited to 3° from the zenith
+    distribution = _Circumsolar(shape, sky.sun[0])
     total = horizontal_integral(distribution, sun=sky.sun[0])
     if not total > 0:
-        distribution, total = _Fixed(FiveParameters(0, 0, 0, 0, 0), sky.sun[0]), np.pi
+        uniform = FiveParameters(0, 0, 0, 0, 0)
+        distribution, total = _Circumsolar(uniform, sky.sun[0]), np.pi
     return PointSky(
         distribution,
         diffuse / total,
@@ -146,15 +202,15 @@ def perez_under(
 
 
 @dataclass(frozen=True, eq=False)
-class _Fixed:
-    # A distribution around a glow that is not quite at the sun's place
+class _Circumsolar:
+    # A distribution whose circumsolar region is not centred at the sun
     shape: FiveParameters
-    glow: Float[np.ndarray, "3"]
+    centre: Float[np.ndarray, "3"]
 
     def relative(
         self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, "*batch"]:
-        return self.shape.relative(direction, sun=self.glow)
+        return self.shape.relative(direction, sun=self.centre)
 
 
 def sky_vector(
@@ -166,15 +222,15 @@ def sky_vector(
 ) -> SkyMatrix:
     """Return the mean radiance of every patch, as a sky matrix of one column.
 
-    The mean is over 16 points of the patch, weighted by its projected solid
-    angle, so that the level plane receives what the function of direction sends.
+    The mean is over 16 points of the patch, weighted by its projected solid angle,
+    which preserves the horizontal irradiance.
 
     Parameters
     ----------
     sky : the sky at one moment
     subdivision : Reinhart's MF, 1 to 6
-    sun : how the direct sun is put into patches, see `direct.sun_radiance`
-    sun_diameter_deg : apparent diameter of the sun if it is put as a "disc"
+    sun : distribution of the direct sun over patches, see `sun_radiance`
+    sun_diameter_deg : apparent diameter of the sun's "disc"
     """
     partition = reinhart(subdivision)
     dome = partition.dome
@@ -184,7 +240,6 @@ def sky_vector(
     points = dome.sample(patch, np.tile(u, (len(dome), 1)))
     mean = sky.radiance(points).reshape(len(dome), -1).mean(axis=1)
 
-    # The ground's radiance holds its reflectance already
     diffuse = np.append(sky.ground, mean).astype(np.float32)[:, None]
     tint = np.repeat(np.array(sky.colour)[:, None], len(dome), axis=1)
     direct = sun_radiance(

@@ -1,9 +1,9 @@
-"""What is doubtful in weather that can be used: gaps in time, wrong clocks.
+"""Quality checks of weather data: gaps in time, irradiance at night, wrong clocks.
 
-The clock is judged by the light: over many days, sun and sky are as bright in the
-morning as in the afternoon. The time by which the file has to be shifted for its
-light to follow the height of the sun best is known to a quarter of an hour in a
-year of any climate but a few; mornings with fog or afternoons with storms move it.
+The clock is checked by the symmetry of irradiance about solar noon: the time shift that
+maximises its correlation with the sine of the solar altitude has an uncertainty of a
+quarter of an hour over a year, except in climates with frequent morning fog or
+afternoon storms.
 """
 
 import warnings
@@ -14,21 +14,21 @@ from jaxtyping import Float
 
 from clerestory.errors import ClerestoryWarning
 from clerestory.sky.sky_conditions import sun_over
-from clerestory.sky.solar_position import sun_position
+from clerestory.sky.solar_position import sun_at
 from clerestory.sky.weather import Weather
 
-# Shifts that are tried [h]
+# Time shifts that are tried [h]
 _SHIFTS = np.arange(-12, 13) / 4
 
-# What the climates of the world hardly reach [h]; a clock that keeps daylight saving
-# time makes the light of summer an hour late
+# Shifts beyond those of the world's climates [h]; times in daylight saving time make
+# the irradiance of summer an hour late
 _LARGEST_SHIFT = 0.5
 _SUMMER_LATE, _SUMMER_EARLY = -0.45, 0.65
 
-# Days with light that an estimate needs
+# Days with irradiance that an estimate needs
 _FEWEST_DAYS = 20
 
-# Sun this far below the horizon sends no light [rad]; light that counts [W/m²]
+# Altitude of the sun without any light [rad], and irradiance that counts [W/m²]
 _BELOW = np.radians(-6.0)
 _LIGHT = 20.0
 
@@ -37,7 +37,7 @@ _NORTHERN_SUMMER, _NORTHERN_WINTER = (5, 6, 7, 8), (11, 12, 1, 2)
 
 @dataclass(frozen=True)
 class ClockShift:
-    """How far the light is off the sun of the file's times.
+    """Time shift between irradiance and solar position.
 
     Attributes
     ----------
@@ -50,9 +50,9 @@ class ClockShift:
 
 
 def clock_shift(weather: Weather) -> ClockShift | None:
-    """Return by how many hours the times would have to be later to suit the light.
+    """Return the hours to add to the times so that irradiance follows the sun.
 
-    None where fewer than twenty days have light.
+    None where fewer than twenty days have irradiance.
     """
     light = weather.direct_normal + weather.diffuse_horizontal
     days = np.unique(weather.times[light > _LIGHT].astype("datetime64[D]"))
@@ -72,24 +72,18 @@ def clock_shift(weather: Weather) -> ClockShift | None:
     return ClockShift(_best_shift(light, heights), difference)
 
 
-def weather_doubts(weather: Weather) -> tuple[str, ...]:
-    """Return what is doubtful, a sentence each, with the size of the doubt."""
+def quality_problems(weather: Weather) -> tuple[str, ...]:
+    """Return the problems found, a clause each, with their size."""
     return (*_missing_steps(weather), *_light_at_night(weather), *_clock(weather))
 
 
 def warn_of_clock(weather: Weather) -> None:
-    """Warn where the light comes too early or too late for the times of a file.
-
-    Warns
-    -----
-    ClerestoryWarning : with the shift
-    """
-    for doubt in _clock(weather):
-        warnings.warn(f"{weather.source}: {doubt}", ClerestoryWarning, stacklevel=2)
+    """Warn where irradiance is too early or too late for the times of a file."""
+    for problem in _clock(weather):
+        warnings.warn(f"{weather.source}: {problem}", ClerestoryWarning, stacklevel=2)
 
 
 def _missing_steps(weather: Weather) -> tuple[str, ...]:
-    # A year of forty chosen hours has gaps too, but they outnumber the steps
     step = weather.step_minutes * 60
     gaps = np.diff(weather.times).astype(float) / step - 1
     missing = int(np.round(gaps[gaps > 0.5]).sum())
@@ -98,7 +92,7 @@ def _missing_steps(weather: Weather) -> tuple[str, ...]:
     first = weather.times[int(np.argmax(gaps > 0.5))]
     return (
         f"{missing} time steps are missing in {np.count_nonzero(gaps > 0.5)} gaps"
-        f" (first: after {first}); nothing stands for them",
+        f" (first: after {first}) and are not replaced",
     )
 
 
@@ -109,7 +103,7 @@ def _light_at_night(weather: Weather) -> tuple[str, ...]:
         return ()
     return (
         f"{np.count_nonzero(odd)} steps have more than {_LIGHT:g} W/m² with the sun"
-        f" 6° and more below the horizon (first: {weather.times[np.argmax(odd)]}):"
+        f" more than 6° below the horizon (first: {weather.times[np.argmax(odd)]}):"
         " are time zone and longitude right?",
     )
 
@@ -118,42 +112,37 @@ def _clock(weather: Weather) -> tuple[str, ...]:
     shift = clock_shift(weather)
     if shift is None:
         return ()
-    doubts: tuple[str, ...] = ()
     if not _SUMMER_LATE <= shift.summer_less_winter <= _SUMMER_EARLY:
-        doubts += (
-            "the light of summer is"
-            f" {abs(shift.summer_less_winter):.1f} h"
-            f" {'early' if shift.summer_less_winter > 0 else 'late'} against that of"
-            " winter: do the times keep daylight saving time?",
+        return (
+            f"irradiance in summer is {_hours(shift.summer_less_winter)} against that"
+            " in winter: are the times in daylight saving time?",
         )
-    elif abs(shift.whole) > _LARGEST_SHIFT:
-        doubts += (
-            f"the light is {abs(shift.whole):.1f} h"
-            f" {'early' if shift.whole > 0 else 'late'} against the sun: are time zone,"
+    if abs(shift.whole) > _LARGEST_SHIFT:
+        return (
+            f"irradiance is {_hours(shift.whole)} against the sun: are time zone,"
             " longitude and the moment that times stand for right?",
         )
-    return doubts
+    return ()
+
+
+def _hours(shift: float) -> str:
+    return f"{abs(shift):.1f} h {'early' if shift > 0 else 'late'}"
 
 
 def _height(weather: Weather, hours: float) -> Float[np.ndarray, " time"]:
     # Sine of the sun's altitude some hours later
-    sun = sun_position(
-        weather.times + np.timedelta64(round(hours * 3600), "s"),
-        latitude_deg=weather.latitude_deg,
-        longitude_deg=weather.longitude_deg,
-        utc_offset_hours=weather.utc_offset_hours,
-        formula="radiance",
-    )
+    later = weather.times + np.timedelta64(round(hours * 3600), "s")
+    sun = sun_at(weather.site, later, formula="radiance")
     return np.asarray(np.maximum(np.sin(sun.altitude), 0))
 
 
 def _best_shift(
     light: Float[np.ndarray, " time"], heights: Float[np.ndarray, "shift time"]
 ) -> float:
-    # Top of the parabola through the largest correlation and its neighbours
-    likeness = np.array([np.corrcoef(height, light)[0, 1] for height in heights])
-    best = int(np.clip(np.argmax(likeness), 1, len(_SHIFTS) - 2))
-    left, top, right = likeness[best - 1 : best + 2]
+    # Vertex of the parabola through the largest correlation and its neighbours
+    correlation = np.array([np.corrcoef(height, light)[0, 1] for height in heights])
+    best = int(np.clip(np.argmax(correlation), 1, len(_SHIFTS) - 2))
+    left, top, right = correlation[best - 1 : best + 2]
     bend = left - 2 * top + right
     offset = 0.5 * (left - right) / bend if bend < 0 else 0.0
     return float(_SHIFTS[best] + 0.25 * offset)

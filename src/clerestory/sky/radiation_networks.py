@@ -1,7 +1,7 @@
-"""Files of measuring networks: SURFRAD and SRML.
+"""Files of radiation networks: SURFRAD (NOAA) and SRML (University of Oregon).
 
-SURFRAD's daily files say where they come from; SRML's, read by pvlib, do not. Both
-come in steps of minutes, and the rules of `measured_weather` make weather of them.
+SURFRAD's daily files state their station; SRML's, read by pvlib, do not. Both have
+steps of minutes; `measured_weather` applies quality control and decomposition.
 """
 
 import importlib
@@ -16,12 +16,16 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
-from clerestory.sky.table_cells import column, number
-from clerestory.sky.time_steps import StandsFor, centres, require_growth, typical_step
+from clerestory.sky.table_cells import DataRows, number
+from clerestory.sky.time_steps import (
+    StandsFor,
+    centres,
+    require_increasing,
+    typical_step,
+)
 from clerestory.sky.weather import Site, Weather
 
 # Cells of a SURFRAD row, counted from 0; a flag follows each value
-_PARTS: tuple[Quantity, ...] = ("direct_normal", "diffuse_horizontal")
 _SURFRAD = {
     "year": 0,
     "day": 1,
@@ -30,11 +34,12 @@ _SURFRAD = {
     "direct_normal": 12,
     "diffuse_horizontal": 14,
 }
+_SURFRAD_SERIES: tuple[Quantity, ...] = ("direct_normal", "diffuse_horizontal")
 
-# SURFRAD writes -9999.9 for what is missing
+# SURFRAD writes -9999.9 for missing values
 _MISSING = -9000.0
 
-# What pvlib calls SRML's quantities, each followed by the number of the instrument
+# pvlib's names of SRML's quantities, each followed by the number of the instrument
 _SRML: dict[Quantity, str] = {
     "global_horizontal": "ghi",
     "diffuse_horizontal": "dhi",
@@ -46,8 +51,8 @@ _SRML_HEADER = 1
 def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> Weather:
     """Return the weather of a SURFRAD file (.dat), one day in steps of a minute.
 
-    Its times are UTC and stand for the end of their minute. Sun and sky come from
-    the tracking and the shaded instrument.
+    Times are UTC and stand for the end of their minute. Direct and diffuse irradiance
+    are those of the tracking and of the shaded instrument.
 
     Parameters
     ----------
@@ -61,26 +66,22 @@ def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> 
     Reference: NOAA Global Monitoring Laboratory, SURFRAD README.
     """
     lines = read_text(path).splitlines()
-    if not looks_like_surfrad(lines):
+    if not is_surfrad(lines):
         raise InputError(
             "no station in the first lines, or no data; a file of SURFRAD expected",
             file=path,
             line=1,
         )
     site = _surfrad_site(lines, utc_offset_hours, path)
-    numbers = [i for i, text in enumerate(lines) if i > 1 and text.strip()]
-    rows = [lines[i].split() for i in numbers]
-    at = np.array(numbers) + 1
-    cells = {
-        name: column(rows, index, name=name, file=path, lines=at)
-        for name, index in _SURFRAD.items()
+    rows = DataRows.below(2, (text.split() for text in lines), file=path)
+    cells = {name: rows.column(index, name) for name, index in _SURFRAD.items()}
+    series = {
+        q: np.where(cells[q] < _MISSING, np.nan, cells[q]) for q in _SURFRAD_SERIES
     }
-    utc = _utc(cells, path, at)
-    series = {q: np.where(cells[q] < _MISSING, np.nan, cells[q]) for q in _PARTS}
-    return _weather(utc, site, series, path, at, stands_for="end")
+    return _weather(_surfrad_times(cells, rows), site, series, rows, stands_for="end")
 
 
-def looks_like_surfrad(head: list[str]) -> bool:
+def is_surfrad(head: list[str]) -> bool:
     """Whether the second line has a SURFRAD station's place, the third its numbers."""
     return (
         len(head) > 2
@@ -103,19 +104,17 @@ def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> S
     return Site(latitude, longitude, offset, elevation, lines[0].strip())
 
 
-def _utc(
-    cells: dict[str, np.ndarray], path: str | Path, lines: np.ndarray
-) -> np.ndarray:
-    # Days are counted through the year
+def _surfrad_times(cells: dict[str, np.ndarray], rows: DataRows) -> np.ndarray:
+    # UTC; the day is that of the year
     late = (cells["hour"] > 24) | (cells["minute"] > 60) | (cells["day"] > 366)
-    odd = late | (np.minimum(cells["hour"], cells["minute"]) < 0) | (cells["day"] < 1)
-    odd |= (cells["year"] < 1900) | (cells["year"] > 2200)
-    if np.any(odd):
+    wrong = late | (np.minimum(cells["hour"], cells["minute"]) < 0) | (cells["day"] < 1)
+    wrong |= (cells["year"] < 1900) | (cells["year"] > 2200)
+    if np.any(wrong):
         raise InputError(
-            "a moment that is not in the calendar; year, day of year, hour and minute"
+            "a time that is not in the calendar; year, day of year, hour and minute"
             " expected",
-            file=path,
-            line=int(lines[np.argmax(odd)]),
+            file=rows.file,
+            line=int(rows.lines[np.argmax(wrong)]),
         )
     year = (cells["year"].astype(int) - 1970).astype("datetime64[Y]")
     day = year.astype("datetime64[D]") + (cells["day"].astype(int) - 1)
@@ -128,13 +127,13 @@ def read_srml(
 ) -> Weather:
     """Return the weather of a monthly file of SRML, University of Oregon (.txt).
 
-    Of several instruments for one quantity the first is taken; values that the
-    network flags as bad are missing.
+    Of several instruments for one quantity the first is used; values that the network
+    flags as bad are missing.
 
     Parameters
     ----------
     site : the station
-    decomposition : model that splits global irradiance where it stands alone
+    decomposition : model that decomposes global irradiance if nothing else is measured
 
     Raises
     ------
@@ -158,8 +157,7 @@ def read_srml(
         utc.astype("datetime64[s]"),
         site,
         series,
-        path,
-        np.arange(len(data)) + _SRML_HEADER + 1,
+        DataRows(path, [], np.arange(len(data)) + _SRML_HEADER + 1),
         names=names,
         stands_for="start",
         decomposition=decomposition,
@@ -167,13 +165,12 @@ def read_srml(
 
 
 def _read_srml(path: str | Path) -> Any:
-    # Our own reading first: it explains what is missing, and never goes online;
-    # pvlib takes a second to load, which only these files should wait for
+    # Open the file here first: pvlib would take a missing one for an address
     read_text(path)
     iotools = importlib.import_module("pvlib.iotools")
     try:
         with warnings.catch_warnings():
-            # pvlib 0.16 uses words that pandas 4 will drop
+            # pvlib 0.16 uses options that pandas 4 will drop
             warnings.simplefilter("ignore", DeprecationWarning)
             return iotools.read_srml(str(path))
     except (ValueError, LookupError, TypeError, AttributeError) as error:
@@ -187,8 +184,7 @@ def _weather(
     utc: np.ndarray,
     site: Site,
     series: dict[Quantity, Float[np.ndarray, " time"]],
-    path: str | Path,
-    lines: np.ndarray,
+    rows: DataRows,
     *,
     names: dict[Quantity, str] | None = None,
     stands_for: StandsFor,
@@ -196,8 +192,10 @@ def _weather(
 ) -> Weather:
     # Go from UTC to local standard time, and to the centres of the steps
     local = utc + np.timedelta64(round(site.utc_offset_hours * 3600), "s")
-    require_growth(local, file=path, lines=lines)
+    require_increasing(local, rows=rows)
     step = typical_step(local)
     times = centres(local, step, stands_for)
-    measurement = Measurement(site, times, step, series, path, lines, names or {})
+    measurement = Measurement(
+        site, times, step, series, rows.file, rows.lines, names or {}
+    )
     return weather_of(measurement, decomposition=decomposition)

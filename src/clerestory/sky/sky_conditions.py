@@ -1,11 +1,11 @@
-"""What the sky is like at each step of the weather: sun, Perez's state, visible light.
+"""Sky conditions: solar position, Perez parameters and visible irradiance per step.
 
-Skies as matrices and as functions of direction both start from here.
+Sky matrices and skies as functions of direction are computed from them.
 """
 
 import warnings
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypedDict
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -22,7 +22,7 @@ from clerestory.sky.solar_position import (
     SunFormula,
     SunPosition,
     day_of_year,
-    sun_position,
+    sun_at,
 )
 from clerestory.sky.weather import Weather
 
@@ -31,13 +31,13 @@ Spectrum = Literal["visible", "solar"]
 # Irradiance below which it is night [W/m²], as in gendaymtx
 _NIGHT = 1e-4
 
-# Direct irradiance that cannot be an error of the instrument [W/m²]
+# Direct irradiance above the uncertainty of instruments [W/m²]
 _BRIGHT = 20.0
 
-# Rounds that find sunrise to a few seconds
-_REFINEMENTS = 3
+# Newton iterations that find sunrise to a few seconds
+_ITERATIONS = 3
 
-# Dew points outside this range [°C] do not occur
+# Range of dew points on Earth [°C]
 _DEW_POINTS = (-60.0, 35.0)
 
 
@@ -47,7 +47,7 @@ class SkyConditions:
 
     Attributes
     ----------
-    sun : its position, in the frame of the scene
+    sun : solar position in the coordinates of the scene
     state : clearness and brightness of the sky
     direct_normal, diffuse_horizontal : irradiance [W/m²], zero at night
     """
@@ -59,12 +59,21 @@ class SkyConditions:
 
     @property
     def lit(self) -> Bool[np.ndarray, " time"]:
-        """Whether there is any light."""
+        """Whether any irradiance is above zero."""
         return np.asarray(self.direct_normal + self.diffuse_horizontal > 0)
 
     def direct_horizontal(self) -> Float[np.ndarray, " time"]:
-        """Irradiance from the sun on a level plane [W/m²]."""
+        """Direct horizontal irradiance [W/m²]."""
         return np.asarray(self.direct_normal * np.maximum(np.sin(self.sun.altitude), 0))
+
+
+class SkyOptions(TypedDict, total=False):
+    """Keyword arguments of `sky_conditions`, for functions that pass them on."""
+
+    rotation_deg: float
+    sun_formula: SunFormula
+    dew_point_c: float | None
+    spectrum: Spectrum
 
 
 def sky_conditions(
@@ -80,7 +89,7 @@ def sky_conditions(
     Parameters
     ----------
     weather : irradiance over time
-    rotation_deg : turns the sun counter-clockwise, for scenes whose y axis points
+    rotation_deg : rotates the sun counter-clockwise, for scenes whose y axis points
         that much east of north
     sun_formula : "spa", or "radiance" for comparisons with Radiance
     dew_point_c : for all steps; None takes the weather's, or 11 °C
@@ -98,7 +107,7 @@ def sky_conditions(
     sun = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
     _warn_of_light_at_night(weather, sun)
 
-    # Turn irradiance into the state of the sky and visible light
+    # Compute the Perez parameters and visible irradiance
     direct, diffuse = weather.direct_normal, weather.diffuse_horizontal
     state = sky_state(
         direct, diffuse, altitude=sun.altitude, day_of_year=day_of_year(weather.times)
@@ -120,34 +129,32 @@ def sky_conditions(
 def sun_over(
     weather: Weather, *, rotation_deg: float = 0.0, sun_formula: SunFormula = "spa"
 ) -> SunPosition:
-    """Return where the sun stands at each step of the weather.
+    """Return the solar position at each step of the weather.
 
-    It stands where it is at the centre of the step; in steps in which it rises or
-    sets, at the centre of the part in which it is up, as their direct light comes
-    from there. Radiance's formula always takes the centre, as gendaymtx does.
+    It is that of the centre of the step; in steps with sunrise or sunset, that of the
+    centre of the part with the sun above the horizon. Radiance's formula always takes
+    the centre of the step, as gendaymtx does.
 
     Parameters
     ----------
-    rotation_deg : turns the sun counter-clockwise, for scenes whose y axis points
-        that much east of north
-    sun_formula : "spa", or "radiance" for comparisons with Radiance
+    rotation_deg, sun_formula : as for `sky_conditions`
 
     Raises
     ------
-    InputError : a rotation that is not finite, or another formula
+    InputError : a rotation that is not finite, or an unknown formula
     """
     if not np.isfinite(rotation_deg):
         raise InputError(
             f"rotation {rotation_deg}; a finite number of degrees expected"
         )
-    sun = _sun_at(weather, weather.times, sun_formula)
+    sun = sun_at(weather.site, weather.times, formula=sun_formula)
     if sun_formula == "spa":
         sun = _at_sunrise_and_sunset(weather, sun)
     return SunPosition(sun.altitude, sun.azimuth - np.radians(rotation_deg))
 
 
 def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weather:
-    """Return the steps in which at least a part of the sun's disc is up.
+    """Return the steps in which a part of the sun's disc is above the horizon.
 
     Raises
     ------
@@ -156,32 +163,32 @@ def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weat
     up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
     if not up.any():
         raise InputError(
-            "the sun is never up; weather with days expected",
+            "the sun is below the horizon at all steps; weather with days expected",
             file=weather.source or None,
         )
     return weather.select(up)
 
 
 def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
-    # The sun moves by at most 15° an hour: only steps near the horizon matter
+    # The sun moves by at most 15° an hour: only steps near the horizon change
     half = np.timedelta64(round(weather.step_minutes * 30), "s")
     near = np.flatnonzero(np.abs(sun.altitude) < _reach(weather))
     if len(near) == 0:
         return sun
     centre = weather.times[near]
-    first = _sun_at(weather, centre - half, "spa").altitude
-    last = _sun_at(weather, centre + half, "spa").altitude
+    first = sun_at(weather.site, centre - half).altitude
+    last = sun_at(weather.site, centre + half).altitude
     cross = first * last < 0
     near, centre, first, last = near[cross], centre[cross], first[cross], last[cross]
 
-    # Find when it is zero, from -1 to 1 through the step; refraction bends the line
+    # Find the zero of the altitude, from -1 to 1 over the step, by Newton's method
     def moved_to(share: Float[np.ndarray, " step"]) -> SunPosition:
         seconds = np.round(share * half.astype(float)).astype("timedelta64[s]")
-        return _sun_at(weather, centre + seconds, "spa")
+        return sun_at(weather.site, centre + seconds)
 
     slope = (last - first) / 2
     horizon = (first + last) / (first - last)
-    for _ in range(_REFINEMENTS):
+    for _ in range(_ITERATIONS):
         horizon = np.clip(horizon - moved_to(horizon).altitude / slope, -1, 1)
     moved = moved_to(np.where(last > 0, (1 + horizon) / 2, (horizon - 1) / 2))
     altitude, azimuth = sun.altitude.copy(), sun.azimuth.copy()
@@ -189,24 +196,13 @@ def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
     return SunPosition(altitude, azimuth)
 
 
-def _sun_at(weather: Weather, times: np.ndarray, formula: SunFormula) -> SunPosition:
-    return sun_position(
-        times,
-        latitude_deg=weather.latitude_deg,
-        longitude_deg=weather.longitude_deg,
-        utc_offset_hours=weather.utc_offset_hours,
-        elevation=weather.elevation,
-        formula=formula,
-    )
-
-
 def _reach(weather: Weather) -> float:
-    # How far the sun climbs in half a step, and a degree more [rad]
+    # Change of altitude in half a step, plus one degree [rad]
     return float(np.radians(15 * weather.step_minutes / 60 / 2 + 1))
 
 
 def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:
-    # Half a step may bring the sun up
+    # The sun may rise within half a step
     reach = _reach(weather)
     odd = (weather.direct_normal > _BRIGHT) & (sun.altitude < -reach)
     if np.any(odd):

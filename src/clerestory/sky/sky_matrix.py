@@ -1,8 +1,8 @@
-"""From weather to the sky matrix, as Radiance's gendaymtx does it.
+"""Sky matrix of weather, as Radiance's gendaymtx computes it.
 
-The sky is Perez's all-weather sky, scaled so that it sends the diffuse
-horizontal irradiance of the weather; the ground below is as bright as its
-reflectance makes it under sky and sun.
+The sky is the Perez all-weather sky, scaled to the diffuse horizontal irradiance of the
+weather; the radiance of the ground follows from its reflectance and the global
+horizontal irradiance.
 """
 
 from collections.abc import Sequence
@@ -54,21 +54,16 @@ def sky_matrix(
     ----------
     weather : irradiance over time
     subdivision : Reinhart's MF, 1 to 6
-    include : "all"; "sky" without the direct sun (the ground is still lit by
-        it); "sun" alone, without sky and ground
-    sun : how the direct sun is put into patches, see `direct.sun_radiance`
-    sun_diameter_deg : apparent diameter of the sun if it is put as a "disc"
+    include : "all"; "sky" without the direct sun, which the ground still reflects;
+        "sun" without sky and ground
+    sun : distribution of the direct sun over patches, see `sun_radiance`
+    sun_diameter_deg : apparent diameter of the sun's "disc"
     ground_reflectance : one value, or one per band
     sky_colour : factor of each band; None takes gendaymtx's in RGB, white in others
-    rotation_deg : turns sky and sun counter-clockwise, for scenes whose y axis
-        points that much east of north
-    sun_formula : "spa", or "radiance" for comparisons with gendaymtx
+    rotation_deg, sun_formula, dew_point_c, spectrum : as for `sky_conditions`
     quadrature : the sky is scaled to the diffuse irradiance by the "exact"
         projected solid angles of its patches, or by their "centres" as in
-        gendaymtx, which sends 0.55 % less at MF 1 and 0.04 % at MF 4
-    dew_point_c : for all steps; None takes the weather's, or 11 °C
-    spectrum : "visible" radiance, luminance over 179 lm/W, or that of the whole
-        "solar" spectrum, as the weather has it
+        gendaymtx, whose irradiance is 0.55 % smaller at MF 1 and 0.04 % at MF 4
     bands : spectral bands of the sky
 
     Raises

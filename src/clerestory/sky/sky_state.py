@@ -1,13 +1,12 @@
-"""State of the sky by Perez: clearness, brightness, and light from irradiance.
+"""Perez sky parameters: clearness, brightness and luminous efficacy.
 
-Irradiance in the weather is that of the whole solar spectrum. Radiance [W/(m²·sr)]
-in Radiance's sense is visible light: luminance over 179 lm/W. The luminous
-efficacy of sun and sky leads from one to the other.
+Irradiance of weather data covers the whole solar spectrum. Radiance [W/(m²·sr)] in
+Radiance's sense is visible light, luminance over 179 lm/W. They are converted by the
+luminous efficacies of direct and diffuse irradiance.
 
 Reference: R. Perez, P. Ineichen, R. Seals, J. Michalsky, R. Stewart, Modeling
 daylight availability and irradiance components from direct and global
-irradiance, Solar Energy 44 (5), 1990. The limits put on its inputs are those
-of Radiance's gendaymtx.
+irradiance, Solar Energy 44 (5), 1990, within the limits of Radiance's gendaymtx.
 """
 
 from dataclasses import dataclass
@@ -19,10 +18,10 @@ from clerestory.constants import LUMINOUS_EFFICACY
 
 SOLAR_CONSTANT = 1367.0  # [W/m²], as in gendaymtx
 
-# Dew point where the weather does not tell it [°C], as in gendaymtx
+# Dew point where the weather data have none [°C], as in gendaymtx
 DEFAULT_DEW_POINT_C = 11.0
 
-# The sun is kept this far from zenith and off the far side of the horizon [rad]
+# Limits of the solar zenith angle [rad]
 _ZENITH_LIMITS = (np.radians(3.0), np.pi / 2)
 
 # Table 1: lower limits of clearness categories 2…8
@@ -59,11 +58,11 @@ _DIRECT = np.array(
 
 @dataclass(frozen=True, eq=False)
 class SkyState:
-    """What Perez's models need to know of the sky, per time step.
+    """Parameters of Perez's models per time step.
 
     Attributes
     ----------
-    zenith : of the sun, kept between 3° and 90° [rad]
+    zenith : solar zenith angle, limited to 3°…90° [rad]
     clearness, brightness : Perez's ε and Δ
     category : of clearness, from 0 (overcast) to 7 (clear)
     """
@@ -91,11 +90,11 @@ def sky_state(
     """
     zenith = np.clip(np.pi / 2 - altitude, *_ZENITH_LIMITS)
 
-    # Clearness; a sky without diffuse light is as clear as can be
-    bend = 1.041 * zenith**3
+    # Clearness; its maximum where there is no diffuse irradiance
+    correction = 1.041 * zenith**3
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = np.where(direct_normal > 0, direct_normal / diffuse_horizontal, 0.0)
-    clearness = np.minimum((1 + ratio + bend) / (1 + bend), _MAX_CLEARNESS)
+    clearness = np.minimum((1 + ratio + correction) / (1 + correction), _MAX_CLEARNESS)
 
     # Brightness
     extraterrestrial = SOLAR_CONSTANT * orbit_factor(day_of_year)

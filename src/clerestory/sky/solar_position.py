@@ -1,8 +1,7 @@
-"""Where the sun stands.
+"""Solar position: altitude and azimuth of the sun.
 
-NREL's Solar Position Algorithm (by pvlib) is the default. Radiance's own
-low-accuracy formulas are here too, only so that comparisons are exact: they
-differ by some tenths of a degree.
+NREL's Solar Position Algorithm (as implemented by pvlib) is the default. Radiance's own
+formulas serve comparisons with Radiance; they differ by some tenths of a degree.
 
 References: I. Reda, A. Andreas, NREL/TP-560-34302, 2008; Radiance, src/gen/sun.c,
 the formulas of gensky and gendaymtx.
@@ -17,13 +16,14 @@ from jaxtyping import Float, Int
 from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
 from clerestory.sky.spa import solar_position
+from clerestory.sky.weather import Site
 
 SunFormula = Literal["spa", "radiance"]
 
 
 @dataclass(frozen=True, eq=False)
 class SunPosition:
-    """Where the sun stands at some moments.
+    """Solar position at some moments.
 
     Attributes
     ----------
@@ -57,19 +57,19 @@ def sun_position(
     temperature_c: float = 12.0,
     formula: SunFormula = "spa",
 ) -> SunPosition:
-    """Return the position of the sun at moments of local standard time.
+    """Return the solar position at moments of local standard time.
 
     Parameters
     ----------
     times : local standard time
     latitude_deg, longitude_deg : north- and east-positive [°]
-    utc_offset_hours : how far local time is ahead of UTC [h]
-    elevation : of the place [m]; with `temperature_c`, for refraction only
+    utc_offset_hours : local standard time minus UTC [h]
+    elevation : above sea level [m]; with `temperature_c`, for refraction only
     formula : "spa", within 0.0003° from the year -2000 to 6000, or "radiance"
 
     Raises
     ------
-    InputError : another formula
+    InputError : an unknown formula
 
     Examples
     --------
@@ -98,6 +98,20 @@ def sun_position(
     return SunPosition(np.radians(altitude), np.radians(azimuth))
 
 
+def sun_at(
+    site: Site, times: np.ndarray, *, formula: SunFormula = "spa"
+) -> SunPosition:
+    """Return the solar position at a site, at moments of its local standard time."""
+    return sun_position(
+        times,
+        latitude_deg=site.latitude_deg,
+        longitude_deg=site.longitude_deg,
+        utc_offset_hours=site.utc_offset_hours,
+        elevation=site.elevation,
+        formula=formula,
+    )
+
+
 def _radiance(
     times: np.ndarray,
     latitude_deg: float,
@@ -112,12 +126,12 @@ def _radiance(
     solar = hour + longitude_deg / 15 - utc_offset_hours
     solar = solar + 0.170 * np.sin(4 * np.pi / 373 * (day - 80))
     solar = solar - 0.129 * np.sin(2 * np.pi / 355 * (day - 8))
-    turn = solar * np.pi / 12
+    hour_angle = solar * np.pi / 12
     declination = 0.4093 * np.sin(2 * np.pi / 365 * (day - 81))
 
-    # Turn the equatorial position into altitude and azimuth
+    # Transform declination and hour angle to altitude and azimuth
     sin_d, cos_d = np.sin(declination), np.cos(declination)
-    sine = np.sin(latitude) * sin_d - np.cos(latitude) * cos_d * np.cos(turn)
-    south = -np.cos(latitude) * sin_d - np.sin(latitude) * cos_d * np.cos(turn)
-    azimuth = np.pi - np.arctan2(cos_d * np.sin(turn), south)
+    sine = np.sin(latitude) * sin_d - np.cos(latitude) * cos_d * np.cos(hour_angle)
+    south = -np.cos(latitude) * sin_d - np.sin(latitude) * cos_d * np.cos(hour_angle)
+    azimuth = np.pi - np.arctan2(cos_d * np.sin(hour_angle), south)
     return SunPosition(np.arcsin(np.clip(sine, -1, 1)), azimuth)

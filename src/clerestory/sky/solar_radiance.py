@@ -1,8 +1,8 @@
-"""The direct sun as radiance of sky patches.
+"""Direct sun as radiance of sky patches.
 
-A patch is much wider than the sun. Radiance spreads the sun over the four
-patches nearest to it; methods that treat the direct sun apart want it in one,
-either spread over the patch or at the radiance of its disc.
+Radiance distributes the sun over the four nearest patches. Methods with a separate
+direct sun need it in one patch, at the mean radiance of the patch or at the radiance of
+the solar disc.
 """
 
 import math
@@ -22,11 +22,11 @@ SunPlacement = Literal["spread", "patch", "disc"]
 SUN_DIAMETER_DEG = math.degrees(SUN_DIAMETER)
 _WIDEST_SUN_DEG = 30.0
 
-# Nearest patches that share the sun, and the softening of their weights, in gendaymtx
+# Number of nearest patches and softening of their weights in gendaymtx
 _NEIGHBOURS = 4
 _SOFTENING = 1.002
 
-# Sun below which nothing is added [W/m²], as in gendaymtx: 1e-4 lux
+# Smallest direct irradiance that counts [W/m²], as in gendaymtx: 1e-4 lux
 _THRESHOLD = 1e-4 / 179
 
 
@@ -38,21 +38,21 @@ def sun_radiance(
     placement: SunPlacement = "spread",
     diameter_deg: float = SUN_DIAMETER_DEG,
 ) -> csc_array:
-    """Return the radiance [W/(m²·sr)] the sun adds to each patch at each step.
+    """Return the radiance of the sun in each patch at each step [W/(m²·sr)].
 
     Parameters
     ----------
     direct : visible direct normal irradiance [W/m²]
     directions : unit vectors to the sun
-    partition : the sky
+    partition : sky patches
     placement : "spread" over the four nearest patches, weighted by proximity;
         all in the nearest "patch"; in the nearest patch at the radiance of the
-        sun's "disc", for direct-sun matrices traced with such discs
+        solar "disc", for direct-sun matrices traced with such discs
     diameter_deg : apparent diameter of the disc
 
     Raises
     ------
-    InputError : another placement, a disc without size or wider than 30°
+    InputError : an unknown placement, a diameter of 0 or above 30°
     """
     if placement not in ("spread", "patch", "disc"):
         raise InputError(
@@ -67,7 +67,7 @@ def sun_radiance(
     count = _NEIGHBOURS if placement == "spread" else 1
     distance, near = nearest_patches(partition.dome, directions[up], count=count)
 
-    # Weigh by proximity: distance² = 2 − 2 cos γ
+    # Weight by proximity: distance² = 2 − 2 cos γ
     weight = 1 / (_SOFTENING - 1 + distance**2 / 2)
     weight /= weight.sum(axis=1, keepdims=True)
     if placement == "disc":

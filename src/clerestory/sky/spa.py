@@ -1,7 +1,7 @@
-"""NREL's Solar Position Algorithm, out of pvlib and without the rest of it.
+"""NREL's Solar Position Algorithm (SPA), as implemented by pvlib.
 
-pvlib's own start loads pandas, half of SciPy and a web client, a second in all; its
-module of the algorithm needs NumPy alone and is loaded by itself.
+The module of pvlib is loaded without the package, whose import of pandas, SciPy and a
+web client takes a second.
 
 Reference: I. Reda, A. Andreas, Solar Position Algorithm for Solar Radiation
 Applications, NREL/TP-560-34302, 2008.
@@ -23,13 +23,13 @@ _PRESSURE, _TEMPERATURE, _LAPSE, _EXPONENT = 1013.25, 288.15, 0.0065, 5.25588
 
 
 def standard_pressure(elevation: float) -> float:
-    """Return the pressure of the standard atmosphere [hPa] some metres above the sea.
+    """Return the pressure of the standard atmosphere at an elevation [m], in hPa.
 
     >>> round(standard_pressure(1000), 1)
     898.7
     """
-    warmth = 1 - _LAPSE * elevation / _TEMPERATURE
-    return float(_PRESSURE * warmth**_EXPONENT)
+    ratio = 1 - _LAPSE * elevation / _TEMPERATURE
+    return float(_PRESSURE * ratio**_EXPONENT)
 
 
 def solar_position(
@@ -40,12 +40,12 @@ def solar_position(
     elevation: float,
     temperature_c: float,
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
-    """Return the sun's altitude with refraction, and its azimuth [°].
+    """Return the solar altitude, with refraction, and azimuth [°].
 
     Parameters
     ----------
     seconds : since 1970, universal time
-    elevation : above the sea [m]
+    elevation : above sea level [m]
     """
     position = _ALGORITHM.solar_position(
         seconds,
@@ -62,7 +62,7 @@ def solar_position(
 
 
 def _load() -> ModuleType:
-    # Find the package without running it
+    # Find the package without importing it
     package = importlib.util.find_spec("pvlib")
     if package is None or not package.submodule_search_locations:
         raise ModuleNotFoundError("pvlib is not installed", name="pvlib")

@@ -1,4 +1,4 @@
-"""Station files (.toml): what a file of measurements does not say itself.
+"""Station files (.toml): site and columns of a file of measurements.
 
     file = "roof.csv"
     stands_for = "end"
@@ -13,7 +13,7 @@
     global_horizontal = "GHI"
     diffuse_horizontal = "DHI"
 
-A station file goes wherever a weather file does.
+A station file may be given wherever a weather file is expected.
 """
 
 import tomllib
@@ -38,6 +38,16 @@ from clerestory.sky.radiation_networks import read_srml, read_surfrad
 from clerestory.sky.time_steps import StandsFor
 from clerestory.sky.weather import Site, Weather
 
+# Keys that are arguments of `read_measured`
+_CSV_SETTINGS = {
+    "time_format",
+    "stands_for",
+    "clock",
+    "separator",
+    "skip_lines",
+    "decomposition",
+}
+
 
 def _several(value: Any) -> Any:
     # One name is a list of one
@@ -51,7 +61,7 @@ class _Table(BaseModel):
 
 
 class SiteTable(_Table):
-    """Where it was measured."""
+    """Location of the measurement."""
 
     latitude_deg: float = Field(description="degrees, positive north")
     longitude_deg: float = Field(description="degrees, positive east")
@@ -61,7 +71,7 @@ class SiteTable(_Table):
 
 
 class ColumnsTable(_Table):
-    """What the columns are called."""
+    """Names of the columns."""
 
     time: Annotated[list[str], BeforeValidator(_several)] = Field(
         min_length=1, description="the name of a column"
@@ -81,9 +91,9 @@ class ColumnsTable(_Table):
 
 
 class MeasuredTable(_Table):
-    """How a file of measurements is read; see `read_measured`.
+    """Description of a file of measurements; see `read_measured`.
 
-    Files of the networks SURFRAD and SRML have columns of their own.
+    Files of the networks SURFRAD and SRML have fixed columns.
     """
 
     format: Literal["csv", "srml", "surfrad"] = "csv"
@@ -119,29 +129,20 @@ def read_with(path: str | Path, how: MeasuredTable) -> Weather:
 
     Raises
     ------
-    InputError : the file is not as `how` says
+    InputError : the file does not agree with the description
     """
     if how.format == "surfrad":
         offset = None if how.site is None else how.site.utc_offset_hours
         return read_surfrad(path, utc_offset_hours=offset)
     if how.site is None:
-        raise InputError("no site; where it was measured expected", file=path)
+        raise InputError("no site; a table [site] expected", file=path)
     site = Site(**how.site.model_dump())
     if how.format == "srml":
         return read_srml(path, site=site, decomposition=how.decomposition)
     if how.columns is None:
-        raise InputError("no columns; their names expected", file=path)
-    return read_measured(
-        path,
-        columns=how.columns.columns(),
-        site=site,
-        time_format=how.time_format,
-        stands_for=how.stands_for,
-        clock=how.clock,
-        separator=how.separator,
-        skip_lines=how.skip_lines,
-        decomposition=how.decomposition,
-    )
+        raise InputError("no columns; a table [columns] expected", file=path)
+    settings = how.model_dump(include=_CSV_SETTINGS)
+    return read_measured(path, columns=how.columns.columns(), site=site, **settings)
 
 
 def read_station(path: str | Path) -> Weather:
@@ -149,8 +150,8 @@ def read_station(path: str | Path) -> Weather:
 
     Raises
     ------
-    InputError : it is not TOML, a key is missing, unknown or wrong, or the file
-        of measurements is
+    InputError : it is not TOML, a key is missing, unknown or wrong, or the file of
+        measurements has an error
     """
     try:
         tables = tomllib.loads(read_text(path))

@@ -1,13 +1,14 @@
-"""The suns that occur: their true places, instead of the patches of a sky.
+"""Sun matrix: direct normal irradiance of every solar position over time.
 
-A direct-sun matrix traced for 5185 fixed suns spends most of its time on suns
-that never shine. Here every lit step has its own sun, and steps whose suns lie
-within a stated angle share one: the strongest keeps its exact place.
+A direct-sun matrix for the 5185 patches of a Reinhart sky is mostly traced for
+positions that the sun never takes. Here every step with direct irradiance has its own
+solar position, and positions within a given angle are merged into the strongest.
 """
 
 import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -17,25 +18,24 @@ from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import InputError, MatrixError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, time_axis, unknown_axis
-from clerestory.sky.sky_conditions import Spectrum, sky_conditions
-from clerestory.sky.solar_position import SunFormula
+from clerestory.sky.sky_conditions import SkyOptions, sky_conditions
 from clerestory.sky.solar_radiance import sun_radiance
 from clerestory.sky.weather import Weather
 
-# Angle [°] beyond which two suns are no longer much the same
+# Largest angle within which solar positions may be merged [°]
 _WIDEST_TOLERANCE_DEG = 10.0
 
 
 @dataclass(frozen=True, eq=False)
 class SunMatrix:
-    """Direct normal irradiance from every sun over time.
+    """Direct normal irradiance from every solar position over time.
 
     Attributes
     ----------
-    directions : unit vectors to the suns
+    directions : unit vectors to the sun
     times : centres of the steps, local standard time
-    direct_normal : [W/m²], (sun, time), with at most one sun a step
-    attributes : how it was made
+    direct_normal : [W/m²], (sun, time), with at most one position a step
+    attributes : provenance
 
     Raises
     ------
@@ -59,7 +59,7 @@ class SunMatrix:
 
     @property
     def rows(self) -> Axis:
-        """The suns."""
+        """The solar positions."""
         return unknown_axis(len(self))
 
     @property
@@ -75,7 +75,7 @@ class SunMatrix:
         )
 
     def radiance(self, diameter: float = SUN_DIAMETER) -> csc_array:
-        """Radiance [W/(m²·sr)] of suns of the given apparent diameter [rad]."""
+        """Radiance [W/(m²·sr)] of a sun of the given apparent diameter [rad]."""
         return csc_array(self.direct_normal / (np.pi * (diameter / 2) ** 2))
 
 
@@ -83,22 +83,18 @@ def sun_matrix(
     weather: Weather,
     *,
     tolerance_deg: float = 0.0,
-    rotation_deg: float = 0.0,
-    sun_formula: SunFormula = "spa",
-    dew_point_c: float | None = None,
-    spectrum: Spectrum = "visible",
+    **options: Unpack[SkyOptions],
 ) -> SunMatrix:
-    """Return the suns of all steps with direct light, and their irradiance.
+    """Return the solar positions of all steps with direct irradiance.
 
-    Steps whose sun stands below the horizon have none; their number is the
-    attribute "steps_below_horizon".
+    Steps with the sun below the horizon have none; their number is the attribute
+    "steps_below_horizon".
 
     Parameters
     ----------
     weather : irradiance over time
-    tolerance_deg : steps share a sun that is not farther than this from their
-        own; 0 keeps every sun
-    rotation_deg, sun_formula, dew_point_c, spectrum : as for `sky_matrix`
+    tolerance_deg : solar positions at most this far apart are merged; 0 merges none
+    options : as for `sky_conditions`
 
     Raises
     ------
@@ -108,31 +104,24 @@ def sun_matrix(
         raise InputError(
             f"tolerance of {tolerance_deg}°; 0 to {_WIDEST_TOLERANCE_DEG:g} expected"
         )
-    conditions = sky_conditions(
-        weather,
-        rotation_deg=rotation_deg,
-        sun_formula=sun_formula,
-        dew_point_c=dew_point_c,
-        spectrum=spectrum,
-    )
+    conditions = sky_conditions(weather, **options)
     shining = conditions.direct_normal > 0
     up = conditions.sun.altitude > -SUN_DIAMETER / 2
     steps = np.flatnonzero(shining & up)
     irradiance = conditions.direct_normal[steps]
     directions = conditions.sun.directions()[steps]
-    leader = share_suns(directions, irradiance, tolerance=np.radians(tolerance_deg))
-    kept, sun = np.unique(leader, return_inverse=True)
+    representative = merge_suns(
+        directions, irradiance, tolerance=np.radians(tolerance_deg)
+    )
+    kept, sun = np.unique(representative, return_inverse=True)
     matrix = coo_array((irradiance, (sun, steps)), shape=(len(kept), len(weather)))
     return SunMatrix(
         directions[kept],
         weather.times,
         csc_array(matrix),
         {
-            "source": weather.source,
-            "sun_formula": sun_formula,
+            **_provenance(weather, options),
             "tolerance_deg": tolerance_deg,
-            "rotation_deg": rotation_deg,
-            "spectrum": spectrum,
             "steps_below_horizon": float(np.count_nonzero(shining & ~up)),
         },
     )
@@ -142,29 +131,20 @@ def patch_suns(
     weather: Weather,
     *,
     subdivision: int = 6,
-    rotation_deg: float = 0.0,
-    sun_formula: SunFormula = "spa",
-    dew_point_c: float | None = None,
-    spectrum: Spectrum = "visible",
+    **options: Unpack[SkyOptions],
 ) -> SunMatrix:
-    """Return the suns in the middle of all sky patches: 5185 for subdivision 6.
+    """Return a sun at the centre of every sky patch: 5185 for subdivision 6.
 
-    Each step's sun is taken to the patch whose centre is nearest, as direct-sun
-    matrices of the five-phase method do.
+    The sun of each step is moved to the nearest patch centre, as direct-sun matrices
+    of the five-phase method do.
 
     Parameters
     ----------
     weather : irradiance over time
     subdivision : Reinhart's MF, 1 to 6
-    rotation_deg, sun_formula, dew_point_c, spectrum : as for `sky_matrix`
+    options : as for `sky_conditions`
     """
-    conditions = sky_conditions(
-        weather,
-        rotation_deg=rotation_deg,
-        sun_formula=sun_formula,
-        dew_point_c=dew_point_c,
-        spectrum=spectrum,
-    )
+    conditions = sky_conditions(weather, **options)
     partition = reinhart(subdivision)
     radiance = sun_radiance(
         conditions.direct_normal,
@@ -177,36 +157,39 @@ def patch_suns(
         partition.dome.centres(),
         weather.times,
         csc_array(radiance[1:] * solid_angle),
-        {
-            "source": weather.source,
-            "sun_formula": sun_formula,
-            "subdivision": float(subdivision),
-            "rotation_deg": rotation_deg,
-            "spectrum": spectrum,
-        },
+        _provenance(weather, options) | {"subdivision": float(subdivision)},
     )
 
 
-def share_suns(
+def _provenance(weather: Weather, options: SkyOptions) -> dict[str, str | float]:
+    return {
+        "source": weather.source,
+        "sun_formula": options.get("sun_formula", "spa"),
+        "rotation_deg": options.get("rotation_deg", 0.0),
+        "spectrum": options.get("spectrum", "visible"),
+    }
+
+
+def merge_suns(
     directions: Float[np.ndarray, "step 3"],
     weight: Float[np.ndarray, " step"],
     *,
     tolerance: float,
 ) -> Int[np.ndarray, " step"]:
-    """Return, for each step, the step whose sun it takes.
+    """Return, for each step, the step whose solar position represents its own.
 
-    The heaviest step keeps its sun, and all within `tolerance` [rad] of it take
-    it; then the heaviest of those left, and so on.
+    The step of the largest weight represents all within `tolerance` [rad] of it; then
+    that of the largest weight of those left, and so on.
     """
     count = len(directions)
     if count == 0 or tolerance == 0:
         return np.arange(count)
-    # Search trees take long to load, which only tolerances should wait for
+    # Import SciPy's search tree here: it takes long and is needed for tolerances only
     tree = importlib.import_module("scipy.spatial").cKDTree(directions)
     near = tree.query_ball_point(directions, 2 * np.sin(tolerance / 2))
-    leader = np.full(count, -1)
+    representative = np.full(count, -1)
     for step in np.argsort(-weight, kind="stable"):
-        if leader[step] < 0:
-            followers = np.array(near[step])
-            leader[followers[leader[followers] < 0]] = step
-    return leader
+        if representative[step] < 0:
+            close = np.array(near[step])
+            representative[close[representative[close] < 0]] = step
+    return representative

@@ -1,7 +1,6 @@
-"""Tables of suns, as CSV."""
+"""Tables of solar positions, as CSV."""
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.solar_position import SunFormula
@@ -12,7 +11,7 @@ from clerestory.sky.weather import Weather
 def sun_path_table(
     weather: Weather, *, sun_formula: SunFormula = "spa", rotation_deg: float = 0.0
 ) -> str:
-    """Return the sun's place [°] and irradiance at every time step, a line each."""
+    """Return the solar position [°] and irradiance of every time step, a line each."""
     position = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
     lines = ["time,altitude,azimuth clockwise from north,direct normal [W/m²]"]
     rows = zip(
@@ -29,7 +28,7 @@ def sun_path_table(
 
 
 def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
-    """Return the place of every sun [°], its steps and its light over all of them.
+    """Return every solar position [°], its number of steps and its irradiation.
 
     Examples
     --------
@@ -44,7 +43,8 @@ def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
     azimuth = np.degrees(np.arctan2(x, y)) % 360
     altitude = np.degrees(np.arcsin(np.clip(z, -1, 1)))
     steps = np.diff(suns.direct_normal.tocsr().indptr)
-    energy = _sum(suns) * step_minutes / 60_000
+    total = np.asarray(suns.direct_normal.sum(axis=1), dtype=float).ravel()
+    energy = total * step_minutes / 60_000
     header = "altitude,azimuth clockwise from north,x,y,z,time steps"
     lines = [f"{header},visible direct normal [kWh/m²]"]
     columns = (altitude, azimuth, x, y, z, steps, energy)
@@ -53,7 +53,3 @@ def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
         for h, a, u, v, w, n, e in zip(*columns, strict=True)
     ]
     return "\n".join(lines) + "\n"
-
-
-def _sum(suns: SunMatrix) -> Float[np.ndarray, " sun"]:
-    return np.asarray(suns.direct_normal.sum(axis=1), dtype=float).ravel()

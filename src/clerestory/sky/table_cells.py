@@ -1,10 +1,11 @@
-"""Numbers out of the cells of text files, with the line to blame when one is not."""
+"""Numbers in the cells of text files, with the line of a cell that holds none."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
 
@@ -37,34 +38,63 @@ def number(
     return value
 
 
-def column(
-    rows: Sequence[Sequence[str]],
-    index: int,
-    *,
-    name: str,
-    file: str | Path,
-    lines: Sequence[int] | np.ndarray,
-    may_miss: bool = False,
-) -> Float[np.ndarray, " rows"]:
-    """Return one column of rows of cells; NaN where a cell is empty and may be.
+@dataclass(frozen=True, eq=False)
+class DataRows:
+    """Rows of cells of a text file.
 
-    Raises
-    ------
-    InputError : a row ends before the column, or its cell is not a number
+    Attributes
+    ----------
+    file : the file
+    cells : of each row
+    lines : line number of each row
     """
-    try:
-        values = np.array([row[index] for row in rows], dtype=float)
-        if np.all(np.isfinite(values)):
-            return values
-    except (ValueError, IndexError):
-        pass
 
-    # Slow path: find the cell to blame, or the ones that may be left out
-    values = np.empty(len(rows))
-    for i, row in enumerate(rows):
-        blank = index < len(row) and row[index].strip().lower() in ("", "nan", "na")
-        if may_miss and blank:
-            values[i] = np.nan
-        else:
-            values[i] = number(row, index, name=name, file=file, line=int(lines[i]))
-    return values
+    file: str | Path
+    cells: Sequence[Sequence[str]]
+    lines: Int[np.ndarray, " row"]
+
+    @classmethod
+    def below(
+        cls, header_lines: int, rows: Iterable[Sequence[str]], *, file: str | Path
+    ) -> "DataRows":
+        """Return the rows below a header that are not empty.
+
+        Raises
+        ------
+        InputError : there are none
+        """
+        rows = list(rows)
+        kept = [i for i, row in enumerate(rows) if i >= header_lines and row]
+        if not kept:
+            raise InputError(
+                "no data rows after the header", file=file, line=max(len(rows), 1)
+            )
+        return cls(file, [rows[i] for i in kept], np.array(kept) + 1)
+
+    def column(
+        self, index: int, name: str, *, may_miss: bool = False
+    ) -> Float[np.ndarray, " row"]:
+        """Return one column; NaN where a cell is empty and `may_miss` allows it.
+
+        Raises
+        ------
+        InputError : a row ends before the column, or its cell is not a number
+        """
+        try:
+            values = np.array([row[index] for row in self.cells], dtype=float)
+            if np.all(np.isfinite(values)):
+                return values
+        except (ValueError, IndexError):
+            pass
+
+        # Find the cell that is not a number, or the cells that are empty
+        values = np.empty(len(self.cells))
+        for i, row in enumerate(self.cells):
+            blank = index < len(row) and row[index].strip().lower() in ("", "nan", "na")
+            line = int(self.lines[i])
+            values[i] = (
+                np.nan
+                if may_miss and blank
+                else number(row, index, name=name, file=self.file, line=line)
+            )
+        return values

@@ -1,31 +1,30 @@
-"""Moments of the calendar as files write them, in the fixed year of a typical year."""
+"""Time steps of weather files: dates of typical years, lengths and centres of steps."""
 
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import InputError
+from clerestory.sky.table_cells import DataRows
 from clerestory.sky.weather import TYPICAL_LEAP_YEAR, TYPICAL_YEAR
 
 StandsFor = Literal["start", "centre", "end"]
 
-# Steps from the moment that a time stands for to the centre
+# Steps from the moment that a time stands for to the centre of its step
 _SHIFTS = {"start": 0.5, "centre": 0.0, "end": -0.5}
 
 _DAYS = (31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 
 
-def moments(
+def calendar_times(
     month: Float[np.ndarray, " time"],
     day: Float[np.ndarray, " time"],
     hour: Float[np.ndarray, " time"],
     *,
-    file: str | Path,
-    lines: np.ndarray,
+    rows: DataRows,
 ) -> np.ndarray:
-    """Return the moments `hour` hours after the start of the given days, to the second.
+    """Return the times `hour` hours after the start of the given days, to the second.
 
     The year is 2023, or 2024 where a 29 February occurs. Hours within 2 s of
     a whole minute are taken as that minute, since files write 0.167 for 1/6.
@@ -33,7 +32,7 @@ def moments(
     Raises
     ------
     InputError : a date that is not in the calendar, an hour outside a day, or
-        time that does not grow
+        times that do not increase
     """
     calendar = np.array(_DAYS)
     whole = (month == np.floor(month)) & (day == np.floor(day))
@@ -43,14 +42,16 @@ def moments(
         i = int(np.argmin(known))
         raise InputError(
             f"month {month[i]:g}, day {day[i]:g}; a date of the calendar expected",
-            file=file,
-            line=int(lines[i]),
+            file=rows.file,
+            line=int(rows.lines[i]),
         )
     inside = (hour >= 0) & (hour <= 24)
     if not np.all(inside):
         i = int(np.argmin(inside))
         raise InputError(
-            f"hour {hour[i]:g}; 0 to 24 expected", file=file, line=int(lines[i])
+            f"hour {hour[i]:g}; 0 to 24 expected",
+            file=rows.file,
+            line=int(rows.lines[i]),
         )
 
     # Build the dates in the fixed year
@@ -59,29 +60,30 @@ def moments(
     first = np.datetime64(f"{year}-01", "M") + (month.astype(int) - 1)
     date = first.astype("datetime64[D]") + (day.astype(int) - 1)
 
-    # Add the hours, on the minute if they are meant to be
+    # Add the hours, rounded to the minute where they differ by rounding only
     seconds = np.round(hour * 3600)
     minute = 60 * np.round(seconds / 60)
     seconds = np.where(np.abs(seconds - minute) <= 2, minute, seconds).astype(int)
     times = date.astype("datetime64[s]") + seconds
-    require_growth(times, file=file, lines=lines)
+    require_increasing(times, rows=rows)
     return np.asarray(times)
 
 
-def require_growth(times: np.ndarray, *, file: str | Path, lines: np.ndarray) -> None:
-    """Refuse moments that do not grow, naming the first line to blame."""
+def require_increasing(times: np.ndarray, *, rows: DataRows) -> None:
+    """Raise `InputError` at the first row whose time is not after that of the last."""
     late = np.diff(times) <= np.timedelta64(0)
     if np.any(late):
         i = int(np.argmax(late)) + 1
         raise InputError(
-            f"time goes back from {times[i - 1]} to {times[i]}; growing times expected",
-            file=file,
-            line=int(lines[i]),
+            f"time goes back from {times[i - 1]} to {times[i]}; increasing times"
+            " expected",
+            file=rows.file,
+            line=int(rows.lines[i]),
         )
 
 
 def typical_step(times: np.ndarray) -> float:
-    """Return the shortest step between moments [min]; 60 for a single one.
+    """Return the shortest step between times [min]; 60 for a single one.
 
     Steps within 5 s of a whole minute are taken as that, since files round hours
     to three digits: 0.042, 0.125, 0.208 for every five minutes.
@@ -100,7 +102,7 @@ def centres(
 
     Raises
     ------
-    InputError : another moment
+    InputError : `stands_for` is none of the three
     """
     if stands_for not in _SHIFTS:
         raise InputError(

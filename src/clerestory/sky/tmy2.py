@@ -1,7 +1,6 @@
 """Typical meteorological years of NREL, second edition (TMY2, .tm2).
 
-Lines have fixed columns. Hours are numbered 1…24 and stand for the time that
-ends there.
+Lines have fixed columns. Hours are numbered 1…24 and stand for the hour that ends then.
 
 Reference: W. Marion, K. Urban, User's Manual for TMY2s, NREL, 1995, tables 3-1 and 3-2.
 """
@@ -13,11 +12,19 @@ import numpy as np
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.gap_filling import repaired_weather
-from clerestory.sky.table_cells import column, number
-from clerestory.sky.time_steps import moments, typical_step
+from clerestory.sky.table_cells import DataRows, number
+from clerestory.sky.time_steps import calendar_times, typical_step
 from clerestory.sky.weather import Site, Weather
 
-# Columns of the data, from the first (counted from 0) up to the last
+# Characters of each field, from the first (counted from 0) up to the last
+_SITE = {
+    "time zone": (33, 36),
+    "latitude [°]": (39, 41),
+    "latitude [']": (42, 44),
+    "longitude [°]": (47, 50),
+    "longitude [']": (51, 53),
+    "elevation": (55, 59),
+}
 _DATA = {
     "month": (3, 5),
     "day": (5, 7),
@@ -37,46 +44,37 @@ def read_tmy2(path: str | Path) -> Weather:
     InputError : the header is not that of a TMY2 file, or a row is wrong
     """
     lines = read_text(path).splitlines()
-    if not lines or not looks_like_tmy2(lines[0]):
+    if not lines or not is_tmy2_header(lines[0]):
         raise InputError("no TMY2 header in the first line", file=path, line=1)
-    numbers = [i for i, text in enumerate(lines) if i > 0 and text.strip()]
-    if not numbers:
-        raise InputError("no data rows after the header", file=path, line=len(lines))
-    at = np.array(numbers) + 1
-    rows = [[lines[i][start:stop] for start, stop in _DATA.values()] for i in numbers]
+    fields = [
+        [text[start:stop] for start, stop in _DATA.values()] if text.strip() else []
+        for text in lines
+    ]
+    rows = DataRows.below(1, fields, file=path)
     month, day, hour, direct, diffuse, dew_point = (
-        column(rows, i, name=name, file=path, lines=at) for i, name in enumerate(_DATA)
+        rows.column(i, name) for i, name in enumerate(_DATA)
     )
-    times = moments(month, day, hour - 0.5, file=path, lines=at)
+    times = calendar_times(month, day, hour - 0.5, rows=rows)
     return repaired_weather(
         _site(lines[0], path),
         times,
+        rows,
         direct_normal=direct,
         diffuse_horizontal=diffuse,
         dew_point_c=np.where(dew_point == _MISSING_DEW_POINT, np.nan, dew_point / 10),
         step_minutes=typical_step(times),
-        file=path,
-        lines=at,
     )
 
 
-def looks_like_tmy2(first_line: str) -> bool:
+def is_tmy2_header(line: str) -> bool:
     """Whether a line has hemispheres where TMY2 headers have them."""
-    return first_line[37:38] in ("N", "S") and first_line[45:46] in ("E", "W")
+    return line[37:38] in ("N", "S") and line[45:46] in ("E", "W")
 
 
 def _site(header: str, path: str | Path) -> Site:
-    spans = {
-        "time zone": (33, 36),
-        "latitude [°]": (39, 41),
-        "latitude [']": (42, 44),
-        "longitude [°]": (47, 50),
-        "longitude [']": (51, 53),
-        "elevation": (55, 59),
-    }
-    cells = [header[start:stop] for start, stop in spans.values()]
+    cells = [header[start:stop] for start, stop in _SITE.values()]
     offset, north, north_minute, east, east_minute, elevation = (
-        number(cells, i, name=name, file=path, line=1) for i, name in enumerate(spans)
+        number(cells, i, name=name, file=path, line=1) for i, name in enumerate(_SITE)
     )
     latitude = (north + north_minute / 60) * (1 if header[37] == "N" else -1)
     longitude = (east + east_minute / 60) * (1 if header[45] == "E" else -1)

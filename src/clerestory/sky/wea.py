@@ -1,22 +1,21 @@
 """Weather files of Radiance and Daysim (.wea).
 
-Hours are the moments at which the sun is evaluated. Longitude and time zone
-are west-positive degrees and end here.
+Hours are the moments at which the sun is evaluated. Longitude and time zone are
+west-positive degrees in the file.
 """
 
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.gap_filling import repaired_weather
 from clerestory.sky.irradiance_decomposition import Irradiance, split_irradiance
 from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
-from clerestory.sky.solar_position import sun_position
-from clerestory.sky.table_cells import column, number
-from clerestory.sky.time_steps import moments, typical_step
+from clerestory.sky.solar_position import sun_at
+from clerestory.sky.table_cells import DataRows, number
+from clerestory.sky.time_steps import calendar_times, typical_step
 from clerestory.sky.weather import Site, Weather
 
 _COLUMNS = (
@@ -28,9 +27,7 @@ _COLUMNS = (
 )
 
 # Values of weather_data_file_units
-_DIRECT_IS_NORMAL = 1
-_DIRECT_IS_LEVEL = 2
-_ILLUMINANCE = 3
+_DIRECT_NORMAL, _DIRECT_HORIZONTAL, _ILLUMINANCE = 1, 2, 3
 
 _KEYS = (
     "place",
@@ -52,61 +49,39 @@ def read_wea(path: str | Path) -> Weather:
         wrong
     """
     lines = read_text(path).splitlines()
-    site, units = _site(lines, path)
-
-    # Split the data rows
-    numbers = [i for i, text in enumerate(lines) if i >= len(_KEYS) and text.strip()]
-    if not numbers:
-        raise InputError("no data rows after the header", file=path, line=len(lines))
-    rows = [lines[i].split() for i in numbers]
-    at = np.array(numbers) + 1
+    site, units = _header(lines, path)
+    rows = DataRows.below(len(_KEYS), (text.split() for text in lines), file=path)
     month, day, hour, direct, diffuse = (
-        column(rows, index, name=name, file=path, lines=at, may_miss=index > 2)
-        for index, name in enumerate(_COLUMNS)
+        rows.column(i, name, may_miss=i > 2) for i, name in enumerate(_COLUMNS)
     )
-    times = moments(month, day, hour, file=path, lines=at)
+    times = calendar_times(month, day, hour, rows=rows)
+    step = typical_step(times)
     if units == _ILLUMINANCE:
         series: dict[Quantity, np.ndarray] = {
             "direct_illuminance": direct,
             "diffuse_illuminance": diffuse,
         }
-        return weather_of(
-            Measurement(site, times, typical_step(times), series, path, at)
-        )
+        return weather_of(Measurement(site, times, step, series, path, rows.lines))
     parts = Irradiance(direct, diffuse)
-    if units == _DIRECT_IS_LEVEL:
-        parts = _from_level(direct, diffuse, site, times)
+    if units == _DIRECT_HORIZONTAL:
+        parts = split_irradiance(
+            times,
+            sun_at(site, times),
+            global_horizontal=direct + diffuse,
+            diffuse_horizontal=diffuse,
+        )
     return repaired_weather(
         site,
         times,
+        rows,
         direct_normal=parts.direct_normal,
         diffuse_horizontal=parts.diffuse_horizontal,
-        step_minutes=typical_step(times),
-        file=path,
-        lines=at,
+        step_minutes=step,
         notes=parts.notes,
     )
 
 
-def _from_level(
-    direct: Float[np.ndarray, " time"],
-    diffuse: Float[np.ndarray, " time"],
-    site: Site,
-    times: np.ndarray,
-) -> Irradiance:
-    sun = sun_position(
-        times,
-        latitude_deg=site.latitude_deg,
-        longitude_deg=site.longitude_deg,
-        utc_offset_hours=site.utc_offset_hours,
-        elevation=site.elevation,
-    )
-    return split_irradiance(
-        times, sun, global_horizontal=direct + diffuse, diffuse_horizontal=diffuse
-    )
-
-
-def _site(lines: list[str], path: str | Path) -> tuple[Site, float]:
+def _header(lines: list[str], path: str | Path) -> tuple[Site, float]:
     values = {}
     place = ""
     for i, key in enumerate(_KEYS):
@@ -121,10 +96,10 @@ def _site(lines: list[str], path: str | Path) -> tuple[Site, float]:
         else:
             values[key] = number(cells, 1, name=key, file=path, line=i + 1)
     units = values["weather_data_file_units"]
-    if units not in (_DIRECT_IS_NORMAL, _DIRECT_IS_LEVEL, _ILLUMINANCE):
+    if units not in (_DIRECT_NORMAL, _DIRECT_HORIZONTAL, _ILLUMINANCE):
         raise InputError(
-            f"weather_data_file_units {units:g}; 1, 2 or 3 expected: direct irradiance"
-            " normal to the sun, horizontal, or illuminance",
+            f"weather_data_file_units {units:g}; 1 (direct normal irradiance), 2"
+            " (direct horizontal irradiance) or 3 (illuminance) expected",
             file=path,
             line=len(_KEYS),
         )

@@ -1,9 +1,8 @@
-"""Weather of one place: sun and sky irradiance per time step.
+"""Weather of one place: direct and diffuse irradiance per time step.
 
-Times are local standard time and stand for the centre of their step, the moment
-at which the sun is evaluated. Typical years are stitched from different years,
-so their dates are written in one fixed year: 2023, or 2024 where the file has
-a 29 February.
+Times are local standard time and stand for the centre of their step, the moment at
+which the solar position is computed. Typical years are composed of different years, so
+their dates are written in one fixed year: 2023, or 2024 with a 29 February.
 """
 
 from dataclasses import dataclass, replace
@@ -19,18 +18,18 @@ TYPICAL_LEAP_YEAR = 2024
 
 @dataclass(frozen=True)
 class Site:
-    """Where weather was measured or simulated.
+    """Location of a weather station or a simulation.
 
     Attributes
     ----------
     latitude_deg, longitude_deg : north- and east-positive [°]
-    utc_offset_hours : how far local standard time is ahead of UTC [h]
-    elevation : above the sea [m]
-    place : its name
+    utc_offset_hours : local standard time minus UTC [h]
+    elevation : above sea level [m]
+    place : name
 
     Raises
     ------
-    InputError : a place outside the globe
+    InputError : a coordinate out of range
     """
 
     latitude_deg: float
@@ -56,7 +55,7 @@ class Site:
 
 @dataclass(frozen=True, eq=False)
 class Illuminance:
-    """Illuminance from sun and sky over time.
+    """Direct and diffuse illuminance over time.
 
     Attributes
     ----------
@@ -73,28 +72,27 @@ class Illuminance:
 
 @dataclass(frozen=True, eq=False)
 class Weather:
-    """Irradiance from sun and sky over time at one place.
+    """Direct and diffuse irradiance over time at one place.
 
     Attributes
     ----------
     place : name of the place
     latitude_deg, longitude_deg : north- and east-positive [°]
-    elevation : above the sea [m]
-    utc_offset_hours : how far local standard time is ahead of UTC [h]
+    elevation : above sea level [m]
+    utc_offset_hours : local standard time minus UTC [h]
     times : centres of the steps, local standard time
     step_minutes : length of a step [min]
-    direct_normal : irradiance from the sun on a plane facing it [W/m²]
-    diffuse_horizontal : irradiance from the sky on a level plane [W/m²]
-    dew_point_c : dew point [°C], NaN where unknown; None without any
-    illuminance : measured from sun and sky [lux]; None where it follows from the
-        irradiance
-    source : the file it was read from
-    notes : repairs made by the reader, each with its count
+    direct_normal : direct normal irradiance, DNI [W/m²]
+    diffuse_horizontal : diffuse horizontal irradiance, DHI [W/m²]
+    dew_point_c : dew point [°C], NaN where unknown; None if all are unknown
+    illuminance : measured [lux]; None where it follows from the irradiance
+    source : file it was read from
+    notes : corrections made by the reader, each with its count
 
     Raises
     ------
-    InputError : a place outside the globe, series of different lengths, times
-        that do not grow, irradiance that is negative or not finite
+    InputError : a coordinate out of range, series of different lengths, times
+        that do not increase, irradiance that is negative or not finite
     """
 
     place: str
@@ -112,23 +110,16 @@ class Weather:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        Site(
-            self.latitude_deg,
-            self.longitude_deg,
-            self.utc_offset_hours,
-            self.elevation,
-            self.place,
-        )
-        self._check("direct normal irradiance", self.direct_normal, unit="W/m²")
-        self._check(
-            "diffuse horizontal irradiance", self.diffuse_horizontal, unit="W/m²"
-        )
-        if self.illuminance is not None:
-            lux = self.illuminance
-            self._check("direct normal illuminance", lux.direct_normal, unit="lux")
-            self._check(
-                "diffuse horizontal illuminance", lux.diffuse_horizontal, unit="lux"
-            )
+        _ = self.site
+        for what, unit, light in (
+            ("irradiance", "W/m²", self),
+            ("illuminance", "lux", self.illuminance),
+        ):
+            if light is not None:
+                self._check(f"direct normal {what}", light.direct_normal, unit)
+                self._check(
+                    f"diffuse horizontal {what}", light.diffuse_horizontal, unit
+                )
         if self.dew_point_c is not None and self.dew_point_c.shape != self.times.shape:
             raise InputError(
                 f"{len(self.dew_point_c)} dew points; {len(self)} expected"
@@ -138,16 +129,14 @@ class Weather:
         if np.any(np.diff(self.times) <= np.timedelta64(0)):
             late = int(np.argmax(np.diff(self.times) <= np.timedelta64(0))) + 1
             raise InputError(
-                f"time goes back at {self.times[late]}; growing times expected"
+                f"time goes back at {self.times[late]}; increasing times expected"
             )
         if not self.step_minutes > 0:
             raise InputError(
                 f"steps of {self.step_minutes} minutes; a positive length expected"
             )
 
-    def _check(
-        self, name: str, values: Float[np.ndarray, " value"], *, unit: str
-    ) -> None:
+    def _check(self, name: str, values: Float[np.ndarray, " value"], unit: str) -> None:
         if values.shape != self.times.shape:
             raise InputError(f"{len(values)} values of {name}; {len(self)} expected")
         if not np.all(np.isfinite(values) & (values >= 0)):
@@ -157,6 +146,17 @@ class Weather:
 
     def __len__(self) -> int:
         return len(self.times)
+
+    @property
+    def site(self) -> Site:
+        """Location of the weather."""
+        return Site(
+            self.latitude_deg,
+            self.longitude_deg,
+            self.utc_offset_hours,
+            self.elevation,
+            self.place,
+        )
 
     def select(self, steps: slice | np.ndarray) -> "Weather":
         """Return some of the time steps, by slice or boolean mask."""

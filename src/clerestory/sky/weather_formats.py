@@ -1,61 +1,93 @@
-"""Weather files of every kind, told apart by their content."""
+"""Registry of weather file formats, recognised by their first lines.
+
+A further format is one line in `FORMATS` and the module of its reader.
+"""
 
 import importlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.epw import read_epw
-from clerestory.sky.radiation_networks import looks_like_surfrad, read_surfrad
-from clerestory.sky.tmy2 import looks_like_tmy2, read_tmy2
-from clerestory.sky.tmy3 import read_tmy3
+from clerestory.sky.radiation_networks import is_surfrad, read_surfrad
+from clerestory.sky.tmy2 import is_tmy2_header, read_tmy2
+from clerestory.sky.tmy3 import DATE, read_tmy3
 from clerestory.sky.wea import read_wea
 from clerestory.sky.weather import Weather
+
+Reader = Callable[[str | Path], Weather]
+
+# Characters at the beginning of a file by which its format is recognised
+_HEAD = 4000
+
+
+class WeatherFormat(NamedTuple):
+    """A weather file format.
+
+    Attributes
+    ----------
+    name : as messages name it
+    recognises : whether the first lines of a file are of this format
+    read : its reader
+    """
+
+    name: str
+    recognises: Callable[[list[str]], bool]
+    read: Reader
+
+
+FORMATS = (
+    WeatherFormat("EPW", lambda head: _begins(head, "location,"), read_epw),
+    WeatherFormat("WEA", lambda head: _begins(head, "place"), read_wea),
+    WeatherFormat("TMY2", lambda head: is_tmy2_header(head[0]), read_tmy2),
+    WeatherFormat(
+        "TMY3", lambda head: len(head) > 1 and head[1].startswith(DATE), read_tmy3
+    ),
+    WeatherFormat("SURFRAD", is_surfrad, read_surfrad),
+)
 
 
 def read_weather(path: str | Path) -> Weather:
     """Return the weather in an EPW, WEA, TMY2, TMY3, SURFRAD or station file.
 
-    The first lines tell which it is; the suffix does not matter, but for station
+    The format is recognised by the first lines, not by the suffix, except for station
     files (.toml), which describe files of measurements. Dates of typical years are
     written in the year 2023 (2024 where the file has a 29 February).
 
     Raises
     ------
-    InputError : the file is none of these, or one of them with a fault in it
+    InputError : the format is unknown, or the file has an error
     """
-    reader = _reader(path)
+    read = _reader(path)
     try:
-        return reader(path)
+        return read(path)
     except InputError as error:
-        # Faults that only show in the whole are the file's too
+        # Errors of the whole series do not know the file
         if error.file is not None:
             raise
         raise InputError(error.message, file=path) from error
 
 
-def _reader(path: str | Path) -> Callable[[str | Path], Weather]:
+def _reader(path: str | Path) -> Reader:
     if Path(path).suffix.lower() == ".toml":
-        # Tables of settings take long to load, which only station files should wait for
+        # Pydantic takes long to import and is needed for station files only
         station = importlib.import_module("clerestory.sky.station_file")
-        reader: Callable[[str | Path], Weather] = station.read_station
+        reader: Reader = station.read_station
         return reader
-    head = read_text(path)[:4000].splitlines()
-    first = head[0].lstrip().lower() if head else ""
-    if first.startswith("location,"):
-        return read_epw
-    if first.startswith("place"):
-        return read_wea
-    if len(head) > 1 and head[1].startswith("Date (MM/DD/YYYY)"):
-        return read_tmy3
-    if head and looks_like_tmy2(head[0]):
-        return read_tmy2
-    if looks_like_surfrad(head):
-        return read_surfrad
+    head = read_text(path)[:_HEAD].splitlines() or [""]
+    for one in FORMATS:
+        if one.recognises(head):
+            return one.read
+    *names, last = (one.name for one in FORMATS)
     raise InputError(
-        "unknown kind of weather file; EPW, WEA, TMY2, TMY3 or SURFRAD expected, or"
-        " a station file (.toml) that says how measurements are read",
+        f"unknown format of weather file; {', '.join(names)} or {last} expected, or a"
+        " station file (.toml) that describes a file of measurements",
         file=path,
         line=1,
     )
+
+
+def _begins(head: list[str], word: str) -> bool:
+    return head[0].lstrip().lower().startswith(word)

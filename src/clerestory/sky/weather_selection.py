@@ -1,4 +1,4 @@
-"""Parts of the weather: some days of the year, or the step of one moment."""
+"""Selection of weather: days of the year, or the step of one moment."""
 
 import re
 
@@ -19,7 +19,7 @@ def select_days(
 
     Raises
     ------
-    InputError : not such days, or none of the weather falls on them
+    InputError : malformed days, or no weather on them
     """
     for day in (first, last):
         if not re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])", day):
@@ -45,11 +45,11 @@ def select_moment(weather: Weather, moment: str) -> Weather:
 
     Raises
     ------
-    InputError : not such a moment, or the weather has no step for it
+    InputError : a malformed time, or no step of the weather at it
 
     Examples
     --------
-    The hour named by its middle, 11:30, lasts from 11:00 up to 12:00.
+    The hour with its centre at 11:30 is from 11:00 to 12:00.
 
     >>> hours = np.datetime64("2023-06-21T00:30", "s") + np.arange(24) * 3600
     >>> dark = np.zeros(24)

@@ -1,17 +1,17 @@
-"""What a weather file holds, in words."""
+"""Summary of a weather file as text."""
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.sky.quality_checks import weather_doubts
+from clerestory.sky.quality_checks import quality_problems
 from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.weather import Weather
 
 
 def describe_weather(weather: Weather) -> list[tuple[str, str]]:
-    """Return names and values: place, time, sums of light, repairs and doubts.
+    """Return names and values: site, times, annual irradiation, corrections, problems.
 
-    Sums are those of the steps there are, whatever is missing between them.
+    Sums are over the steps of the file; missing steps are not replaced.
     """
     level = weather.direct_normal * np.sin(np.maximum(sun_over(weather).altitude, 0))
     first, last = weather.times[[0, -1]].astype("datetime64[m]")
@@ -40,7 +40,7 @@ def describe_weather(weather: Weather) -> list[tuple[str, str]]:
     if weather.illuminance is not None:
         rows.append(("illuminance", "of sun and sky, from the file"))
     rows += [("repaired", note) for note in weather.notes]
-    rows += [("doubtful", doubt) for doubt in weather_doubts(weather)]
+    rows += [("doubtful", problem) for problem in quality_problems(weather)]
     return rows
 
 

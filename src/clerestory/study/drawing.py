@@ -7,7 +7,6 @@ import xarray as xr
 from jaxtyping import Float
 
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.appearance import colour
 from clerestory.scene.model import Scene
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.triangulate import triangulate
@@ -24,8 +23,9 @@ def room_drawing(scene: Scene) -> xr.Dataset:
         return xr.Dataset()
     corners, colours, names = [], [], []
     for mesh in meshes(scene):
+        shown = np.clip(mesh.material.display_colour(), 0, 1)
         corners.append(mesh.vertices[mesh.faces])
-        colours.append(np.tile(colour(mesh.material), (len(mesh.faces), 1)))
+        colours.append(np.tile(shown, (len(mesh.faces), 1)))
         names += [mesh.material.name] * len(mesh.faces)
     return xr.Dataset(
         {

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.errors import InputError
-from clerestory.phases.pictures import Camera
+from clerestory.phases.picture_matrices import Camera
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import read_view
 from clerestory.scene.model import Scene

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from clerestory import __version__
-from clerestory.engine.work import Executor, Local
+from clerestory.engine.effort import Effort
+from clerestory.engine.work_units import Executor, Local
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.store import Store, block_names
-from clerestory.phases.trace import Progress
+from clerestory.phases.matrix_store import Store, block_names
+from clerestory.progress import Progress
 from clerestory.scene.model import Scene
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
@@ -25,6 +26,9 @@ DIRECT, SUN, LAMPS, COEFFICIENTS = 0x10000, 0x20000, 0x30000, 0x40000
 
 # Apart the states of one window
 STATE = 0x100
+
+# Aimed at where a study asks for neither samples nor an error
+_RELATIVE_ERROR = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +69,19 @@ class Job:
     def seed(self, stream: int = 0) -> int:
         """Random numbers of one matrix, apart from those of the others."""
         return (self.study.trace.seed + stream) % 2**32
+
+    def effort(self, stream: int = 0) -> Effort:
+        """How long to trace, where, and with which random numbers."""
+        trace = self.study.trace
+        error = None if trace.samples else trace.relative_error or _RELATIVE_ERROR
+        return Effort(
+            samples=trace.samples,
+            relative_error=error,
+            bounces=trace.bounces,
+            seed=self.seed(stream),
+            device=self.executor.resolve(trace.device),
+            executor=self.executor,
+        )
 
     def options(self, stream: int = 0) -> dict[str, Any]:
         """How long to trace, and with which random numbers."""

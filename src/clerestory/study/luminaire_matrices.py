@@ -4,7 +4,7 @@ Luminaires light the room with the windows open and black: what falls on them is
 What else shines in the scene's files is left out.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
@@ -16,8 +16,9 @@ from clerestory.formats.photometry.read import read_luminaire
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.render import irradiance, render
+from clerestory.phases.rendering import irradiance, render
 from clerestory.radiance.rad_reader import read_rad
+from clerestory.scene.material import altered
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
 from clerestory.study.job import LAMPS, Job
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
@@ -105,7 +106,7 @@ def unlit(scene: Scene) -> Scene:
 
     def dark(material: Material) -> Material:
         if isinstance(material, Illum):
-            return dark(replace(material.alternate, name=material.name))
+            return dark(altered(material.alternate, name=material.name))
         if isinstance(material, Emitter):
             return Plastic(material.name, np.zeros(3))
         return material
@@ -170,7 +171,7 @@ def _shines(material: Material) -> bool:
 
 def _brighter(material: Material, factor: float) -> Material:
     if isinstance(material, Emitter):
-        return replace(material, radiance=factor * material.radiance)
+        return altered(material, radiance=factor * material.radiance)
     return material
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from clerestory.engine.work import Executor
+from clerestory.engine.work_units import Executor
 from clerestory.files import make_folder, write_text
-from clerestory.phases.store import MatrixStore
+from clerestory.phases.matrix_store import MatrixStore
 from clerestory.study.config import Study
 from clerestory.study.job import Display
 from clerestory.study.method_run import run_method

@@ -9,19 +9,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from clerestory.cluster.cluster import executor_at
-from clerestory.engine.foresight import Foreseen, Plan, foresee
+from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_store import MatrixStore, block_names
 from clerestory.phases.pooled import FEW
-from clerestory.phases.store import MatrixStore, block_names
-from clerestory.phases.trace import Progress
+from clerestory.progress import Progress
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.study_run import MATRIX_FOLDER
-from clerestory.study.tracing import needs_direct, trace_study
-from clerestory.study.view_tracing import trace_views
+from clerestory.study.study_tracing import needs_direct, trace_study
+from clerestory.study.view_matrices import trace_views
 
 # What a run holds beside matrices: libraries and kernels, and the sums of a block of
 # rows with their means and deviations [bytes]
@@ -77,7 +77,7 @@ class StudyPlan:
     device: str
     workers: int
     matrices: tuple[PlannedMatrix, ...]
-    later: Foreseen
+    later: JobCost
     results: int
     scene: int
     streamed: int = 0
@@ -195,7 +195,7 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
         store = PlannedStore(MatrixStore(Path(out) / MATRIX_FOLDER), plan)
         for method in study.methods:
             inputs = _walk_through(study.with_method(method), store, plan)
-        return _planned(study, inputs, store, foresee(plan))
+        return _planned(study, inputs, store, estimate_costs(plan))
 
 
 def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
@@ -203,7 +203,7 @@ def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
     inputs = read_inputs(study)
     job = Job(study, inputs, store, _silent, executor=plan)
     for view in trace_views(job, trace_study(job)):
-        for number, group in enumerate(inputs.groups if view.direct else ()):
+        for number, group in enumerate(inputs.groups if view.matrices.suns else ()):
             for state in range(len(group.states)):
                 view.sun(number, state)
     trace_lamps(job)
@@ -215,16 +215,16 @@ def _silent(_phase: str) -> Progress:
 
 
 def _planned(
-    study: Study, inputs: Inputs, store: PlannedStore, foreseen: Sequence[Foreseen]
+    study: Study, inputs: Inputs, store: PlannedStore, foreseen: Sequence[JobCost]
 ) -> StudyPlan:
     found, place = [], store.plan.place
     for entry in store.entries:
         cost = _together([foreseen[number] for number in entry.jobs])
         left = 1 - entry.kept
-        cost = Foreseen(round(cost.paths * left), cost.seconds * left)
+        cost = JobCost(round(cost.paths * left), cost.seconds * left)
         for file, matrix in zip(entry.files, entry.matrices, strict=True):
             found.append(_matrix(file, matrix, cost, entry))
-            cost = Foreseen(cost.paths, 0.0)
+            cost = JobCost(cost.paths, 0.0)
     within = {number for entry in store.entries for number in entry.jobs}
     later = [each for n, each in enumerate(foreseen) if n not in within]
     steps = len(inputs.weather.times)
@@ -240,10 +240,10 @@ def _planned(
 
 
 def _hour_bytes(study: Study) -> int:
-    # Illuminance and its error; the terms of the five-phase method, direct sun, lamps
+    # Illuminance and its error; the terms of the direct correction, direct sun, lamps
     variables = 2 + bool(study.lighting)
     if needs_direct(study):
-        variables += 1 + 3 * (study.method == "5-phase")
+        variables += 1 + 3 * study.corrected
     return 4 * variables + _TEXT * (study.output.csv + study.output.ill)
 
 
@@ -255,12 +255,12 @@ def _leaving(entry: _Entry, steps: int) -> int:
     return int(4 * channels * patches * (2 * FEW + 1) * steps // 2)
 
 
-def _together(parts: Sequence[Foreseen]) -> Foreseen:
-    return Foreseen(sum(p.paths for p in parts), sum(p.seconds for p in parts))
+def _together(parts: Sequence[JobCost]) -> JobCost:
+    return JobCost(sum(p.paths for p in parts), sum(p.seconds for p in parts))
 
 
 def _matrix(
-    file: str, matrix: TransferMatrix, cost: Foreseen, entry: _Entry
+    file: str, matrix: TransferMatrix, cost: JobCost, entry: _Entry
 ) -> PlannedMatrix:
     parts = (matrix.values, matrix.components)
     return PlannedMatrix(

@@ -5,7 +5,7 @@ from typing import Any
 
 from clerestory.cluster.cluster import executor_at
 from clerestory.files import make_folder
-from clerestory.phases.store import MatrixStore
+from clerestory.phases.matrix_store import MatrixStore
 from clerestory.study.config import Study
 from clerestory.study.job import Display
 from clerestory.study.method_comparison import compare_methods

@@ -3,8 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from clerestory.metrics.en17037_sunlight import hours_of_sun, reference_point
-from clerestory.phases.sunshine import sunshine
+from clerestory.metrics.en17037 import hours_of_sun, reference_point
+from clerestory.phases.sun_visibility import sun_visible
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.window import Window
 from clerestory.sky.solar_position import SunPosition, sun_position
@@ -37,7 +37,7 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
     reached = np.zeros((len(points), len(moments)), dtype=bool)
     # Not worth a cluster, whose devices may be others
     device = "auto" if study.trace.cluster else study.trace.device
-    seen = sunshine(inputs.scene, points, sun.directions()[high], device=device)
+    seen = sun_visible(inputs.scene, points, sun.directions()[high], device=device)
     reached[:, high] = seen & (_inwards(windows) @ sun.directions()[high].T < 0)
     each, room = hours_of_sun(reached, step_minutes=_STEP_MINUTES)
     return xr.Dataset(

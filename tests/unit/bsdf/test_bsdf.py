@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from clerestory.bands import Bands
 from clerestory.bsdf.analytic import clear_air, lambertian
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS
@@ -164,6 +165,24 @@ def test_luminance_of_colour_data_is_the_visible_channel():
     luminance = np.tensordot([0.265, 0.670, 0.065], rgb, axes=1)
     np.testing.assert_allclose(luminance, y * five.projected_solid_angles(), rtol=2e-3)
     assert rgb[0, 0, 0] > rgb[2, 0, 0]
+
+
+def test_bands_are_the_channels_of_their_names():
+    """A file with one block of data for each band; a band it lacks is refused."""
+    bands = Bands(("450 nm", "550 nm", "650 nm", "visible"))
+    tables = [random_table(seed) for seed in range(4)]
+    bsdf = Bsdf(
+        {
+            (name, "transmission_front"): ScatteringMatrix(table, FULL, FULL)
+            for name, table in zip(bands.names, tables, strict=True)
+        }
+    )
+    matrix = bsdf.transmission_matrix(bands=bands, window="south")
+    expected = np.stack(tables) * FULL.projected_solid_angles()
+    np.testing.assert_allclose(matrix.values, expected, rtol=1e-14)
+    assert (matrix.bands, matrix.rows.window) == (bands, "south")
+    with pytest.raises(InputError, match="has no solar transmission"):
+        bsdf.transmission_matrix(bands=Bands(("450 nm", "solar")))
 
 
 def test_colours_outside_the_primaries_stay_positive():

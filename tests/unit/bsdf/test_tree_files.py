@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.colorimetry import rgb_from_xyz
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import reciprocal_mean, to_matrices, to_trees
 from clerestory.bsdf.scattering_function import FUNCTIONS
@@ -16,6 +15,7 @@ from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.colorimetry import rgb_from_xyz
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.hemisphere.klems import klems
 

@@ -11,7 +11,6 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import (
     Plastic,
-    Plastic2,
     Polygon,
     Ring,
     Scene,
@@ -84,8 +83,8 @@ def test_equal_places_of_different_materials_are_no_mirror():
 
 
 def test_grain_and_unknown_shapes_have_no_mirror():
-    brushed = Plastic2(
-        "grey", np.full(3, 0.5), 0.1, np.array([0.1, 0.2]), np.array([1.0, 1, 0])
+    brushed = Plastic(
+        "grey", np.full(3, 0.5), 0.1, np.array([0.1, 0.2]), up=np.array([1.0, 1, 0])
     )
     assert mirrors(scene(SLAT, material=brushed), BOX) == NO_MIRROR
     ring = Ring(np.array([0.5, 1, -0.05]), np.array([0.0, 0, 1]), 0, 0.1, "grey")

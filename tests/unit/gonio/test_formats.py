@@ -155,7 +155,7 @@ def test_tabular_files_are_given_about_the_mirrored_direction(tmp_path):
         (pabopto(), "no incident direction"),
         (pabopto(head="#intheta x"), "scan.txt:4: 'x'; an angle"),
         (pabopto(head="#incident_angle 30 20", kind="XYZ"), "BSDF, BRDF or BTDF"),
-        (pabopto(PHI, THETA, head="#incident_angle 30 20"), "swapped"),
+        (pabopto(PHI, THETA, head="#incident_angle 30 20"), "exchanged"),
         (
             pabopto(head="#incident_angle 30 20", value=0 * VALUE),
             "no value is above zero",
@@ -164,7 +164,7 @@ def test_tabular_files_are_given_about_the_mirrored_direction(tmp_path):
         (pabopto(head="#incident_angle 30 20").replace("0.3", "0.3 1"), "4 columns; 3"),
         ("#incident_angle 30 20\n#format: theta phi BSDF\n", "no data"),
         (columns("watts"), "theta_i, phi_i, theta_s"),
-        (columns().replace(",40,", ",140,"), "swapped"),
+        (columns().replace(",40,", ",140,"), "exchanged"),
         (viavi().replace("30 200", "30"), "scan.txt:3: 1 columns; 2"),
         (fred().replace("30 200\n", ""), "no incident direction"),
         (fred().replace("angles=deg", "angles=rad"), "angles of 'rad'"),

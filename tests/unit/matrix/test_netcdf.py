@@ -140,14 +140,14 @@ def test_other_files_are_refused(tmp_path):
         b"#?RADIANCE\n",
     ):
         (tmp_path / "a.nc").write_bytes(content)
-        with pytest.raises(InputError, match="a whole matrix file expected"):
+        with pytest.raises(InputError, match="a complete matrix file expected"):
             read_netcdf(tmp_path / "a.nc")
 
 
 def test_results_of_other_programs_are_refused(tmp_path):
     path = tmp_path / "a.nc"
     xr.Dataset({"x": ("y", [1.0])}).to_netcdf(path, engine="h5netcdf")
-    with pytest.raises(InputError, match="not written by this package"):
+    with pytest.raises(InputError, match="not written by Clerestory"):
         read_netcdf(path)
     reseal(path)
     with pytest.raises(InputError, match="not a file of the format 'Clerestory"):
@@ -172,7 +172,7 @@ def test_missing_file_and_folder_are_told_apart(tmp_path):
 @pytest.mark.parametrize(
     ("attribute", "value", "message"),
     [
-        ("kind", "moon", "rows stand for 'moon'"),
+        ("kind", "moon", "rows of kind 'moon'"),
         ("ring_count", np.array([1, 8]), "one limit more than rings"),
         (
             "ring_count",
@@ -203,7 +203,7 @@ def test_values_that_are_not_in_the_file_are_refused(tmp_path):
             "values", ("channel", "row", "column"), "f8", chunks=(1, 1000, 1000)
         )
     reseal(path)
-    with pytest.raises(InputError, match="a whole file expected"):
+    with pytest.raises(InputError, match="a complete file expected"):
         read_netcdf(path)
 
 
@@ -225,5 +225,5 @@ def test_damaged_files_are_refused(tmp_path, cut, flip, byte):
     if content == whole:
         read_netcdf(path)
     else:
-        with pytest.raises(InputError, match="a whole matrix file expected"):
+        with pytest.raises(InputError, match="a complete matrix file expected"):
             read_netcdf(path)

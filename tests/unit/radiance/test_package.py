@@ -20,7 +20,7 @@ from clerestory.scene.model import (
     Glow,
     Illum,
     Interface,
-    Metal2,
+    Metal,
     Mirror,
     Mixture,
     Plastic,
@@ -28,7 +28,7 @@ from clerestory.scene.model import (
     Scene,
     Sphere,
     Spotlight,
-    Trans2,
+    Trans,
     Void,
     same_material,
 )
@@ -122,8 +122,8 @@ def test_every_material_and_surface_is_read_back(tmp_path):
     grey = Plastic("grey", np.full(3, 0.4), 0.02, 0.1)
     kinds = [
         grey,
-        Metal2("brushed", red, 0.5, np.array([0.1, 0.2]), up),
-        Trans2("film", red, 0.1, np.array([0.1, 0.2]), 0.4, 0.3, up),
+        Metal("brushed", red, 0.5, np.array([0.1, 0.2]), up=up),
+        Trans("film", red, 0.1, np.array([0.1, 0.2]), 0.4, 0.3, up=up),
         Dielectric("solid", np.array([0.9, 0.8, 0.7]), 1.5),
         Interface("sea", np.ones(3), 1.5, np.ones(3), 1.33),
         Mirror("looking_glass", red, grey),

@@ -201,7 +201,7 @@ def test_an_array_reads_its_file_once(read, monkeypatch):
         ("grey cone p 0 0 8 0 0 0 0 0 0 1 2", "two ends coincide; it is left out", 0),
         (
             "void plastic p 0 0 5 1.2 1 1 0 0",
-            "reflectance is 1.2, so it makes light",
+            "reflectance is 1.2, which creates energy",
             0,
         ),
         ("void plastic p 0 0 5 1 1 1 0 0.8", "roughness is 0.8", 0),

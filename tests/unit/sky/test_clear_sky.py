@@ -9,7 +9,7 @@ from clerestory.sky.clear_sky import (
     SOLAR_CONSTANT,
     clear_sky_irradiance,
     clear_sky_weather,
-    irradiance_outside,
+    extraterrestrial_irradiance,
 )
 from clerestory.sky.weather import Site
 
@@ -29,7 +29,7 @@ def test_irradiance_is_that_of_pvlib(turbidity, elevation):
         zenith, mass, turbidity, altitude=elevation, dni_extra=1400.0
     )
     direct, diffuse = clear_sky_irradiance(
-        altitude, outside=1400.0, turbidity=turbidity, elevation=elevation
+        altitude, extraterrestrial=1400.0, turbidity=turbidity, elevation=elevation
     )
     np.testing.assert_allclose(direct, theirs["dni"], rtol=1e-3)
     np.testing.assert_allclose(diffuse, theirs["dhi"], rtol=2e-3, atol=0.05)
@@ -41,7 +41,7 @@ def test_the_sun_outside_follows_its_distance():
     expected = pvlib.irradiance.get_extra_radiation(
         np.arange(1, 366, 30), method="spencer", solar_constant=SOLAR_CONSTANT
     )
-    np.testing.assert_allclose(irradiance_outside(days), expected, rtol=1e-6)
+    np.testing.assert_allclose(extraterrestrial_irradiance(days), expected, rtol=1e-6)
 
 
 def test_nights_are_dark_and_noons_bright():

@@ -70,7 +70,7 @@ def test_diffuse_above_global_is_cut_and_counted():
     )
     assert split.direct_normal.tolist() == [0, 0]
     assert split.diffuse_horizontal.tolist() == [100, 100]
-    assert split.notes == ("1 diffuse values above global cut to global",)
+    assert split.notes == ("1 diffuse values above global limited to global",)
 
 
 def test_light_at_night_is_set_to_zero_and_counted():
@@ -82,7 +82,7 @@ def test_light_at_night_is_set_to_zero_and_counted():
     )
     assert split.diffuse_horizontal.tolist() == [0, 6]
     assert split.direct_normal.tolist() == [0, 0]
-    assert "1 steps with light" in split.notes[0]
+    assert "1 steps with irradiance" in split.notes[0]
 
 
 @pytest.mark.parametrize("model", ["erbs", "dirint"])
@@ -167,7 +167,7 @@ def test_time_in_two_columns_and_a_format(write):
 def test_the_model_of_a_split_is_noted(write):
     columns = Columns("time", global_horizontal="GHI")
     weather = read_measured(write(GOOD), columns=columns, site=SITE)
-    assert weather.notes == ("global irradiance split into sun and sky by erbs",)
+    assert weather.notes == ("global irradiance decomposed by the erbs model",)
 
 
 def test_gaps_are_reported(write):

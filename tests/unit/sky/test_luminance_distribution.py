@@ -16,8 +16,7 @@ from clerestory.sky.luminance_distribution import (
     cie_general,
     horizontal_integral,
 )
-from clerestory.sky.perez_moment import perez_moment
-from clerestory.sky.point_sky import perez_point, sky_vector
+from clerestory.sky.point_sky import perez_moment, perez_point, sky_vector
 from clerestory.sky.sky_matrix import sky_matrix
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.sky.quality_checks import clock_shift, weather_doubts
+from clerestory.sky.quality_checks import clock_shift, quality_problems
 from clerestory.sky.solar_position import sun_position
 from clerestory.sky.weather import Weather
 from clerestory.sky.weather_selection import select_days, select_moment
@@ -48,7 +48,7 @@ def in_daylight_saving(weather, months):
 @pytest.mark.parametrize("latitude_deg", [60.0, 35.0, -35.0])
 def test_a_right_clock_is_not_doubted(latitude_deg):
     weather = made_year(latitude_deg)
-    assert weather_doubts(weather) == ()
+    assert quality_problems(weather) == ()
     assert clock_shift(weather).whole == pytest.approx(0, abs=0.1)
 
 
@@ -56,8 +56,8 @@ def test_a_right_clock_is_not_doubted(latitude_deg):
 def test_a_file_off_by_an_hour_is_told(hours, word):
     weather = made_year(utc_offset_hours=1.0 + hours)
     assert clock_shift(weather).whole == pytest.approx(hours, abs=0.1)
-    (doubt,) = weather_doubts(weather)[-1:]
-    assert f"the light is 1.0 h {word} against the sun" in doubt
+    (doubt,) = quality_problems(weather)[-1:]
+    assert f"irradiance is 1.0 h {word} against the sun" in doubt
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_a_file_off_by_an_hour_is_told(hours, word):
 def test_daylight_saving_time_is_told(latitude_deg, months):
     weather = in_daylight_saving(made_year(latitude_deg), list(months))
     assert clock_shift(weather).summer_less_winter == pytest.approx(-1, abs=0.25)
-    assert any("daylight saving" in doubt for doubt in weather_doubts(weather))
+    assert any("daylight saving" in doubt for doubt in quality_problems(weather))
 
 
 def test_climates_of_the_world_are_not_doubted_but_for_one(shared_data):
@@ -76,7 +76,7 @@ def test_climates_of_the_world_are_not_doubted_but_for_one(shared_data):
     doubted = {
         path.stem
         for path in (shared_data / "weather").glob("*.epw")
-        if weather_doubts(read_weather(path))
+        if quality_problems(read_weather(path))
     }
     assert doubted == {"mannheim"}
 
@@ -85,7 +85,7 @@ def test_missing_steps_are_counted():
     weather = made_year()
     keep = np.ones(8760, bool)
     keep[[100, 101, 102, 2000]] = False
-    (doubt,) = weather_doubts(weather.select(keep))
+    (doubt,) = quality_problems(weather.select(keep))
     assert doubt.startswith(
         "4 time steps are missing in 2 gaps (first: after 2023-01-05"
     )

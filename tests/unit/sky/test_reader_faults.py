@@ -98,7 +98,7 @@ WEA_FAULTS = {
         4,
         "'site_elevation' in the header; 'time_zone'",
     ),
-    "unknown units": ("units 1", "units 4", 6, "units 4; 1, 2 or 3 expected"),
+    "unknown units": ("units 1", "units 4", 6, "units 4; 1 .direct normal"),
     "not a number": ("300 120", "3OO 120", 7, "direct normal irradiance is '3OO'"),
     "row cut short": ("310 121", "310", 8, "4 fields; diffuse"),
     "31 April": ("3 21 11.5", "4 31 11.5", 7, "month 4, day 31"),

@@ -171,7 +171,7 @@ def test_a_year_cut_short_is_reported(write_epw):
     header = write_epw().read_text().split("DATA PERIODS")[0]
     header += "DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31\n"
     rows = [row(h, month=1, day=d) for d in (1, 2) for h in range(1, 25)]
-    with pytest.warns(ClerestoryWarning, match="stop at 2023-01-02.*48 steps are used"):
+    with pytest.warns(ClerestoryWarning, match="end at 2023-01-02.*48 steps are used"):
         read_weather(write_epw(rows, header))
 
 

@@ -8,7 +8,7 @@ import pytest
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import InputError, MatrixError
 from clerestory.sky.sky_conditions import sky_conditions
-from clerestory.sky.sun_matrix import share_suns, sun_matrix
+from clerestory.sky.sun_matrix import merge_suns, sun_matrix
 
 
 def test_without_tolerance_every_lit_step_has_its_sun(spring_day):
@@ -35,7 +35,7 @@ def test_a_shared_sun_is_within_the_tolerance(spring_day, tolerance_deg):
 def test_the_strongest_of_a_group_keeps_its_place():
     angle = np.radians([0.0, 1.0, 2.0, 10.0])
     directions = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
-    leader = share_suns(
+    leader = merge_suns(
         directions, np.array([5.0, 9.0, 1.0, 2.0]), tolerance=np.radians(1.5)
     )
     assert leader.tolist() == [1, 1, 1, 3]

@@ -1,30 +1,30 @@
-"""Radiance's materials as Mitsuba BSDF plugins, usable in anyone's scene.
+"""Materials of scenes as Mitsuba BSDF plugins, usable in any Mitsuba scene.
 
-Each plugin has its file, which says how it is described. They act alike on either
-side of a surface, as Radiance's do, but for `radiance_mirror` and the two media of
-`radiance_dielectric`. Parameters are opaque to the compiler, so that many instances
-share one kernel.
+Each plugin has one file, found by its presence in this folder. The file defines the
+plugin's name (`PLUGIN`), its class (`define`, because each variant of Mitsuba has a
+base class of its own) and how it takes parameters that are functions or BSDFs (`vary`).
+Radiance's materials act alike on both sides of a surface, except `radiance_mirror` and
+the two media of `radiance_dielectric`.
 
-`register` defines the plugins for the variant in use; Mitsuba's base class is another
-one in each variant. `plugin` describes a material of a scene, `load` makes it.
+Parameters are opaque to the compiler, so that many instances share one kernel.
 """
 
 from __future__ import annotations
 
-import mitsuba as mi
+import importlib
+import pkgutil
+from typing import TYPE_CHECKING
 
-from clerestory.engine.materials import (
-    dielectric,
-    glass,
-    mirror,
-    mixture,
-    plastic,
-    textured,
-    trans,
-)
+import mitsuba as mi
+import numpy as np
+
 from clerestory.engine.materials.coat import lamp_context
-from clerestory.engine.materials.credit import credited, glossy_context
-from clerestory.engine.materials.describe import load, plugin
+from clerestory.engine.materials.glossy_share import credited, glossy_context
+from clerestory.scene.material import Material
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from types import ModuleType
 
 __all__ = [
     "absorber",
@@ -32,18 +32,15 @@ __all__ = [
     "glossy_context",
     "lamp_context",
     "load",
-    "plugin",
     "register",
 ]
 
-_PLUGINS = {
-    "radiance_plastic": plastic,
-    "radiance_trans": trans,
-    "radiance_glass": glass,
-    "radiance_dielectric": dielectric,
-    "radiance_mirror": mirror,
-    "radiance_mixture": mixture,
-    "radiance_textured": textured,
+_MODULES = (
+    importlib.import_module(found.name)
+    for found in pkgutil.iter_modules(__path__, f"{__name__}.")
+)
+_PLUGINS: Mapping[str, ModuleType] = {
+    module.PLUGIN: module for module in _MODULES if hasattr(module, "PLUGIN")
 }
 
 _registered: set[str] = set()
@@ -57,6 +54,33 @@ def register() -> None:
     for name, module in _PLUGINS.items():
         mi.register_bsdf(name, module.define())
     _registered.add(variant)
+
+
+def load(material: Material, origin: np.ndarray | None = None) -> mi.BSDF:
+    """Return the Mitsuba BSDF that renders a material.
+
+    Parameters
+    ----------
+    origin : point of the scene that is at the device's origin [m]; None: the same point
+    """
+    origin = np.zeros(3) if origin is None else origin
+    plugin = material.plugin()
+    plain: dict[str, object] = {"type": plugin.name}
+    varied = {}
+    for name, value in plugin.parameters.items():
+        match value:
+            case Material():
+                plain[name] = load(value, origin)
+            case np.ndarray():
+                plain[name] = value.tolist()
+            case bool() | float() | int():
+                plain[name] = float(value)
+            case _:
+                varied[name] = value
+    made = mi.load_dict(plain)
+    for name, value in varied.items():
+        _PLUGINS[plugin.name].vary(made, name, value, origin)
+    return made
 
 
 def absorber() -> mi.BSDF:

@@ -16,14 +16,24 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import colour, number
+from clerestory.engine.materials.queries import completed
 
 # Extinction beyond this leaves nothing after a metre (dielectric.c, mylog)
 _DARKEST = 1e-40
 
 
+PLUGIN = "radiance_dielectric"
+
+
 def define() -> type:
     """Return the plugin's class for the current variant."""
 
+    @completed(
+        inside_transmissivity="inside",
+        outside_transmissivity="outside",
+        inside_index="inside_index",
+        outside_index="outside_index",
+    )
     class RadianceDielectric(mi.BSDF):
         """Specular reflection and refraction, with absorption on the way."""
 
@@ -75,30 +85,5 @@ def define() -> type:
                 -extinction * si.t
             )
             return bs, dr.select(active & (wi.z != 0), weight, 0)
-
-        def eval(self, ctx, si, wo, active=True):
-            return mi.Color3f(0)
-
-        def pdf(self, ctx, si, wo, active=True):
-            return mi.Float(0)
-
-        def eval_pdf(self, ctx, si, wo, active=True):
-            return mi.Color3f(0), mi.Float(0)
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return mi.Color3f(0), mi.Float(0), bs, weight
-
-        def traverse(self, callback):
-            for name, value in (
-                ("inside_transmissivity", self.inside),
-                ("outside_transmissivity", self.outside),
-                ("inside_index", self.inside_index),
-                ("outside_index", self.outside_index),
-            ):
-                callback.put(name, value, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return f"RadianceDielectric[{self.inside_index}, {self.outside_index}]"
 
     return RadianceDielectric

@@ -10,11 +10,17 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import Paint
+from clerestory.engine.materials.queries import completed
+from clerestory.engine.pattern_code import multiplier
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_glass"
 
 
 def define() -> type:
     """Return the plugin's class for the current variant."""
 
+    @completed(transmissivity="paint.colour", index="index")
     class RadianceGlass(mi.BSDF):
         """A thin pane: Fresnel reflection and absorption in both passes, no refraction.
 
@@ -80,26 +86,9 @@ def define() -> type:
         def eval_null_transmission(self, si, active=True):
             return self.coefficients(si)[1]
 
-        def eval(self, ctx, si, wo, active=True):
-            return mi.Color3f(0)
-
-        def pdf(self, ctx, si, wo, active=True):
-            return mi.Float(0)
-
-        def eval_pdf(self, ctx, si, wo, active=True):
-            return mi.Color3f(0), mi.Float(0)
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return mi.Color3f(0), mi.Float(0), bs, weight
-
-        def traverse(self, callback):
-            callback.put(
-                "transmissivity", self.paint.colour, mi.ParamFlags.Differentiable
-            )
-            callback.put("index", self.index, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return f"RadianceGlass[{self.paint.colour}, {self.index}]"
-
     return RadianceGlass
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour (`pattern`)."""
+    made.paint.pattern = multiplier(pattern, origin)

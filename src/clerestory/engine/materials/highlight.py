@@ -18,6 +18,9 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.pattern_code import multiplier, perturbation
+from clerestory.scene.pattern import Pattern
+
 # Radiance calls surfaces of smaller squared roughness smooth (normal.c, SP_PURE)
 _SMOOTHEST = 1e-6
 
@@ -142,3 +145,17 @@ class Highlight:
         turn_sin, turn_cos = dr.sincos(2 * dr.pi * sample.y)
         local = mi.Vector3f(sine * turn_cos, sine * turn_sin, 1 + fall)
         return mi.Frame3f(-wi).to_world(local)
+
+
+def vary_highlight(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour of a glossy plugin or the axis of its highlight.
+
+    Parameters
+    ----------
+    made : plugin with a `paint` and a `highlight`
+    name : `pattern` or `up`
+    """
+    if name == "up":
+        made.highlight.up = perturbation(pattern, origin)
+    else:
+        made.paint.pattern = multiplier(pattern, origin)

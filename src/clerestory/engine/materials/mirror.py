@@ -7,11 +7,17 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import Paint
+from clerestory.engine.materials.queries import completed
+from clerestory.engine.pattern_code import multiplier
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_mirror"
 
 
 def define() -> type:
     """Return the plugin's class for the current variant."""
 
+    @completed(reflectance="paint.colour")
     class RadianceMirror(mi.BSDF):
         """Specular reflection from the front; nothing from the back."""
 
@@ -29,23 +35,9 @@ def define() -> type:
             bs.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
             return bs, dr.select(active & (si.wi.z > 0), self.paint.at(si), 0)
 
-        def eval(self, ctx, si, wo, active=True):
-            return mi.Color3f(0)
-
-        def pdf(self, ctx, si, wo, active=True):
-            return mi.Float(0)
-
-        def eval_pdf(self, ctx, si, wo, active=True):
-            return mi.Color3f(0), mi.Float(0)
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return mi.Color3f(0), mi.Float(0), bs, weight
-
-        def traverse(self, callback):
-            callback.put("reflectance", self.paint.colour, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return f"RadianceMirror[{self.paint.colour}]"
-
     return RadianceMirror
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour (`pattern`)."""
+    made.paint.pattern = multiplier(pattern, origin)

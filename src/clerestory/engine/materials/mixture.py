@@ -10,11 +10,17 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import number
+from clerestory.engine.materials.queries import completed
+from clerestory.engine.pattern_code import share
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_mixture"
 
 
 def define() -> type:
     """Return the plugin's class for the current variant."""
 
+    @completed(amount="amount", foreground="foreground", background="background")
     class RadianceMixture(mi.BSDF):
         """Mean of two materials, weighted by the share of the foreground."""
 
@@ -71,23 +77,9 @@ def define() -> type:
             amount = self.share(si)
             return dr.lerp(other, value, amount), dr.lerp(other_pdf, pdf, amount)
 
-        def eval(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[0]
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[1]
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            value, pdf = self.eval_pdf(ctx, si, wo, active)
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return value, pdf, bs, weight
-
-        def traverse(self, callback):
-            callback.put("amount", self.amount, mi.ParamFlags.Differentiable)
-            callback.put("foreground", self.foreground, mi.ParamFlags.Differentiable)
-            callback.put("background", self.background, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return f"RadianceMixture[{self.foreground}, {self.background}]"
-
     return RadianceMixture
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the share of the foreground (`amount`)."""
+    made.pattern = share(pattern, origin)

@@ -16,14 +16,19 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
-from clerestory.engine.materials.credit import credited, only_glossy
-from clerestory.engine.materials.highlight import Highlight
+from clerestory.engine.materials.glossy_share import credited, only_glossy
+from clerestory.engine.materials.highlight import Highlight, vary_highlight
 from clerestory.engine.materials.properties import Paint, number
+from clerestory.engine.materials.queries import completed
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_plastic"
 
 
 def define() -> type:
     """Return the plugin's class for the current variant."""
 
+    @completed(reflectance="paint.colour", specularity="specularity")
     class RadiancePlastic(mi.BSDF):
         """Diffuse and specular reflection, alike on both sides."""
 
@@ -52,7 +57,7 @@ def define() -> type:
             return diffuse, specular, dr.select(strength > 0, chance, 0)
 
         def parts(self, ctx, si, wi, wo, active):
-            """BRDF × cosine, diffuse and glossy, and pdf; see `evaluate`."""
+            """BRDF × cosine, diffuse and glossy, and pdf, without the mirror's peak."""
             active = active & (wi.z > 0) & (wo.z > 0)
             diffuse, specular, chance = self.shares(si, wi.z)
             value, pdf = self.highlight.reflected(self.highlight.at(si), wi, wo)
@@ -63,11 +68,6 @@ def define() -> type:
             matt = diffuse * (0 if only_glossy(ctx) else dr.inv_pi * wo.z)
             pdf = dr.select(peak, 0, pdf * chance) + (1 - chance) * dr.inv_pi * wo.z
             return tuple(dr.select(active, each, 0) for each in (matt, value, pdf))
-
-        def evaluate(self, ctx, si, wi, wo, active):
-            """BRDF × cosine and pdf, without the mirror's peak; wi at z > 0."""
-            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
-            return matt + glossy, pdf
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             side = dr.sign(si.wi.z)
@@ -113,24 +113,12 @@ def define() -> type:
         def eval_pdf(self, ctx, si, wo, active=True):
             wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
             wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
-            return self.evaluate(ctx, si, wi, wo, active)
-
-        def eval(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[0]
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[1]
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            value, pdf = self.eval_pdf(ctx, si, wo, active)
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return value, pdf, bs, weight
-
-        def traverse(self, callback):
-            callback.put("reflectance", self.paint.colour, mi.ParamFlags.Differentiable)
-            callback.put("specularity", self.specularity, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return f"RadiancePlastic[{self.paint.colour}, {self.specularity}]"
+            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
+            return matt + glossy, pdf
 
     return RadiancePlastic
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour (`pattern`) or the highlight's axis (`up`)."""
+    vary_highlight(made, name, pattern, origin)

@@ -12,10 +12,17 @@ Reference: G. Ward, Radiance, src/rt/raytrace.c (raynormal).
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.materials.queries import completed
+from clerestory.engine.pattern_code import perturbation
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_textured"
+
 
 def define() -> type:
     """Return the plugin's class for the current variant."""
 
+    @completed(base="base")
     class RadianceTextured(mi.BSDF):
         """A nested material in a bent frame."""
 
@@ -68,36 +75,12 @@ def define() -> type:
             stays &= active
             return dr.select(stays, value, 0), dr.select(stays, pdf, 0)
 
-        def eval(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[0]
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[1]
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            value, pdf = self.eval_pdf(ctx, si, wo, active)
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return value, pdf, bs, weight
-
         def eval_null_transmission(self, si, active=True):
             return self.base.eval_null_transmission(self.bent(si), active)
-
-        def traverse(self, callback):
-            callback.put("base", self.base, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return f"RadianceTextured[{self.base}]"
 
     return RadianceTextured
 
 
-def plugin(base: "mi.BSDF", added) -> "mi.BSDF":
-    """Return a material that a function of the interaction bends the normal of.
-
-    Parameters
-    ----------
-    added : returns the vector of the scene that is added to the unit normal
-    """
-    made = mi.load_dict({"type": "radiance_textured", "base": base})
-    made.added = added
-    return made
+def vary(made, name: str, texture: Pattern, origin) -> None:
+    """Let a function perturb the normal (`texture`)."""
+    made.added = perturbation(texture, origin)

@@ -12,14 +12,24 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
-from clerestory.engine.materials.credit import credited
-from clerestory.engine.materials.highlight import Highlight
+from clerestory.engine.materials.glossy_share import credited
+from clerestory.engine.materials.highlight import Highlight, vary_highlight
 from clerestory.engine.materials.properties import Paint, number
+from clerestory.engine.materials.queries import completed
+from clerestory.scene.pattern import Pattern
+
+PLUGIN = "radiance_trans"
 
 
 def define() -> type:
     """Return the plugin's class for the current variant."""
 
+    @completed(
+        reflectance="paint.colour",
+        specularity="specularity",
+        transmission="transmission",
+        transmitted_specular="unscattered",
+    )
     class RadianceTrans(mi.BSDF):
         """Diffuse and specular reflection and transmission, alike on both sides."""
 
@@ -67,7 +77,7 @@ def define() -> type:
             return [dr.select(total > 0, each / total, 0) for each in strength]
 
         def parts(self, ctx, si, wi, wo, active):
-            """BSDF × cosine, diffuse and glossy, and pdf; see `evaluate`."""
+            """BSDF × cosine, diffuse and glossy, and pdf, without peaks."""
             active = active & (wi.z > 0) & (wo.z != 0)
             shares = self.shares(si, wi.z)
             chances = self.chances(shares)
@@ -95,11 +105,6 @@ def define() -> type:
             glossy = dr.select(reflects, back, through)
             pdf = dr.select(reflects, back_pdf, through_pdf)
             return tuple(dr.select(active, each, 0) for each in (matt, glossy, pdf))
-
-        def evaluate(self, ctx, si, wi, wo, active):
-            """BSDF × cosine and pdf, without peaks; wi on the side z > 0."""
-            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
-            return matt + glossy, pdf
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             side = dr.sign(si.wi.z)
@@ -174,29 +179,12 @@ def define() -> type:
         def eval_pdf(self, ctx, si, wo, active=True):
             wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
             wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
-            return self.evaluate(ctx, si, wi, wo, active)
-
-        def eval(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[0]
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[1]
-
-        def eval_pdf_sample(self, ctx, si, wo, sample1, sample2, active=True):
-            value, pdf = self.eval_pdf(ctx, si, wo, active)
-            bs, weight = self.sample(ctx, si, sample1, sample2, active)
-            return value, pdf, bs, weight
-
-        def traverse(self, callback):
-            for name, value in (
-                ("reflectance", self.paint.colour),
-                ("specularity", self.specularity),
-                ("transmission", self.transmission),
-                ("transmitted_specular", self.unscattered),
-            ):
-                callback.put(name, value, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return f"RadianceTrans[{self.paint.colour}, {self.transmission}]"
+            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
+            return matt + glossy, pdf
 
     return RadianceTrans
+
+
+def vary(made, name: str, pattern: Pattern, origin) -> None:
+    """Let a function vary the colour (`pattern`) or the highlight's axis (`up`)."""
+    vary_highlight(made, name, pattern, origin)

@@ -87,10 +87,6 @@ class Luminaire:
     watts : electric power
     keywords : what else the file says
     tilt : None if the output does not depend on tilt
-
-    Raises
-    ------
-    InputError : angles that do not grow or do not fit the type, a negative intensity
     """
 
     name: str
@@ -183,10 +179,6 @@ class Luminaire:
         Parameters
         ----------
         factor : on every intensity, and on the flux of the lamps
-
-        Raises
-        ------
-        InputError : a negative factor
         """
         if not (np.isfinite(factor) and factor >= 0):
             raise InputError(f"luminaire scaled by {factor}; 0 or more expected")

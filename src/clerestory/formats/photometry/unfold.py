@@ -17,10 +17,6 @@ def unfold_type_c(
     A quadrant (0 to 90°) is mirrored twice, a half (0 to 180°, 90 to 270° or -90 to
     90°) once; a single angle means that the horizontal angle does not matter.
 
-    Raises
-    ------
-    InputError : another range of angles
-
     Examples
     --------
     >>> angles, table = unfold_type_c(np.array([0.0, 90]), np.array([[1.0], [2.0]]))

@@ -1,12 +1,12 @@
-"""Files of pab-opto's goniophotometer pgII, as its program Mountain writes them.
+"""Files of pab-opto's goniophotometer pgII, as written by its program Mountain.
 
-Lines that start with # hold the header, all others θ, φ and a value, or three for
-CIE X, Y and Z. One file is one incident direction. θ is measured from the normal of
-the sample, from 0 to 180°; φ counts anticlockwise seen from that side. "upphi" says
-which φ is up. The values are BSDF, or DSF: BSDF times the cosine of θ.
+Lines that start with # hold the header; all other lines hold θ, φ and a value, or three
+values for CIE X, Y and Z. One file is one incident direction. θ is measured from the
+normal of the sample, from 0 to 180°; φ runs anticlockwise seen from that side. "upphi"
+is the φ of the up direction. The values are BSDF, or DSF: BSDF times the cosine of θ.
 
-The normal of the sample faces the room, or the sky if it is said so: then the sample
-is turned about its up axis, which keeps up where it is.
+The normal of the sample faces the room unless the caller says that it faces the sky;
+the sample is then turned about its up axis.
 
 Reference: manual page of Radiance's pabopto2bsdf, version 6.0a.
 """
@@ -15,7 +15,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -23,17 +22,26 @@ from jaxtyping import Float
 from clerestory.array_types import Directions, Points2, Vector
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
-from clerestory.files import read_text
 from clerestory.gonio.angles import from_degrees, upright
-from clerestory.gonio.formats.number_table import check_angles, number, table
+from clerestory.gonio.formats.file_format import (
+    Facing,
+    FileFormat,
+    FileHead,
+    ReadOptions,
+)
+from clerestory.gonio.formats.text_tables import (
+    Line,
+    check_angles,
+    number,
+    numbered_lines,
+    table,
+)
 from clerestory.gonio.scattering_measurement import Measurement, Scan
-
-Facing = Literal["room", "sky"]
 
 _CHANNELS = {"cie-y": ("visible",), "cie-xyz": ("cie-x", "visible", "cie-z")}
 _NAME = re.compile(r'sample_name\s*:?\s*"([^"]*)"')
 
-# Directions this near to the plane of the layer belong to either side [°].
+# Directions closer than this to the plane of the sample may be on either side [°].
 _GRAZING_DEG = 1e-3
 
 
@@ -48,7 +56,7 @@ class _File:
 
 @dataclass
 class _Header:
-    # What the lines with # say; None where they say nothing
+    # Values of the lines that start with #; None where they are missing
     theta: float | None = None
     phi: float | None = None
     up: float = 0.0
@@ -57,23 +65,11 @@ class _Header:
     name: str = ""
 
 
-def read_pabopto(
-    paths: Sequence[Path], *, facing: Facing = "room"
-) -> tuple[Measurement, ...]:
-    """Return the measurements in files of one sample: one per function and channel.
-
-    Parameters
-    ----------
-    facing : where the normal of the sample looks
-
-    Raises
-    ------
-    InputError : a file is not of this format, or lacks its incident direction
-    """
+def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
     groups: dict[tuple[Function, str], list[Scan]] = {}
     name = ""
     for path in paths:
-        file = _read(path, facing)
+        file = _read_file(path, options.facing)
         name = file.name or name
         incident = upright(file.incident)
         for channel, values in file.values.items():
@@ -85,8 +81,8 @@ def read_pabopto(
     )
 
 
-def _read(path: Path, facing: Facing) -> _File:
-    lines = list(enumerate(read_text(path).splitlines(), 1))
+def _read_file(path: Path, facing: Facing) -> _File:
+    lines = numbered_lines(path)
     header = _header(lines, path)
     if header.theta is None or header.phi is None:
         raise InputError(
@@ -111,7 +107,7 @@ def _read(path: Path, facing: Facing) -> _File:
     return _File(source, function, header.name, leaving, values)
 
 
-def _header(lines: list[tuple[int, str]], path: Path) -> _Header:
+def _header(lines: list[Line], path: Path) -> _Header:
     header = _Header()
     for place, line in lines:
         text = line.strip()
@@ -168,11 +164,19 @@ def _function(source: Vector, leaving: Directions, path: Path) -> Function:
     above, below = np.any(leaving[:, 2] > grazing), np.any(leaving[:, 2] < -grazing)
     if above and below:
         raise InputError(
-            "scattered directions lie on both sides of the sample; one side a file"
-            " expected: are the columns of θ and φ swapped?",
+            "scattered directions lie on both sides of the sample; one side per"
+            " file expected: are the columns of θ and φ exchanged?",
             file=path,
         )
     same = bool(above) == (side == "back")
     if side == "back":
         return "reflection_back" if same else "transmission_back"
     return "reflection_front" if same else "transmission_front"
+
+
+def _recognizes(head: FileHead) -> bool:
+    keys = ("#format", "#intheta", "#incident_angle", "#inphi", "#colorimetry")
+    return any(line.replace("# ", "#").startswith(keys) for line in head.lines)
+
+
+FORMAT = FileFormat("pabopto", _recognizes, _read)

@@ -1,13 +1,13 @@
-"""Raw tables of the J&C RT-300S scatterometer, a workbook of Excel 97.
+"""Raw tables of the J&C RT-300S scatterometer, in workbooks of Excel 97.
 
-Each column is one reading: rows name the azimuth A of the detector's plane, the angle
-of incidence I, the angle R of the detector and the reading RT, a share relative to a
-white standard. BRDF = RT / (π cos R). The mirror's direction is R = I at A = −90°, so
-that φ = 90° + A counts from it; the source stands opposite.
+Each column is one reading: rows give the azimuth A of the detector's plane, the angle
+of incidence I, the angle R of the detector and the reading RT, relative to a white
+standard. BRDF = RT / (π cos R). Mirror reflection is at R = I and A = −90°, so that φ =
+90° + A is counted from it; the source is opposite.
 
-The reading of an empty instrument has to be subtracted; without such a file readings
-below zero stay as they are. Near A = ±90° and R = −I the detector shadows the source:
-those readings are left out.
+The reading of the empty instrument must be subtracted; without a file of it negative
+readings are kept. The detector shadows the source near A = ±90° and R = −I: these
+readings are left out.
 
 References: M. Duque, thesis on the RT-300S, equation 4.6, and the processing of
 ua-loft/bsdf-tools, process_rt300s.m.
@@ -22,48 +22,40 @@ import xlrd
 from jaxtyping import Float
 
 from clerestory.array_types import Mask, Values
-from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 from clerestory.gonio.angles import from_degrees
+from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry
 
 _ROWS = ("azimuth", "incidence", "receive", "rt")
+# Signature at the start of workbooks of Excel 97, and sample rotation in file names
+_WORKBOOK = b"\xd0\xcf\x11\xe0"
 _ROTATION = re.compile(r"stageRotation(-?\d+)", re.IGNORECASE)
 
 # Shadow of the detector about the source [°]: ±30 in azimuth, ±10 in its own angle.
 _SHADOW_AZIMUTH, _SHADOW_ANGLE = 30.0, 10.0
 
-# A detector this near to the plane of the sample sees nothing [°].
+# Detector angle from which the sample is seen edge-on [°].
 _GRAZING = 89.0
 
 
-def read_rt300s(
-    paths: Sequence[Path],
-    *,
-    blank: Path | None = None,
-    function: Function = "reflection_front",
-) -> tuple[Measurement, ...]:
-    """Return the measurement in workbooks of one sample.
-
-    A name such as stageRotation30 says how far the sample was turned.
-
-    Parameters
-    ----------
-    blank : workbook of readings without a sample
-
-    Raises
-    ------
-    InputError : not such a workbook, or the blank was read at other angles
-    """
+def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
+    blank = options.blank
     empty = None if blank is None else _readings(blank)
     scans = tuple(scan for path in paths for scan in _scans(path, empty))
     notes = () if blank else ("no blank reading was subtracted",)
     turned = any(_ROTATION.search(path.name) for path in paths)
     claimed: Symmetry | None = None if turned else "isotropic"
     return (
-        Measurement(scans, function, name=paths[0].stem, claimed=claimed, notes=notes),
+        Measurement(
+            scans,
+            options.function or "reflection_front",
+            name=paths[0].stem,
+            claimed=claimed,
+            notes=notes,
+        ),
     )
 
 
@@ -74,7 +66,7 @@ def _readings(path: Path) -> Float[np.ndarray, "4 readings"]:
         columns = [_sheet(sheet) for sheet in book.sheets() if sheet.ncols > 1]
     except InputError as error:
         raise InputError(error.message, file=path) from error
-    except Exception as error:  # xlrd reports damage by many kinds of exception
+    except Exception as error:  # xlrd raises many kinds of exception
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
             f"not a workbook of Excel 97 ({reason[:80]}); one expected", file=path
@@ -88,7 +80,7 @@ def _readings(path: Path) -> Float[np.ndarray, "4 readings"]:
 
 
 class _Silent:
-    # Where xlrd writes its remarks
+    # Log file of xlrd whose messages are discarded
     def write(self, _text: str) -> None:
         pass
 
@@ -146,3 +138,6 @@ def _shadowed(azimuth: Values, incidence: float, receive: Values) -> Mask:
     near_plane = np.abs(azimuth) >= 90 - _SHADOW_AZIMUTH
     towards = -np.sign(azimuth) * receive
     return np.asarray(near_plane & (np.abs(towards + incidence) <= _SHADOW_ANGLE))
+
+
+FORMAT = FileFormat("rt300s", lambda head: head.data.startswith(_WORKBOOK), _read)

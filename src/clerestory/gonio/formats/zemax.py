@@ -1,13 +1,13 @@
 """Tabular BSDF of Radiant and Zemax: rotations × incidences × azimuths × radii.
 
-Scattered directions are given about where a mirror sends light: the radius is the angle
-to it, azimuth 0 points to the normal, and azimuths count anticlockwise. A sample
-rotation turns the incident direction the other way. Directions below the layer have no
-values but fill the table with zeros; they are left out, and so are zeros beyond the
-last value of a row, which stand for "not measured".
+Scattered directions are relative to the mirror direction: the radius is the angle to
+it, azimuth 0 points to the normal, and azimuths run anticlockwise. A sample rotation
+turns the incident direction the other way. Directions below the sample are zeros in the
+table and are left out, as are zeros beyond the last value of a row, which mean "not
+measured".
 
-"PlaneSymmetrical" files hold half the azimuths and are completed by their mirror image.
-One rotation means an isotropic sample.
+"PlaneSymmetrical" files hold half of the azimuths and are completed by mirror images. A
+single rotation means an isotropic sample. Of tristimulus files Y is read.
 
 References: R. Rykowski, "BSDF Data Interchange File Format Specification", Radiant
 Zemax 2008; the frame as derived in ua-loft/bsdf-tools, fred_frame_to_zemax.m.
@@ -23,22 +23,25 @@ from jaxtyping import Float
 from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
-from clerestory.files import read_text
 from clerestory.gonio.angles import angle_between, from_degrees, straight_on
-from clerestory.gonio.formats.number_table import check_angles, table
+from clerestory.gonio.formats.file_format import FileFormat, ReadOptions, single_file
+from clerestory.gonio.formats.text_tables import (
+    Line,
+    check_angles,
+    numbered_lines,
+    table,
+)
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry
 
 _AXES = ("SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial")
 _SYMMETRIES = ("planesymmetrical", "asymmetrical", "asymmetrical4d")
 
-# More values than any instrument writes, so that a wrong count cannot fill the memory.
+# Most values of a table; larger counts are damage.
 _MOST_VALUES = 50_000_000
 
-# Angles this near to each other are one direction given twice [rad].
+# Directions closer than this are the same one [rad].
 _SAME = 1e-6
-
-_Line = tuple[int, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,23 +52,10 @@ class _Table:
     values: Float[np.ndarray, "rotation incidence azimuth radius"]
 
 
-def read_zemax(
-    paths: Sequence[Path], *, side: str = "front"
-) -> tuple[Measurement, ...]:
-    """Return the measurement of one file; the Y of tristimulus files.
-
-    Parameters
-    ----------
-    side : of the layer that light meets, "front" or "back"
-
-    Raises
-    ------
-    InputError : the file is not of this format, or more than one is given
-    """
-    if len(paths) != 1:
-        raise InputError(f"{len(paths)} tabular files; one a measurement expected")
-    (path,) = paths
-    found = _read(path)
+def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
+    path = single_file(paths, "tabular BSDF")
+    side = "back" if (options.function or "").endswith("back") else "front"
+    found = _read_file(path)
     scans: list[Scan] = []
     for rotation, block in zip(found.axes[0], found.values, strict=True):
         if len(found.axes[0]) > 1 and rotation >= 360:
@@ -79,12 +69,9 @@ def read_zemax(
     return (Measurement(tuple(scans), function, name=path.stem, claimed=claimed),)
 
 
-def _read(path: Path) -> _Table:
-    lines = [
-        (k, text.strip())
-        for k, text in enumerate(read_text(path).splitlines(), 1)
-        if text.strip() and not text.lstrip().startswith("#")
-    ]
+def _read_file(path: Path) -> _Table:
+    numbered = numbered_lines(path, comment="#")
+    lines = [(number, text.strip()) for number, text in numbered]
     head = {words[0]: (k, words) for k, words in _heads(lines)}
     kind = _choice(head, "ScatterType", ("brdf", "btdf"), path)
     symmetry = _choice(head, "Symmetry", _SYMMETRIES, path)
@@ -113,7 +100,7 @@ def _read(path: Path) -> _Table:
     return _Table(kind, symmetry, axes, data.reshape(shape))
 
 
-def _heads(lines: list[_Line]) -> list[tuple[int, list[str]]]:
+def _heads(lines: list[Line]) -> list[tuple[int, list[str]]]:
     return [(k, text.split()) for k, text in lines if text[:1].isalpha()]
 
 
@@ -132,7 +119,7 @@ def _choice(
 
 
 def _axis(
-    lines: list[_Line], head: dict[str, tuple[int, list[str]]], key: str, path: Path
+    lines: list[Line], head: dict[str, tuple[int, list[str]]], key: str, path: Path
 ) -> Values:
     if key not in head:
         raise InputError(f"no {key}; a count and a line of angles expected", file=path)
@@ -149,7 +136,7 @@ def _axis(
     return np.asarray(angles[0])
 
 
-def _begin(lines: list[_Line], path: Path) -> int:
+def _begin(lines: list[Line], path: Path) -> int:
     marks = [
         k for k, (_, text) in enumerate(lines) if text.upper().startswith("DATABEGIN")
     ]
@@ -195,3 +182,8 @@ def _scan(
         points = np.concatenate([points, image[new]])
         bsdf = np.concatenate([bsdf, bsdf[new]])
     return Scan(source, points, bsdf, str(path))
+
+
+FORMAT = FileFormat(
+    "zemax", lambda head: head.has_line("samplerotation", "angleofincidence"), _read
+)

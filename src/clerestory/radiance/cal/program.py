@@ -94,10 +94,6 @@ class Program:
         nodes : expressions
         inputs : variables given, at least the scale S
         arguments : real arguments of the primitive
-
-        Raises
-        ------
-        InputError : a name without meaning, too few arguments, or a run out of bounds
         """
         faulty = np.zeros(len(inputs["S"]), dtype=bool)
         run = Run(self.definition, inputs, arguments, faulty)

@@ -49,12 +49,7 @@ def polygon(modifier: str, name: str, vertices: Float[np.ndarray, "vertices 3"])
 
 
 def quoted(word: str) -> str:
-    """Return a word in quotation marks if it needs them.
-
-    Raises
-    ------
-    InputError : a word that cannot stand in a scene file
-    """
+    """Return a word in quotation marks if it needs them."""
     plain = word and not any(letter.isspace() for letter in word)
     if plain and word[0] not in "\"'#!":
         return word

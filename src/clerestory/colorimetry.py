@@ -1,0 +1,168 @@
+"""Colorimetry: the CIE 1931 observer, RGB primaries and chromatic adaptation.
+
+Radiance's primaries have an equal-energy white (color.h). Another white is adapted by
+von Kries' rule in the sharpened space of Süsstrunk, Holm and Finlayson, "Chromatic
+adaptation performance of different RGB sensors", Proc. SPIE 4300 (2001).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bands import Bands
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.errors import InputError
+
+OBSERVER_NM = np.arange(380, 790, 10)
+# CIE 1931 colour-matching functions x, y, z every 10 nm (CIE 15:2004)
+OBSERVER: Float[np.ndarray, "3 wavelength"] = 1e-4 * np.array(
+    [
+        row.split()
+        for row in (
+            "14 42 143 435 1344 2839 3483 3362 2908 1954 956 320 49 93 633 1655 2904"
+            " 4334 5945 7621 9163 10263 10622 10026 8544 6424 4479 2835 1649 874 468"
+            " 227 114 58 29 14 7 3 2 1 0",
+            "0 1 4 12 40 116 230 380 600 910 1390 2080 3230 5030 7100 8620 9540 9950"
+            " 9950 9520 8700 7570 6310 5030 3810 2650 1750 1070 610 320 170 82 41 21 10"
+            " 5 2 1 1 0 0",
+            "65 201 679 2074 6456 13856 17471 17721 16692 12876 8130 4652 2720 1582 782"
+            " 422 203 87 39 21 17 11 8 3 2 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0",
+        )
+    ],
+    dtype=float,
+)
+
+_SHARP = np.array(
+    [
+        [1.2694, -0.0988, -0.1706],
+        [-0.8364, 1.8006, 0.0357],
+        [0.0297, -0.0315, 1.0018],
+    ]
+)
+
+
+@dataclass(frozen=True)
+class Primaries:
+    """Chromaticities x, y of red, green, blue and white.
+
+    Raises
+    ------
+    InputError : they span no colour space
+    """
+
+    red: tuple[float, float]
+    green: tuple[float, float]
+    blue: tuple[float, float]
+    white: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        points = np.array([self.red, self.green, self.blue, self.white])
+        if not np.isfinite(points).all() or (points[3] <= 0).any():
+            raise InputError("a white point of the primaries is not positive")
+        corners = np.column_stack([points[:3], 1 - points[:3].sum(axis=1)])
+        if np.linalg.cond(corners) > 1e6 or not self._scale().all():
+            raise InputError("the primaries span no colour space; a triangle expected")
+
+    def _corners(self) -> Float[np.ndarray, "3 3"]:
+        xy = np.array([self.red, self.green, self.blue], dtype=float)
+        return np.column_stack([xy, 1 - xy.sum(axis=1)]).T
+
+    def _scale(self) -> Float[np.ndarray, "3"]:
+        # Amounts of the primaries in white with Y = 1
+        scale: np.ndarray = np.linalg.solve(self._corners(), xyz_of(self.white))
+        return scale
+
+    def to_xyz(self) -> Float[np.ndarray, "3 3"]:
+        """Matrix from red, green, blue to XYZ in which white has Y = 1."""
+        matrix: np.ndarray = self._corners() * self._scale()
+        return matrix
+
+
+def xyz_of(white: tuple[float, float]) -> Float[np.ndarray, "3"]:
+    """XYZ of a chromaticity with Y = 1."""
+    x, y = white
+    return np.array([x / y, 1.0, (1 - x - y) / y])
+
+
+def adaptation(
+    source: tuple[float, float], target: tuple[float, float]
+) -> Float[np.ndarray, "3 3"]:
+    """Matrix in XYZ that takes one white point to another."""
+    ratio = (_SHARP @ xyz_of(target)) / (_SHARP @ xyz_of(source))
+    matrix: np.ndarray = np.linalg.solve(_SHARP, ratio[:, None] * _SHARP)
+    return matrix
+
+
+RADIANCE = Primaries((0.640, 0.330), (0.290, 0.600), (0.150, 0.060), (1 / 3, 1 / 3))
+
+# ITU-R BT.709 and sRGB (IEC 61966-2-1)
+SRGB = Primaries((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290))
+
+
+def conversion(source: Primaries, target: Primaries) -> Float[np.ndarray, "3 3"]:
+    """Matrix from the red, green and blue of one set of primaries to another.
+
+    >>> (conversion(RADIANCE, RADIANCE) @ np.ones(3)).round(9).tolist()
+    [1.0, 1.0, 1.0]
+    """
+    white = adaptation(source.white, target.white)
+    matrix: np.ndarray = np.linalg.solve(target.to_xyz(), white @ source.to_xyz())
+    return matrix
+
+
+def xyz_to_rgb() -> Float[np.ndarray, "3 3"]:
+    """Matrix from XYZ to Radiance's red, green and blue."""
+    matrix: np.ndarray = np.linalg.inv(RADIANCE.to_xyz())
+    return matrix
+
+
+def rgb_from_xyz(
+    xyz: Float[np.ndarray, "3 row column"],
+) -> Float[np.ndarray, "3 row column"]:
+    """Radiance's RGB of XYZ; colours outside its gamut are desaturated.
+
+    >>> rgb_from_xyz(np.full((3, 1, 1), 0.5)).ravel().round(6).tolist()
+    [0.5, 0.5, 0.5]
+    """
+    rgb = np.tensordot(xyz_to_rgb(), xyz, axes=1)
+
+    # Keep the luminance Y and add grey until no primary is negative
+    luminance, least = xyz[1], rgb.min(axis=0)
+    share = np.divide(
+        luminance, luminance - least, out=np.ones_like(least), where=least < 0
+    )
+    inside: Float[np.ndarray, "3 row column"] = np.maximum(
+        luminance + share * (rgb - luminance), 0
+    )
+    return inside
+
+
+def wavelength_bands(limits_nm: Sequence[float]) -> Bands:
+    """Return adjacent bands between wavelengths [nm].
+
+    The luminous efficacy of a band is its share of the photopic sensitivity of the
+    CIE 1931 observer, times 179 lm/W: a spectrum of one in all bands of the visible
+    range is white light.
+
+    >>> nine = wavelength_bands(range(380, 830, 45))
+    >>> nine.names[2], round(float(nine.weights.sum()), 6)
+    ('470-515 nm', 179.0)
+    """
+    limits = np.asarray(limits_nm, dtype=float)
+    if limits.ndim != 1 or len(limits) < 2 or not np.all(np.diff(limits) > 0):
+        raise InputError(
+            f"limits {limits.tolist()} nm; two or more, increasing, expected"
+        )
+    fine = np.arange(OBSERVER_NM[0], OBSERVER_NM[-1] + 1)
+    sensitivity = np.interp(fine, OBSERVER_NM, OBSERVER[1])
+    integral = np.append(0.0, np.cumsum(sensitivity[1:] + sensitivity[:-1]))
+    share = np.diff(np.interp(limits, fine, integral)) / integral[-1]
+    pairs = tuple(pairwise(limits.tolist()))
+    return Bands(
+        tuple(f"{low:g}-{high:g} nm" for low, high in pairs),
+        tuple((LUMINOUS_EFFICACY * share).tolist()),
+        pairs,
+    )

@@ -1,0 +1,64 @@
+"""How much of a distant light reaches points straight, through clear glass at most."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.direct_sun_jobs import BATCHES, UnscatteredJob
+from clerestory.engine.lower import lower
+from clerestory.engine.upload import launching, vectors
+from clerestory.engine.visibility import transmittance
+from clerestory.engine.work_units import Tracer, Unit
+from clerestory.scene.model import Scene
+
+
+def direct_transmittance(
+    scene: Scene,
+    points: Float[np.ndarray, "point 3"],
+    directions: Float[np.ndarray, "sun 3"],
+) -> Float[np.ndarray, "point sun"]:
+    """Return the share of light from far away that comes straight to each point.
+
+    Parameters
+    ----------
+    points : [m]
+    directions : unit vectors to where the light comes from
+    """
+    origin = points.mean(axis=0)
+    count = len(directions)
+    with launching():
+        model = lower(scene, origin=origin)
+        start = vectors(mi.Point3f, np.repeat(points - origin, count, axis=0))
+        towards = vectors(mi.Vector3f, np.tile(directions, (len(points), 1)))
+        share = transmittance(
+            model, start, lambda origin: mi.Ray3f(origin, towards), mi.Bool(True)
+        )
+        found = np.asarray(dr.mean(share))
+    return np.broadcast_to(found, len(points) * count).reshape(-1, count).astype(float)
+
+
+def prepare_unscattered(job: UnscatteredJob) -> Tracer:
+    """Return what traces light that glass at most passes, to sensors."""
+    origin = job.sensors.position.mean(axis=0)
+    model = lower(job.scene, origin=origin)
+
+    def trace(unit: Unit) -> Float[np.ndarray, "row column batch 3"]:
+        rows, columns = len(unit.rows), len(unit.columns)
+        normal = job.sensors.direction[unit.rows]
+        flat = job.directions[unit.columns].reshape(-1, 3)
+        point = np.repeat(job.sensors.position[unit.rows] - origin, len(flat), axis=0)
+        with launching():
+            start = vectors(mi.Point3f, point)
+            towards = vectors(mi.Vector3f, np.tile(flat, (rows, 1)))
+            share = transmittance(
+                model, start, lambda origin: mi.Ray3f(origin, towards), mi.Bool(True)
+            )
+            dr.eval(share)
+            found = share.numpy()
+        share = np.broadcast_to(found, (3, rows * len(flat))).reshape(3, rows, -1)
+        light = share * np.maximum(normal @ flat.T, 0)
+        shape = 3, rows, columns, BATCHES, job.points
+        return np.moveaxis(light.reshape(shape).mean(axis=-1), 0, -1).astype(float)
+
+    return trace

@@ -1,0 +1,83 @@
+"""Tracer of the radiance that patches emit into a room, by direction.
+
+Rays start just before a patch, in the room, and meet it against the direction of the
+light. Suns that they would meet straight through are left out: pictures sample suns
+through illums.
+"""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from clerestory.engine.exiting_radiance import ExitingRadianceJob
+from clerestory.engine.illumination import Illumination
+from clerestory.engine.path_tracer import SAMPLED_AT_START, segments_of
+from clerestory.engine.portals import Portals, window_rectangles
+from clerestory.engine.radiance_tracers import tracer_of
+from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers
+from clerestory.engine.sinks import RadianceSink
+from clerestory.engine.upload import on_device, vectors
+from clerestory.engine.work_units import Tracer
+
+# How far before the patch rays start [m]
+_BEFORE = 1e-3
+
+# Hashed numbers of the point in a patch
+_POINT = 0x40000
+
+
+def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
+    """Return what traces the radiance of directions of patches."""
+    patches = job.patches
+    origin = patches.corner.reshape(-1, 3).mean(axis=0)
+    portals = Portals.uniform(window_rectangles(job.scene, origin))
+    tracer, sink = Illumination.of(job.scene, origin).tracer(portals), RadianceSink()
+    limit = segments_of(job.bounces)
+    corner = vectors(mi.Point3f, patches.corner[:, 0] - origin)
+    edge_u = vectors(mi.Vector3f, patches.corner[:, 1] - patches.corner[:, 0])
+    edge_v = vectors(mi.Vector3f, patches.corner[:, 2] - patches.corner[:, 0])
+    axes = [vectors(mi.Vector3f, patches.frame[:, i]) for i in range(3)]
+    first = on_device(mi.UInt32, patches.first)
+    # The number of the patch and the share of its area, growing over all triangles
+    number = np.repeat(np.arange(len(patches.frame)), np.diff(patches.first))
+    cumulative = on_device(mi.Float, number + patches.cumulative)
+    count = len(patches.corner)
+    rings, sectors = (dr.opaque(mi.UInt32, n) for n in (job.rings, job.sectors))
+    dr.make_opaque(corner, edge_u, edge_v, axes, first, cumulative)
+
+    def radiance(numbers: PathNumbers, row):
+        sector, ring = row % sectors, row // sectors % rings
+        patch = row // (sectors * rings)
+        u, v, pick = (numbers.hashed(_POINT + n) for n in range(3))
+
+        # A point of the patch, by area
+        low = dr.gather(mi.UInt32, first, patch)
+        high = dr.gather(mi.UInt32, first, patch + 1)
+        place = mi.Float(patch) + pick
+        triangle = dr.binary_search(
+            0, count - 1, lambda i: dr.gather(mi.Float, cumulative, i) <= place
+        )
+        triangle = dr.clip(mi.UInt32(triangle), low, high - 1)
+        fold = u + v > 1
+        u, v = dr.select(fold, 1 - u, u), dr.select(fold, 1 - v, v)
+        point = dr.gather(mi.Point3f, corner, triangle)
+        point += dr.gather(mi.Vector3f, edge_u, triangle) * u
+        point += dr.gather(mi.Vector3f, edge_v, triangle) * v
+
+        # A direction of the ring and sector, by projected solid angle
+        step = 0.5 * dr.pi / mi.Float(rings)
+        inner = dr.square(dr.sin(mi.Float(ring) * step))
+        outer = dr.square(dr.sin((mi.Float(ring) + 1) * step))
+        share = numbers.sobol(DIRECTION_U)
+        sine2 = dr.lerp(inner, outer, share)
+        turn = mi.Float(sector) + numbers.sobol(DIRECTION_V)
+        turn = turn * (2 * dr.pi / mi.Float(sectors)) - dr.pi
+        sine, (s, c) = dr.safe_sqrt(sine2), dr.sincos(turn)
+        across, along, normal = (dr.gather(mi.Vector3f, a, patch) for a in axes)
+        leaving = (across * c + along * s) * sine + normal * dr.safe_sqrt(1 - sine2)
+        ray = mi.Ray3f(point + normal * _BEFORE, -leaving)
+        path = tracer.path(ray, 1, SAMPLED_AT_START)
+        segments = dr.opaque(mi.UInt32, limit)
+        return tracer.trace(sink, sink.begin(), path, numbers, segments, mi.Bool(True))
+
+    return tracer_of(radiance, job.seed, job.batches)

@@ -1,0 +1,278 @@
+"""BSDF files as a Mitsuba plugin: `{"type": "bsdf_file", "filename": "blind.xml"}`.
+
+The plugin scatters by the visible data of a `Bsdf`, matrices or tensor trees, from
+both sides, and adds diffuse reflection and transmission as Radiance's material does.
+Directions are turned into the frame of the layer by the surface's normal, which
+points into the room, and the up vector.
+
+With `peak`, light that passes unscattered (Radiance's aBSDF) leaves the data: it
+goes straight on as through a pane, and shadow rays may pass.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_function import FUNCTIONS, OTHER_SIDE, Function
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.colorimetry import rgb_from_xyz
+from clerestory.engine.materials.properties import colour
+from clerestory.engine.materials.queries import completed
+from clerestory.engine.matrix_table import MatrixTable
+from clerestory.engine.peak_extraction import PeakTable
+from clerestory.engine.tree_table import TreeTable
+
+Table = MatrixTable | TreeTable
+
+_REVERSE = [FUNCTIONS.index(OTHER_SIDE.get(name, name)) for name in FUNCTIONS]
+
+
+def scattering_table(bsdf: Bsdf) -> Table:
+    """Return the visible functions of a layer as a table for kernels."""
+    bsdf = bsdf.tabulated()
+    parts = [_colours(bsdf, name) for name in FUNCTIONS]
+    trees = [p for p in parts if p is not None and isinstance(p[0], ScatteringTree)]
+    if trees and len({p[0].rank for p in trees}) == 1 == len(
+        {isinstance(p[0], ScatteringTree) for p in parts if p is not None}
+    ):
+        return TreeTable(parts, _REVERSE)
+    return MatrixTable(_matrices(bsdf))
+
+
+def forward_table(bsdf: Bsdf, name: Function = "transmission_front") -> Table:
+    """Return a transmission as a table that is drawn from for the light that enters.
+
+    It is the reciprocal function: what the table calls leaving is where the light
+    comes from, and what it calls incident where it goes.
+    """
+    bsdf = bsdf.tabulated()
+    parts = _colours(bsdf, name)
+    if parts is not None and isinstance(parts[0], ScatteringTree):
+        if parts[0].rank == 3:
+            # Function 0 is read from function 1 with directions exchanged
+            return TreeTable([None, parts], [1, 0])
+        return TreeTable([tuple(part.reciprocal() for part in parts)], [0])
+    matrices = _matrices(bsdf)[FUNCTIONS.index(name)]
+    return MatrixTable([tuple(part.reciprocal() for part in matrices)])
+
+
+def _colours(bsdf: Bsdf, name: Function):
+    # The trees or matrices of a function: X, Y, Z in colour, else Y alone
+    if not bsdf.has(name):
+        return None
+    part = bsdf.scattering(name)
+    if isinstance(part, ScatteringTree) and bsdf.in_colour(name):
+        return bsdf.xyz(name)
+    # What rank 3 knows of one side only is read in reverse by the table
+    known = isinstance(part, ScatteringTree | ScatteringMatrix)
+    return (part,) if known else None
+
+
+def _matrices(bsdf: Bsdf):
+    # All functions on the patches of the first, in colour if the file is
+    first = next(name for name in FUNCTIONS if bsdf.has(name))
+    like = bsdf.function(first)
+    found = []
+    for name in FUNCTIONS:
+        if not bsdf.has(name):
+            found.append(None)
+            continue
+        parts = bsdf.xyz(name) if bsdf.in_colour(name) else (bsdf.scattering(name),)
+        tables = [part.average(like.exits, like.incidents) for part in parts]
+        if len(tables) == 3:
+            tables = list(rgb_from_xyz(np.stack(tables)))
+        found.append(
+            tuple(ScatteringMatrix(t, like.exits, like.incidents) for t in tables)
+        )
+    return found
+
+
+@dataclass
+class Added:
+    """Diffuse parts beside the data: reflection of front and back, transmission.
+
+    Front is the side of the normal, the room.
+    """
+
+    front: "mi.Color3f"
+    back: "mi.Color3f"
+    transmission: "mi.Color3f"
+
+
+PLUGIN = "bsdf_file"
+
+
+def define() -> type:
+    """Return the plugin's class for the variant in use."""
+
+    @completed(up="up")
+    class BsdfFile(mi.BSDF):
+        """Scattering by the data of a BSDF file, with added diffuse parts."""
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            self.m_components = [
+                mi.BSDFFlags.GlossyReflection | sides,
+                mi.BSDFFlags.GlossyTransmission | sides,
+                mi.BSDFFlags.DiffuseReflection | sides,
+                mi.BSDFFlags.DiffuseTransmission | sides,
+            ]
+            up = props.get("up", mi.ScalarPoint3f(0, 0, 1))
+            self.up = mi.Vector3f([float(c) for c in np.ravel(up)])
+            self.added = Added(
+                *(
+                    colour(props, name, 0.0)
+                    for name in ("front", "back", "transmission")
+                )
+            )
+            dr.make_opaque(self.up)
+            self.sharp = bool(props.get("peak", False))
+            self.peak = None
+            filename = props.get("filename", "")
+            if filename:
+                self.take(read_bsdf(filename))
+            self._flag()
+
+        def _flag(self):
+            flags = self.m_components[0]
+            for component in self.m_components[1:]:
+                flags = flags | component
+            self.m_flags = flags
+
+        def take(self, bsdf):
+            """Scatter by a `Bsdf`."""
+            bsdf = bsdf.tabulated()
+            self.table = scattering_table(bsdf)
+            if self.sharp:
+                self.peak = PeakTable(bsdf)
+                sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+                self.m_components = [*self.m_components, mi.BSDFFlags.Null | sides]
+            self._flag()
+
+        def turned(self, si):
+            """Return the frame of the layer at a hit; black where up is the normal."""
+            normal = si.sh_frame.n
+            right = dr.cross(self.up, normal)
+            length = dr.norm(right)
+            right *= dr.select(length > 1e-6, 1 / length, 0)
+            return mi.Frame3f(right, dr.cross(normal, right), normal)
+
+        def split(self, si, wo):
+            """Return both directions in the layer's frame, and whether it has one."""
+            frame = self.turned(si)
+            wi = frame.to_local(si.sh_frame.to_world(si.wi))
+            oriented = dr.squared_norm(frame.s) > 0.5
+            return wi, frame.to_local(si.sh_frame.to_world(wo)), oriented
+
+        def parts(self, wi):
+            """Return the functions on the side of wi, and the chance of each part."""
+            room = wi.z > 0
+            transmission = dr.select(room, mi.UInt32(0), mi.UInt32(1))
+            reflection = dr.select(room, mi.UInt32(3), mi.UInt32(2))
+            passed = self.table.gathered(transmission, wi)
+            mirrored = self.table.gathered(reflection, wi)
+            spread = dr.max(dr.select(room, self.added.front, self.added.back))
+            through = dr.max(self.added.transmission)
+            straight = mi.Float(0)
+            if self.peak is not None:
+                straight = dr.max(self.peak.transmittance(wi))
+            total = passed + mirrored + spread + through + straight
+            scale = dr.select(total > 0, 1 / total, 0)
+            chances = [passed, mirrored, spread, through, straight]
+            return transmission, reflection, [c * scale for c in chances]
+
+        def evaluate(self, si, wo, active):
+            """BSDF × cosine and pdf, without what passes straight."""
+            wi, wo, oriented = self.split(si, mi.Vector3f(wo))
+            transmission, reflection, chance = self.parts(wi)
+            same = wi.z * wo.z > 0
+            function = dr.select(same, reflection, transmission)
+            value, density = self.table.evaluate(function, wo, wi)
+            value = self.table.colour(value)
+            if self.peak is not None:
+                value = dr.select(same, value, self.peak.without(value, wi, wo))
+            added = dr.select(wi.z > 0, self.added.front, self.added.back)
+            value += dr.select(same, added, self.added.transmission) * dr.inv_pi
+            pdf = dr.select(same, chance[1], chance[0]) * density
+            pdf += dr.select(same, chance[2], chance[3]) * dr.inv_pi
+            cosine = dr.abs(wo.z)
+            active = active & oriented & (cosine > 0) & (wi.z != 0)
+            return (
+                dr.select(active, value * cosine, 0),
+                dr.select(active, pdf * cosine, 0),
+            )
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            frame = self.turned(si)
+            wi = frame.to_local(si.sh_frame.to_world(si.wi))
+            transmission, reflection, chance = self.parts(wi)
+            edge = [chance[0]]
+            for share in chance[1:]:
+                edge.append(edge[-1] + share)
+            through = sample1 < edge[0]
+            mirrored = (sample1 >= edge[0]) & (sample1 < edge[1])
+            scattered = through | mirrored
+            diffuse = sample1 < edge[2]
+            straight = sample1 >= edge[3]
+            opposite = through | ((sample1 >= edge[2]) & ~straight)
+
+            function = dr.select(mirrored, reflection, transmission)
+            u, v = sample2.x, sample2.y
+            disc, _, _ = self.table.sample(function, wi, u, v)
+            even = mi.warp.square_to_cosine_hemisphere(sample2)
+            disc = dr.select(scattered, disc, mi.Point2f(even.x, even.y))
+            height = dr.safe_sqrt(1 - dr.squared_norm(disc))
+            side = dr.select(opposite, -1.0, 1.0) * dr.sign(wi.z)
+            wo = mi.Vector3f(disc.x, disc.y, height * side)
+            wo = si.sh_frame.to_local(frame.to_world(wo))
+            value, pdf = self.evaluate(si, wo, active)
+            weight = dr.select(pdf > 0, value / pdf, 0)
+            kind = dr.select(
+                scattered,
+                dr.select(
+                    through,
+                    mi.UInt32(+mi.BSDFFlags.GlossyTransmission),
+                    mi.UInt32(+mi.BSDFFlags.GlossyReflection),
+                ),
+                dr.select(
+                    diffuse,
+                    mi.UInt32(+mi.BSDFFlags.DiffuseReflection),
+                    mi.UInt32(+mi.BSDFFlags.DiffuseTransmission),
+                ),
+            )
+            if self.peak is not None:
+                wo = dr.select(straight, -si.wi, wo)
+                passed = self.peak.transmittance(wi) / chance[4]
+                weight = dr.select(straight, passed, weight)
+                pdf = dr.select(straight, chance[4], pdf)
+                kind = dr.select(straight, mi.UInt32(+mi.BSDFFlags.Null), kind)
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = wo
+            bs.pdf = dr.select(active, pdf, 0)
+            bs.eta = 1.0
+            bs.sampled_type = kind
+            bs.sampled_component = mi.UInt32(0)
+            valid = active & (pdf > 0)
+            return bs, dr.select(valid, mi.Color3f(weight), 0)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            return self.evaluate(si, wo, active)
+
+        def eval_null_transmission(self, si, active=True):
+            if self.peak is None:
+                return mi.Color3f(0)
+            wi = self.turned(si).to_local(si.sh_frame.to_world(si.wi))
+            return self.peak.transmittance(wi)
+
+    return BsdfFile
+
+
+def vary(made, name: str, bsdf: Bsdf, origin) -> None:
+    """Scatter by the functions of a `Bsdf`."""
+    made.take(bsdf)

@@ -1,0 +1,68 @@
+"""What was built on the device for one job, and serves the next as well.
+
+A scene of millions of triangles takes longer to build than the daylight matrix of
+one window behind it takes to trace. So what a preparation builds stays on the cache
+of its executor: the next one takes it from there if it asks for the same, and
+otherwise all that it has not taken is let go *before* anything new is built.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
+
+_in_use: ContextVar["SceneCache | None"] = ContextVar("cache", default=None)
+
+
+class SceneCache:
+    """Keeps what the last preparation built.
+
+    Examples
+    --------
+    >>> cache = SceneCache()
+    >>> built = []
+    >>> for name in ("hall", "hall", "room"):
+    ...     with cache.preparing():
+    ...         _ = cached((name,), lambda: built.append(name))
+    >>> built
+    ['hall', 'room']
+    """
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[object, ...], Any] = {}
+        self._former: set[tuple[object, ...]] = set()
+
+    @contextmanager
+    def preparing(self) -> Iterator[None]:
+        """Serve `cached` meanwhile; what nobody asked for is let go at the end."""
+        self._former = set(self._kept)
+        token = _in_use.set(self)
+        try:
+            yield
+        finally:
+            _in_use.reset(token)
+            self._let_go()
+
+    def take(self, key: tuple[object, ...], build: Callable[[], Any]) -> Any:
+        """Return what was built for a key, or build it."""
+        self._former.discard(key)
+        if key not in self._kept:
+            self._let_go()
+            self._kept[key] = build()
+        return self._kept[key]
+
+    def _let_go(self) -> None:
+        for key in self._former:
+            del self._kept[key]
+        self._former = set()
+
+
+def cached(key: tuple[object, ...], build: Callable[[], Any]) -> Any:
+    """Return what was built for a key, or build it; without a cache, always build.
+
+    Parameters
+    ----------
+    key : all that it depends on; scenes and windows are compared by identity
+    """
+    cache = _in_use.get()
+    return build() if cache is None else cache.take(key, build)

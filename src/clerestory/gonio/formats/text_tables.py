@@ -1,0 +1,117 @@
+"""Numbers in the lines of text files, and the scans that they describe."""
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Values
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.gonio.angles import from_degrees
+from clerestory.gonio.scattering_measurement import Scan
+
+Line = tuple[int, str]
+
+_SEPARATOR = re.compile(r"[,;\s]+")
+
+# Largest polar angle of scattered light [°]; 90° would lie in the plane of the sample.
+_LARGEST_THETA_DEG = 89.99
+
+
+def numbered_lines(path: Path, *, comment: str | None = None) -> list[Line]:
+    """Return the lines of a file that are not blank, with their numbers from 1.
+
+    Parameters
+    ----------
+    comment : text at the start of lines that are left out
+    """
+    return [
+        (number, text)
+        for number, text in enumerate(read_text(path).splitlines(), 1)
+        if text.strip() and not (comment and text.lstrip().startswith(comment))
+    ]
+
+
+def number(text: str, *, what: str, file: str | Path, line: int) -> float:
+    """Return the finite number of a text.
+
+    >>> number("0.5", what="a BSDF value", file="a.txt", line=3)
+    0.5
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{text[:40]!r}; {what} expected", file=file, line=line)
+    return value
+
+
+def table(
+    lines: Iterable[Line], *, columns: int, what: str, file: str | Path
+) -> Float[np.ndarray, "rows columns"]:
+    """Return the numbers of lines of equal length; blank lines and # lines are skipped.
+
+    >>> table([(1, "1, 2"), (2, "3 4")], columns=2, what="pairs", file="a.txt").tolist()
+    [[1.0, 2.0], [3.0, 4.0]]
+    """
+    rows: list[list[float]] = []
+    for place, text in lines:
+        line = text.strip()
+        if not line or line.startswith("#"):
+            continue
+        words = _SEPARATOR.split(line)
+        if len(words) != columns:
+            raise InputError(
+                f"{len(words)} columns; {columns} expected: {what}",
+                file=file,
+                line=place,
+            )
+        rows.append([number(word, what=what, file=file, line=place) for word in words])
+    if not rows:
+        raise InputError(f"no data; lines of {what} expected", file=file)
+    return np.array(rows)
+
+
+def check_angles(
+    theta_deg: Values, *, most: float, file: str | Path, what: str = "θ"
+) -> None:
+    """Refuse polar angles outside 0…most [°], a sign of exchanged columns."""
+    wrong = (theta_deg < 0) | (theta_deg > most)
+    if np.any(wrong):
+        value = float(theta_deg[wrong][0])
+        raise InputError(
+            f"{what} of {value:g}°; 0 to {most:g}° expected: are the columns of θ and"
+            " φ exchanged?",
+            file=file,
+        )
+
+
+def scan_of_rows(
+    incident: Sequence[float], data: Float[np.ndarray, "rows 3"], path: Path
+) -> Scan:
+    """Return the scan of an incident θ and φ [°] and rows of θ, φ [°] and BSDF [1/sr].
+
+    φ of incident and scattered light is counted from the same axis.
+    """
+    check_angles(np.array(incident[:1]), most=90, file=path, what="incident θ")
+    check_angles(data[:, 0], most=90, file=path)
+    leaving = from_degrees(np.minimum(data[:, 0], _LARGEST_THETA_DEG), data[:, 1])
+    return Scan(from_degrees(*incident), leaving, data[:, 2], str(path))
+
+
+def scan_of_block(lines: Sequence[Line], path: Path, *, scale: float = 1.0) -> Scan:
+    """Return the scan of a line of incident θ and φ [°] and lines of θ, φ and BSDF.
+
+    A mirror reflects light to the φ of the incident light: φ of the incident direction
+    is that of travel.
+    """
+    (theta, phi), *_ = table(
+        lines[:1], columns=2, what="incident θ and φ [°]", file=path
+    )
+    data = table(lines[1:], columns=3, what="θ, φ [°] and BSDF [1/sr]", file=path)
+    return scan_of_rows((float(theta), float(phi) + 180), data * [1, 1, scale], path)

@@ -1,0 +1,167 @@
+"""Façade matrices: shades that stand off the window, such as awnings and grates.
+
+    F  exterior patches of the window × exterior patches of a port     facade_matrix
+
+*Ports* are openings that together close the space between the window, the wall and
+all of the shade. They are windows themselves, whose front faces that space. Light
+enters by a port and reaches the window by way of the shade:
+
+    I = V T F D S                                           four phases
+    I = V T F D S − V_d T F_d D_d S_ds + C_ds S_sun         six phases
+
+with D from the sky to the ports. Another shade is another F: V and D stay. The sum
+of F D over the ports stands wherever the D of a window does, so that `three_phase`
+and `five_phase` become the methods of four and six phases.
+
+Reference: S. Subramaniam, Daylighting simulations with Radiance using matrix-based
+methods, LBNL, 2017, chapter 7; the F matrix is due to G. Ward (2015).
+"""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Unpack
+
+import numpy as np
+
+from clerestory.engine.effort import EffortKeywords
+from clerestory.engine.facade_jobs import trace_facade
+from clerestory.errors import ClerestoryWarning, MatrixError
+from clerestory.matrix.axis import window_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.traced_matrices import (
+    by_window,
+    matrix_effort,
+    require_distinct,
+    warn_if_short,
+)
+from clerestory.scene.model import Scene
+from clerestory.scene.window import Window
+
+
+def facade_matrix(
+    scene: Scene,
+    window: Window,
+    port: Window,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Façade matrix of one port: radiance of window patches per radiance of its own.
+
+    See `facade_matrices`.
+    """
+    effort = matrix_effort(facade_matrix, keywords)
+    return facade_matrices(scene, window, [port], effort=effort)[port.name]
+
+
+def facade_matrices(
+    scene: Scene,
+    window: Window,
+    ports: Sequence[Window],
+    **keywords: Unpack[EffortKeywords],
+) -> dict[str, TransferMatrix]:
+    """Façade matrices of several ports, traced at once, by the name of the port.
+
+    Rows of a window with nothing between it and ports that close the space before it
+    sum to one, over all ports. What passes beside the ports is lost.
+
+    Parameters
+    ----------
+    scene : what light meets on its way from the ports to the window
+    window : polygons whose front faces the room
+    ports : openings whose front faces the window; each orientation is one of its own
+    samples : paths per window patch
+    relative_error : instead of samples: standard error to reach for the window's
+        irradiance from one patch of the ports, as root mean square over all of them,
+        relative to the mean patch
+    bounces : most reflections on the way, as Radiance's -ab; no limit by default
+
+    The other parameters are those of `view_matrix`.
+
+    Raises
+    ------
+    InputError : samples and relative_error both given, or a number out of range; a
+        port has the name of another one or of the window
+    DeviceError : no usable device
+
+    Examples
+    --------
+    >>> from clerestory.directions import Frame
+    >>> from clerestory.hemisphere.klems import klems
+    >>> from clerestory.scene.model import Polygon, Scene
+    >>> frame = Frame.from_normal_up(np.eye(3)[1], np.eye(3)[2])
+    >>> def pane(name, size, y):
+    ...     corners = [[-1, y, -1], [-1, y, 1], [1, y, 1], [1, y, -1]]
+    ...     vertices = np.array(corners) * [size, 1, size]
+    ...     return Window(name, (Polygon(vertices, "", ""),), frame, klems("quarter"))
+    >>> window, port = pane("window", 1, 0.0), pane("port", 500, -1.0)
+    >>> F = facade_matrix(Scene(), window, port, samples=64, device="cpu")
+    >>> F.values.shape, round(float(F.values[0, 0].sum()), 6)
+    ((1, 41, 41), 1.0)
+    """
+    require_distinct([window, *ports])
+    effort = matrix_effort(facade_matrices, keywords)
+    estimate = trace_facade(scene, window, tuple(ports), effort)
+    warn_if_short(estimate, f"façade matrix of {window.name!r}", effort)
+    rows = window_axis("exterior", window.partition, window.name)
+    found = by_window(estimate, rows, ports, "exterior", scene.bands)
+    for name, matrix in found.items():
+        if estimate.paths and not matrix.values.any():
+            warnings.warn(
+                f"no light of port {name!r} reaches window {window.name!r}; a port"
+                " whose front faces the window expected",
+                ClerestoryWarning,
+                stacklevel=2,
+            )
+    return found
+
+
+def facade_daylight(
+    facade: Mapping[str, TransferMatrix], daylight: Mapping[str, TransferMatrix]
+) -> TransferMatrix:
+    """Daylight matrix of a window behind its shade: Σ F D over the ports.
+
+    Parameters
+    ----------
+    facade : F of each port, from one call of `facade_matrices`
+    daylight : D of each port, from `daylight_matrices`
+
+    Raises
+    ------
+    MatrixError : other ports on one side, or matrices that do not fit
+    """
+    if not facade or facade.keys() != daylight.keys():
+        raise MatrixError(
+            f"façade matrices of ports {', '.join(facade) or 'none'}, daylight"
+            f" matrices of {', '.join(daylight) or 'none'}; the same ports expected"
+        )
+    return joint_sum([facade[port] @ daylight[port] for port in facade])
+
+
+def joint_sum(terms: Sequence[TransferMatrix]) -> TransferMatrix:
+    """Sum of matrices, some of whose factors were traced together.
+
+    Error components of one number are added before they are squared: right where they
+    come from the same paths, and free of bias where they are independent. Where the
+    numbers of components differ, the terms are independent.
+
+    Raises
+    ------
+    MatrixError : rows or columns differ
+    """
+    total = terms[0]
+    for term in terms[1:]:
+        joint = _joint_components(total, term)
+        total = total + term
+        if joint is not None:
+            total = replace(total, components=joint)
+    return total
+
+
+def _joint_components(one: TransferMatrix, other: TransferMatrix) -> np.ndarray | None:
+    # None where they are no pairs
+    if one.components is None or other.components is None:
+        return None
+    if len(one.components) != len(other.components):
+        return None
+    joint: np.ndarray = one.components + other.components
+    return joint

@@ -1,0 +1,219 @@
+"""Pictures by matrices: view matrices of pixels, and direct suns.
+
+    V      pixels × interior patches   picture_view_matrices
+    V_d    the same, direct            picture_view_matrices(direct=True)
+    C_ds   pixels × suns               picture_sun_coefficients
+
+Their products with skies are in `picture_series`. Coefficients are radiance per unit
+radiance of patches, and radiance per direct normal irradiance of suns [1/sr]. In the
+direct parts light reaches the eye from a window itself or from the one surface that it
+shines on: C_F-ds and C_R-ds of the extended five-phase method are one matrix here, as
+V_d times both material maps is.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Unpack
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.bands import RGB, Bands
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
+from clerestory.engine.effort import EffortKeywords
+from clerestory.engine.matrix_jobs import trace_pixel_view
+from clerestory.errors import InputError
+from clerestory.image.picture import Picture
+from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.sun_coefficients import check_window, sun_effort
+from clerestory.phases.traced_matrices import (
+    matrix_effort,
+    require_distinct,
+    warn_if_short,
+)
+from clerestory.scene.model import Scene
+from clerestory.scene.view import View
+from clerestory.scene.window import Window
+
+# Batches of a pixel: enough to judge its error, few enough for memory
+_BATCHES = 4
+
+# Paths per pixel and sun, where they are not asked for
+_SUN_SAMPLES = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A view and the size of its picture.
+
+    Raises
+    ------
+    InputError : no pixels, or too many of them
+    """
+
+    view: View
+    columns: int
+    rows: int
+
+    def __post_init__(self) -> None:
+        if self.columns < 1 or self.rows < 1 or len(self) > 1 << 24:
+            raise InputError(
+                f"a picture of {self.columns} × {self.rows} pixels; 1 to 2^24 expected"
+            )
+
+    def __len__(self) -> int:
+        return self.columns * self.rows
+
+    def picture(
+        self,
+        radiance: Float[np.ndarray, "band pixel"],
+        *header: str,
+        bands: Bands = RGB,
+    ) -> Picture:
+        """Return the picture with the given radiance of its pixels."""
+        pixels = np.moveaxis(radiance, 0, -1).reshape(self.rows, self.columns, -1)
+        values = pixels.astype(np.float32)
+        return Picture(values, view=self.view, header=header, bands=bands)
+
+
+def picture_view_matrices(
+    scene: Scene,
+    windows: Sequence[Window],
+    camera: Camera,
+    *,
+    direct: bool = False,
+    **keywords: Unpack[EffortKeywords],
+) -> dict[str, TransferMatrix]:
+    """View matrices of a picture by window name: radiance of pixels per patch's.
+
+    Parameters
+    ----------
+    scene : what light meets on its way from the windows to the eye, without them
+    windows : polygons whose front faces the room
+    direct : V_d instead of V: nothing but the windows, and what they shine on
+    samples : paths per pixel
+    relative_error : instead of samples: root mean square of the pixels' standard
+        errors to reach under windows of uniform radiance, over their mean
+    bounces : most diffuse reflections, as Radiance's -ab; no limit by default
+
+    The other parameters are those of `view_matrix`.
+    """
+    require_distinct(windows)
+    effort = matrix_effort(picture_view_matrices, keywords)
+    effort = replace(effort, batches=effort.batches or _BATCHES, components=False)
+    estimate = trace_pixel_view(
+        scene,
+        tuple(windows),
+        camera.view,
+        camera.columns,
+        camera.rows,
+        effort,
+        direct=direct,
+    )
+    warn_if_short(estimate, "view matrix of the picture", effort)
+    found, first = {}, 0
+    for window in windows:
+        columns = window_axis("interior", window.partition, window.name)
+        part = estimate.values[:, :, first : first + columns.size]
+        # Pictures have all bands; those of grey rooms are equal
+        shape = len(scene.bands), *part.shape[1:]
+        values = np.broadcast_to(part.astype(np.float32), shape)
+        pixels = pixel_axis(len(camera))
+        found[window.name] = TransferMatrix(values, pixels, columns, bands=scene.bands)
+        first += columns.size
+    return found
+
+
+SunPictures = Callable[
+    [Int[np.ndarray, " sun"]], Float[np.ndarray, "channel pixel sun"]
+]
+
+
+def sun_pictures(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    camera: Camera,
+    *,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    **keywords: Unpack[EffortKeywords],
+) -> SunPictures:
+    """Return a function that traces direct-sun coefficients of a picture when asked.
+
+    It takes numbers of suns and returns their coefficients; see
+    `picture_sun_coefficients`. A year has thousands of suns, more than memory holds.
+    """
+    effort = sun_effort(sun_pictures, keywords, samples=_SUN_SAMPLES)
+    number = check_window(windows, window, bsdf, suns)
+    if scene.bands != RGB and bsdf.in_colour("transmission_front"):
+        raise InputError(
+            f"the BSDF is in {RGB}, the scene in {scene.bands}; a BSDF that is the same"
+            " in all bands expected",
+            file=bsdf.source,
+        )
+    behind = suns @ windows[number].frame.normal < 0
+    job = PixelSunJob(
+        scene,
+        tuple(windows),
+        number,
+        bsdf,
+        camera.view,
+        camera.columns,
+        camera.rows,
+        suns,
+        peak=peak,
+        samples=effort.samples or _SUN_SAMPLES,
+        seed=effort.seed,
+        device=effort.resolved_device(),
+    )
+
+    # Nothing is traced yet, but a plan takes note
+    accepted = effort.executor.accepts(job, effort.goal)
+
+    def coefficients(asked: np.ndarray) -> np.ndarray:
+        shape = len(scene.bands), len(camera), len(asked)
+        if not accepted:
+            return np.broadcast_to(np.float32(0), shape)
+        values = np.zeros(shape, np.float32)
+        lit = behind[asked]
+        if lit.any():
+            chosen = asked[lit]
+            values[..., lit] = trace_pixel_sun(
+                job, chosen, executor=effort.executor, progress=effort.progress
+            )
+        return values
+
+    return coefficients
+
+
+def picture_sun_coefficients(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    camera: Camera,
+    *,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Direct-sun coefficients of a picture: radiance per normal irradiance [1/sr].
+
+    What the window shows of the sun (C_F-ds) and what the room's surfaces reflect of
+    it (C_R-ds). See `sun_coefficients` for the parameters.
+
+    Parameters
+    ----------
+    samples : paths per pixel and sun
+    """
+    effort = sun_effort(picture_sun_coefficients, keywords, samples=_SUN_SAMPLES)
+    trace = sun_pictures(
+        scene, windows, window, bsdf, camera, suns=suns, peak=peak, effort=effort
+    )
+    values = trace(np.arange(len(suns)))
+    axes = pixel_axis(len(camera)), sun_axis(len(suns))
+    return TransferMatrix(values, *axes, bands=scene.bands)

@@ -1,0 +1,171 @@
+"""Pictures and illuminances at one instant, by tracing paths through the scene.
+
+The scene holds everything: surfaces, lamps, and a sky and sun as sources at infinity,
+as `gensky` and `gendaylit` describe them. Every pixel and sensor has a standard error.
+"""
+
+from dataclasses import dataclass
+from typing import Unpack
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory import __version__
+from clerestory.bands import RGB, Bands
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
+from clerestory.engine.radiance_jobs import trace_irradiance, trace_picture
+from clerestory.engine.work_units import Goal
+from clerestory.errors import InputError
+from clerestory.image.picture import Picture, Quantity
+from clerestory.phases.traced_matrices import (
+    require_gather,
+    require_sensors,
+    warn_if_short,
+)
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.view import View
+
+# Used when neither samples nor an error is asked for
+_DEFAULT = Goal(samples=None, relative_error=0.02)
+
+
+@dataclass(frozen=True, eq=False)
+class Rendering:
+    """A picture and its standard errors.
+
+    Attributes
+    ----------
+    picture : radiance of the pixels [W/(m²·sr)], or irradiance [W/m²]
+    error : standard error of each value
+    paths : traced in all
+    """
+
+    picture: Picture
+    error: Float[np.ndarray, "row column band"]
+    paths: int
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """Irradiance of sensors at one instant.
+
+    Attributes
+    ----------
+    irradiance : in each band [W/m²]
+    error : standard error of each value
+    paths : traced in all
+    bands : spectral bands of the scene
+    """
+
+    irradiance: Float[np.ndarray, "sensor band"]
+    error: Float[np.ndarray, "sensor band"]
+    paths: int
+    bands: Bands = RGB
+
+    def illuminance(self) -> Float[np.ndarray, " sensor"]:
+        """Illuminance of each sensor [lux]."""
+        return self.bands.photometric(self.irradiance)
+
+
+def render(
+    scene: Scene,
+    view: View,
+    *,
+    columns: int,
+    rows: int,
+    **keywords: Unpack[EffortKeywords],
+) -> Rendering:
+    """Trace a picture.
+
+    Parameters
+    ----------
+    scene : surfaces and all that lights them
+    view : camera; pixels outside its projection stay black
+    columns, rows : size of the picture; see `View.size_for`
+    samples : paths per pixel
+    relative_error : instead of samples: root mean square of the pixels' standard
+        errors to reach, over their mean; 0.02 if neither is given
+    bounces : most diffuse reflections, as Radiance's -ab; no limit by default
+    seed : whole number ≥ 0; the same seed on the same device gives the same bits
+    device : "auto" takes a GPU if there is one
+    executor : where the work is done, such as a `Cluster`; this process by default
+    progress : called with the share done, 0…1, and a note
+
+    Raises
+    ------
+    InputError : samples and relative_error both given, or a number out of range
+    DeviceError : no usable device
+    """
+    effort = effort_of(render, keywords, default=_DEFAULT)
+    return _picture(scene, view, columns, rows, effort, "radiance")
+
+
+def render_irradiance(
+    scene: Scene,
+    view: View,
+    *,
+    columns: int,
+    rows: int,
+    **keywords: Unpack[EffortKeywords],
+) -> Rendering:
+    """Trace a picture of the irradiance of what is seen, as rpict -i does [W/m²].
+
+    Panes and solids of glass are looked through. Pixels that show the sky or a lamp
+    are 0. The gather of a surface is the first bounce, as that of a sensor. See
+    `render` for the parameters.
+    """
+    effort = effort_of(render_irradiance, keywords, default=_DEFAULT)
+    require_gather(effort, "surface")
+    return _picture(scene, view, columns, rows, effort, "irradiance")
+
+
+def _picture(
+    scene: Scene,
+    view: View,
+    columns: int,
+    rows: int,
+    effort: Effort,
+    quantity: Quantity,
+) -> Rendering:
+    if columns < 1 or rows < 1 or columns * rows > 1 << 26:
+        raise InputError(
+            f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected"
+        )
+    _check_light(scene)
+    lit = trace_picture(scene, view, columns, rows, effort, quantity=quantity)
+    warn_if_short(lit, "picture", effort)
+    picture = Picture(
+        lit.value.reshape(rows, columns, -1).astype(np.float32),
+        view=view,
+        header=(f"SOFTWARE= clerestory {__version__}",),
+        quantity=quantity,
+        bands=scene.bands,
+    )
+    return Rendering(picture, lit.error.reshape(rows, columns, -1), lit.paths)
+
+
+def irradiance(
+    scene: Scene,
+    sensors: Sensors,
+    **keywords: Unpack[EffortKeywords],
+) -> Gathered:
+    """Trace the irradiance of sensors under the scene's own sky and lamps [W/m²].
+
+    The relative error is reached at every sensor; those darker than 1 % of the mean
+    are judged as if they had that much. See `render` for the other parameters.
+    """
+    effort = effort_of(irradiance, keywords, default=_DEFAULT)
+    require_sensors(sensors, effort)
+    _check_light(scene)
+    lit = trace_irradiance(scene, sensors, effort)
+    warn_if_short(lit, "irradiance", effort)
+    return Gathered(lit.value, lit.error, lit.paths, scene.bands)
+
+
+def _check_light(scene: Scene) -> None:
+    shining = [m for m in scene.materials.values() if hasattr(m, "radiance")]
+    if not shining:
+        raise InputError(
+            "nothing in the scene shines; a light, a glow or a sky expected"
+        )

@@ -1,0 +1,143 @@
+"""Direct-sun coefficients, and black scenes for the direct parts of the phases.
+
+    C_ds  sensors × suns   irradiance per direct normal irradiance
+
+The scene is black in every direct part: light comes straight from the sky through
+the window to the sensor, and is scattered by the window alone.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Unpack
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine.direct_sun_jobs import SunJob, trace_sun
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
+from clerestory.engine.work_units import Goal
+from clerestory.errors import InputError
+from clerestory.matrix.axis import sensor_axis, sun_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.scene.model import Plastic, Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.window import Window
+
+# Paths per sensor and sun, where they are not asked for
+_SAMPLES = 64
+
+# Efforts that the number of paths per sun takes the place of
+_WITHOUT = ("relative_error", "bounces", "batches", "components")
+
+_BLACK = Plastic("black", np.zeros(3))
+
+
+def blackened(scene: Scene) -> Scene:
+    """Return the scene with all its surfaces black, and nothing at infinity."""
+    return Scene(
+        {"black": _BLACK},
+        tuple(replace(surface, material="black") for surface in scene.surfaces),
+    )
+
+
+def sun_coefficients(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    *,
+    sensors: Sensors,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Direct-sun coefficients C_ds of one window: irradiance per normal irradiance.
+
+    Suns behind the window's wall have none. The sun's disc is 0.533° wide.
+
+    Parameters
+    ----------
+    scene : what stands in the way, outside and inside
+    windows : all windows; those beside the one asked for stand in the way
+    window : name of the window asked for
+    bsdf : of this window, matrix or tensor tree, as fine as it is known
+    sensors : points and directions of irradiance sensors, on the room side
+    suns : unit vectors to the suns
+    peak : whether light that the BSDF passes straight is kept as sharp as the sun
+        (as Radiance's aBSDF does)
+    samples : paths per sensor and sun
+    seed : whole number ≥ 0; the same seed on the same device gives the same bits
+    executor : where the work is done, such as a `Cluster`; this process by default
+
+    Raises
+    ------
+    InputError : no such window, no transmission, or numbers out of range
+    DeviceError : no usable device
+    """
+    effort = sun_effort(sun_coefficients, keywords, samples=_SAMPLES)
+    number = check_window(windows, window, bsdf, suns)
+    behind = suns @ windows[number].frame.normal < 0
+    job = SunJob(
+        blackened(scene),
+        tuple(windows),
+        number,
+        bsdf,
+        sensors,
+        suns[behind],
+        peak=peak,
+        samples=effort.samples or _SAMPLES,
+        seed=effort.seed,
+        device=effort.resolved_device(),
+    )
+    estimate = trace_sun(job, executor=effort.executor, progress=effort.progress)
+    rows = sensor_axis(len(sensors.position), sensors.names)
+    shape = (len(estimate.values), rows.size, len(suns))
+    values = np.zeros(shape)
+    values[..., behind] = estimate.values
+    components = np.zeros((len(estimate.components), *shape), np.float32)
+    components[..., behind] = estimate.components
+    return TransferMatrix(values, rows, sun_axis(len(suns)), components)
+
+
+def sun_effort(
+    function: Callable[..., object], keywords: EffortKeywords, *, samples: int
+) -> Effort:
+    """Return the checked effort of a function that traces direct sun.
+
+    Parameters
+    ----------
+    samples : paths per receiver and sun, where they are not asked for
+    """
+    return effort_of(
+        function,
+        keywords,
+        default=Goal(samples),
+        most_samples=1 << 20,
+        without=_WITHOUT,
+    )
+
+
+def check_window(
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    suns: Float[np.ndarray, "sun 3"],
+) -> int:
+    """Return the number of a window, once all that sunlight asks for is right.
+
+    Raises
+    ------
+    InputError : no such window, no transmission, or suns of another shape
+    """
+    names = [each.name for each in windows]
+    if window not in names:
+        raise InputError(f"no window {window!r}; one of {', '.join(names)} expected")
+    if not bsdf.has("transmission_front"):
+        raise InputError(
+            "the BSDF transmits nothing visible; a transmission expected",
+            file=bsdf.source,
+        )
+    if suns.ndim != 2 or suns.shape[1:] != (3,):
+        raise InputError(f"suns of shape {suns.shape}; (suns, 3) expected")
+    return names.index(window)

@@ -1,0 +1,273 @@
+"""Traced transfer matrices: view, daylight, daylight coefficients.
+
+    V  sensors × interior patches     view_matrix
+    D  exterior patches × sky         daylight_matrix
+    C  sensors × sky                  daylight_coefficients (the two-phase method)
+
+Coefficients are irradiance per unit radiance [sr] for sensors, and radiance per
+unit radiance for window patches. `bounces` counts like Radiance's -ab for the same
+job: for an irradiance sensor the first gather is one, for a window patch the first
+ray is none.
+"""
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Literal, Protocol, Unpack
+
+import numpy as np
+
+from clerestory.bands import Bands
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
+from clerestory.engine.matrix_jobs import trace_coefficients, trace_daylight, trace_view
+from clerestory.engine.sums import Estimate
+from clerestory.engine.work_units import Goal
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.hemisphere.reinhart import reinhart
+from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, window_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.progress import share_of_progress
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.window import Window
+
+# Used when neither samples nor an error is asked for
+_DEFAULT = Goal(samples=None, relative_error=0.01)
+
+
+def view_matrix(
+    scene: Scene,
+    window: Window,
+    *,
+    sensors: Sensors,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """View matrix of one window: irradiance of sensors per radiance of patches [sr].
+
+    The window itself ends the paths; it must not be part of the scene.
+
+    Parameters
+    ----------
+    scene : what light meets on its way from the window to the sensors
+    window : polygons whose front faces the room
+    sensors : points and directions of irradiance sensors
+    samples : paths per sensor
+    relative_error : instead of samples: standard error to reach at every sensor,
+        relative to its irradiance under a window of uniform radiance; sensors
+        darker than 1 % of the mean are judged as if they had that much
+    bounces : most gathers, as Radiance's -ab; no limit by default
+    seed : whole number ≥ 0; the same seed on the same device gives the same bits
+    device : "auto" takes a GPU if there is one
+    executor : where the work is done, such as a `Cluster`; this process by default.
+        It changes no bit of the result
+    progress : called with the share done, 0…1, and a note
+
+    Raises
+    ------
+    InputError : samples and relative_error both given, or a number out of range
+    DeviceError : no usable device
+    """
+    effort = matrix_effort(view_matrix, keywords)
+    return view_matrices(scene, [window], sensors=sensors, effort=effort)[window.name]
+
+
+def view_matrices(
+    scene: Scene,
+    windows: Sequence[Window],
+    *,
+    sensors: Sensors,
+    **keywords: Unpack[EffortKeywords],
+) -> dict[str, TransferMatrix]:
+    """View matrices of several windows, traced at once, by window name.
+
+    The windows share their paths: component k of all of them comes from batch k.
+    See `view_matrix` for the parameters.
+    """
+    require_distinct(windows)
+    effort = matrix_effort(view_matrices, keywords)
+    rows = _sensor_rows(sensors, effort)
+    estimate = trace_view(scene, tuple(windows), sensors, effort)
+    warn_if_short(estimate, "view matrix", effort)
+    return by_window(estimate, rows, windows, "interior", scene.bands)
+
+
+def daylight_matrix(
+    scene: Scene,
+    window: Window,
+    *,
+    subdivision: int = 4,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Daylight matrix of one window: radiance of its patches per radiance of the sky's.
+
+    Rows of a window that sees nothing but sky and ground sum to one.
+
+    Parameters
+    ----------
+    scene : what light meets on its way from the sky to the window
+    subdivision : Reinhart's MF of the sky, 1…6
+    samples : paths per window patch
+    relative_error : instead of samples: standard error to reach for the window's
+        irradiance from one sky patch, as root mean square over the sky, relative to
+        the mean patch
+
+    The other parameters are those of `view_matrix`.
+    """
+    effort = matrix_effort(daylight_matrix, keywords)
+    sky = reinhart(subdivision)
+    estimate = trace_daylight(scene, window, sky, effort)
+    warn_if_short(estimate, f"daylight matrix of {window.name!r}", effort)
+    rows = window_axis("exterior", window.partition, window.name)
+    return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
+
+
+def daylight_matrices(
+    scene: Scene,
+    windows: Sequence[Window],
+    *,
+    subdivision: int = 4,
+    **keywords: Unpack[EffortKeywords],
+) -> dict[str, TransferMatrix]:
+    """Daylight matrices of several windows by window name; see `daylight_matrix`.
+
+    The scene is built once for all windows less than 128 m from its middle.
+    """
+    require_distinct(windows)
+    effort = matrix_effort(daylight_matrices, keywords)
+    found, share = {}, 1 / len(windows)
+    for number, window in enumerate(windows):
+        progress = share_of_progress(
+            effort.progress, number * share, share, window.name
+        )
+        own = replace(effort, seed=effort.seed + number, progress=progress)
+        found[window.name] = daylight_matrix(
+            scene, window, subdivision=subdivision, effort=own
+        )
+    return found
+
+
+def daylight_coefficients(
+    scene: Scene,
+    *,
+    sensors: Sensors,
+    subdivision: int = 4,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr].
+
+    A sensor that sees nothing but sky and ground collects π in all. The error aimed
+    at is that of the irradiance under a uniform sky. See `view_matrix`.
+    """
+    effort = matrix_effort(daylight_coefficients, keywords)
+    rows = _sensor_rows(sensors, effort)
+    sky = reinhart(subdivision)
+    estimate = trace_coefficients(scene, sky, sensors, effort)
+    warn_if_short(estimate, "daylight coefficients", effort)
+    return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
+
+
+def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> Effort:
+    """Return the checked effort of a function that traces matrices."""
+    return effort_of(function, keywords, default=_DEFAULT)
+
+
+def require_distinct(windows: Sequence[Window]) -> None:
+    """Refuse windows of the same name, or none at all.
+
+    Raises
+    ------
+    InputError : names the first that comes twice
+    """
+    names = [window.name for window in windows]
+    if not names:
+        raise InputError("no window given; at least one expected")
+    double = sorted({name for name in names if names.count(name) > 1})
+    if double:
+        raise InputError(
+            f"several windows are named {double[0]!r}; a name each expected"
+        )
+
+
+def require_sensors(sensors: Sensors, effort: Effort) -> None:
+    """Refuse no sensors at all, or none that gather any light.
+
+    Raises
+    ------
+    InputError : says which
+    """
+    require_gather(effort, "sensor")
+    if len(sensors.position) == 0:
+        raise InputError("no sensors given; at least one expected")
+
+
+def require_gather(effort: Effort, receiver: str) -> None:
+    """Refuse zero bounces, which end all paths of a receiver of irradiance.
+
+    Raises
+    ------
+    InputError : bounces = 0
+    """
+    if effort.bounces == 0:
+        raise InputError(
+            f"bounces = 0; the first gather of a {receiver} counts: 1 or more expected"
+        )
+
+
+def _sensor_rows(sensors: Sensors, effort: Effort) -> Axis:
+    require_sensors(sensors, effort)
+    return sensor_axis(len(sensors.position), sensors.names)
+
+
+def by_window(
+    estimate: Estimate,
+    rows: Axis,
+    windows: Sequence[Window],
+    side: Literal["interior", "exterior"],
+    bands: Bands,
+) -> dict[str, TransferMatrix]:
+    """Return the matrices of windows whose columns were traced side by side."""
+    found, first = {}, 0
+    for window in windows:
+        columns = window_axis(side, window.partition, window.name)
+        part = slice(first, first + columns.size)
+        found[window.name] = traced_matrix(estimate, rows, columns, part, bands)
+        first += columns.size
+    return found
+
+
+def traced_matrix(
+    estimate: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
+) -> TransferMatrix:
+    """Return some columns of what was traced, with their axes and bands."""
+    values, components = estimate.values[:, :, part], estimate.components
+    if components is not None:
+        components = components[:, :, :, part]
+    if estimate.paths:
+        # The blank matrix of a planned job takes no memory
+        values = np.ascontiguousarray(values)
+        if components is not None:
+            components = np.ascontiguousarray(components)
+    return TransferMatrix(values, rows, columns, components, bands)
+
+
+class Traced(Protocol):
+    """What was traced, and whether the relative error aimed at was reached."""
+
+    @property
+    def paths(self) -> int:
+        """Paths traced in all."""
+
+    @property
+    def reached(self) -> bool:
+        """Whether the error was reached."""
+
+
+def warn_if_short(estimate: Traced, what: str, effort: Effort) -> None:
+    """Warn when a trace ended before it reached the error aimed at."""
+    if not estimate.reached:
+        warnings.warn(
+            f"{what}: the relative error {effort.relative_error} was not reached"
+            f" after {estimate.paths:,} paths; look at the standard errors",
+            ClerestoryWarning,
+            stacklevel=3,
+        )

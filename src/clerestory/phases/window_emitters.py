@@ -1,0 +1,139 @@
+"""Windows as lamps (what mkillum is for): their light computed once, used again.
+
+The light that a window sends into a room under one sky is traced by direction and zone,
+and stored with the window as an illum. Renderings then aim at the window as at any lamp
+and read its radiance, while the eye still sees the window itself.
+"""
+
+from dataclasses import replace
+from typing import Unpack
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.directions import unit
+from clerestory.engine.effort import EffortKeywords, effort_of
+from clerestory.engine.exiting_radiance import Patches, trace_exiting_radiance
+from clerestory.engine.work_units import Goal
+from clerestory.errors import InputError
+from clerestory.phases.traced_matrices import warn_if_short
+from clerestory.radiance.illum_table import LeavingLight, light_pattern
+from clerestory.scene.model import Illum, Material, Polygon, Scene
+from clerestory.scene.triangulate import triangulate
+
+# Used when neither samples nor an error is asked for
+_DEFAULT = Goal(samples=None, relative_error=0.03)
+
+
+def precompute_illums(
+    room: Scene,
+    panes: Scene,
+    *,
+    zone: float = np.inf,
+    rings: int = 18,
+    **keywords: Unpack[EffortKeywords],
+) -> Scene:
+    """Return windows as lamps that send what the windows let in and reflect.
+
+    Render them in place of the windows: `room + illums`. The sun that passes panes
+    straight is not in the tables; rendering aims at it through the window, as Radiance
+    does. The tables hold for this sky, room and window alone.
+
+    Parameters
+    ----------
+    room : the scene without the windows, with its sky and sun
+    panes : the windows: polygons whose front faces the room
+    zone : longest edge of a piece with a table of its own [m]; parallelograms are cut
+    rings : of directions from the normal to the plane, and twice as many around
+    samples : paths per direction and zone
+    relative_error : instead of samples: root mean square of the directions' standard
+        errors to reach, over their mean; 0.03 if neither is given
+    bounces : most diffuse reflections on the way to the window
+    seed : whole number ≥ 0; the same seed on the same device gives the same bits
+    device : "auto" takes a GPU if there is one
+    executor : where the work is done, such as a `Cluster`; this process by default
+    progress : called with the share done, 0…1, and a note
+
+    Raises
+    ------
+    InputError : a pane that is no polygon, no panes, or a number out of range
+    DeviceError : no usable device
+    """
+    effort = effort_of(precompute_illums, keywords, default=_DEFAULT)
+    if not zone > 0:
+        raise InputError(f"a zone of {zone:g} m; a positive length expected")
+    if not 2 <= rings <= 90:
+        raise InputError(f"{rings} rings of directions; 2 to 90 expected")
+    pieces = [piece for pane in panes.surfaces for piece in _zones(pane, zone)]
+    if not pieces:
+        raise InputError("no panes given; at least one polygon expected")
+    patches = _patches(pieces)
+    lit = trace_exiting_radiance(room + panes, patches, rings, 2 * rings, effort)
+    warn_if_short(lit, "light of the windows", effort)
+    radiance = lit.value.reshape(len(pieces), rings, 2 * rings, 3)
+    materials: dict[str, Material] = {}
+    surfaces = []
+    for number, piece in enumerate(pieces):
+        seen = panes.materials[piece.material]
+        key = f"{piece.material}_illum{number}"
+        light = LeavingLight(patches.frame[number], radiance[number])
+        pattern = light_pattern(light)
+        materials[key] = Illum(key, np.ones(3), seen, None, pattern)
+        surfaces.append(replace(piece, material=key))
+    return Scene(materials, tuple(surfaces))
+
+
+def _zones(pane: object, zone: float) -> list[Polygon]:
+    if not isinstance(pane, Polygon):
+        name = getattr(pane, "name", "")
+        raise InputError(f'pane "{name}" is no polygon; flat panes expected')
+    corner = pane.vertices
+    if len(corner) != 4 or not np.allclose(
+        corner[0] + corner[2], corner[1] + corner[3], atol=1e-6 * np.ptp(corner)
+    ):
+        return [pane]
+    u, v = corner[1] - corner[0], corner[3] - corner[0]
+    across, along = (max(1, int(np.ceil(np.linalg.norm(e) / zone))) for e in (u, v))
+    found = []
+    for i in range(across):
+        for j in range(along):
+            low = corner[0] + u * i / across + v * j / along
+            around = [
+                low,
+                low + u / across,
+                low + u / across + v / along,
+                low + v / along,
+            ]
+            found.append(replace(pane, vertices=np.array(around)))
+    return found
+
+
+def _patches(pieces: list[Polygon]) -> Patches:
+    frames, corners, cumulative, first = [], [], [], [0]
+    for piece in pieces:
+        triangles = triangulate(piece.vertices)
+        corner = triangles.vertices[triangles.faces]
+        doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        area = np.linalg.norm(doubled, axis=1)
+        if area.sum() == 0:
+            raise InputError(f'pane "{piece.name}" has no area')
+        share = np.cumsum(area) / area.sum()
+        share[-1] = 1.0
+        frames.append(_frame(doubled.sum(axis=0)))
+        corners.append(corner)
+        cumulative.append(share)
+        first.append(first[-1] + len(corner))
+    return Patches(
+        np.array(frames),
+        np.concatenate(corners),
+        np.array(first),
+        np.concatenate(cumulative),
+    )
+
+
+def _frame(normal: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    # Two axes in the plane, the second as upright as can be, and the normal
+    facing = unit(normal)
+    up = np.array([0.0, 1, 0]) if abs(facing[2]) > 0.999 else np.array([0.0, 0, 1])
+    right = unit(np.cross(up, facing))
+    return np.array([right, np.cross(facing, right), facing])

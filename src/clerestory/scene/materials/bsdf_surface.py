@@ -1,0 +1,116 @@
+"""Radiance's BSDF and aBSDF: surfaces that scatter as measured or simulated."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.scene.material import (
+    Colour,
+    Material,
+    Plugin,
+    Source,
+    Specification,
+    Vector,
+)
+from clerestory.scene.pattern import Pattern
+from clerestory.scene.primitive import Definition
+from clerestory.scene.transform import Transform
+
+
+@dataclass(frozen=True, eq=False)
+class BsdfSurface(Material):
+    """A surface that scatters light by a BSDF.
+
+    The front of the surface, where its normal points, is the room side of the BSDF.
+
+    Attributes
+    ----------
+    bsdf : its scattering functions
+    thickness : 0 for a surface; otherwise depth of the geometry that the BSDF stands
+        for, behind (positive) or in front of (negative) the surface [m]
+    up : vector in the coordinates before `transform`; with the normal it orients the
+        BSDF
+    transform : rotation or reflection of `up` into the scene: up @ transform
+    front, back : diffuse reflectance added on either side
+    transmission : diffuse transmittance added for both sides
+    peak : whether light that the BSDF passes straight is kept sharp (aBSDF)
+    """
+
+    name: str
+    bsdf: Bsdf
+    thickness: float
+    up: Vector
+    transform: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
+    front: Colour = field(default_factory=lambda: np.zeros(3))
+    back: Colour = field(default_factory=lambda: np.zeros(3))
+    transmission: Colour = field(default_factory=lambda: np.zeros(3))
+    peak: bool = False
+    source: Source | None = None
+    opaque = False
+
+    def display_colour(self) -> Colour:
+        return np.ones(3)
+
+    def plugin(self) -> Plugin:
+        return Plugin(
+            "bsdf_file",
+            {
+                "bsdf": self.bsdf,
+                "up": self.up @ self.transform,
+                "front": self.front,
+                "back": self.back,
+                "transmission": self.transmission,
+                "peak": self.peak,
+            },
+        )
+
+    def specification(self) -> Specification:
+        strings = self.bsdf, *(self.up @ self.transform), "."
+        added = *self.front, *self.back, *self.transmission
+        reals = added if np.any(added) else ()
+        if self.peak:
+            return Specification("aBSDF", strings, reals)
+        return Specification("BSDF", (self.thickness, *strings), reals)
+
+
+def _read(given: Definition) -> Material:
+    peak = given.item.kind == "aBSDF"
+    first = 0 if peak else 1  # the thickness stands before the file
+    words = given.item.strings
+    if len(words) < first + 5:
+        raise given.error(
+            f"{len(words)} string arguments; {'' if peak else 'thickness, '}"
+            "BSDF file, up vector, function file and transform expected"
+        )
+    numbers = given.reals(0, 3, 6, 9)
+    added = np.concatenate([numbers, np.zeros(9 - len(numbers))])
+    front, back, transmission = given.share("added diffuse light", added).reshape(3, 3)
+    transform = given.oriented(first + 5)
+    up = given.vector(first + 1, Transform())
+    if isinstance(up, Pattern):
+        raise given.error("its up vector varies; one for all points expected")
+    if not np.any(up):
+        raise given.error("its up vector has no length")
+    # In the coordinates before the transform
+    up = up @ np.linalg.inv(given.transform(first + 5).matrix[:3, :3])
+    return BsdfSurface(
+        name=given.item.name,
+        bsdf=given.bsdf(words[first]),
+        thickness=0.0 if peak else given.constant("its thickness", 0) * transform.scale,
+        up=given.direction(up),
+        transform=transform.matrix[:3, :3] / transform.scale,
+        front=front,
+        back=back,
+        transmission=transmission,
+        peak=peak,
+        source=given.source,
+    )
+
+
+READERS: Mapping[str, Callable[[Definition], Material]] = {
+    "BSDF": _read,
+    "aBSDF": _read,
+}

@@ -1,0 +1,129 @@
+"""Radiance's dielectric and interface: surfaces of clear solids that refract."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clerestory.scene.material import (
+    Colour,
+    Material,
+    Parameter,
+    Plugin,
+    Source,
+    Specification,
+)
+from clerestory.scene.primitive import Definition
+
+# Radiance takes the index of a dielectric at this wavelength [nm]
+_MIDDLE = 500.0
+
+
+@dataclass(frozen=True, eq=False)
+class Dielectric(Material):
+    """A solid that refracts; its surface has the inside behind its front.
+
+    Attributes
+    ----------
+    transmissivity : share left after 1 m inside
+    index : index of refraction at the wavelength of 500 nm
+    """
+
+    name: str
+    transmissivity: Colour
+    index: float
+    source: Source | None = None
+    opaque = False
+
+    def display_colour(self) -> Colour:
+        return self.transmissivity
+
+    def plugin(self) -> Plugin:
+        return Plugin(
+            "radiance_dielectric",
+            {"inside_transmissivity": self.transmissivity, "inside_index": self.index},
+        )
+
+    def specification(self) -> Specification:
+        return Specification("dielectric", (), (*self.transmissivity, self.index, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Interface(Material):
+    """The surface between two dielectrics; the inside is behind its front.
+
+    Attributes
+    ----------
+    inside_transmissivity, outside_transmissivity : share left after 1 m
+    inside_index, outside_index : indices of refraction
+    """
+
+    name: str
+    inside_transmissivity: Colour
+    inside_index: float
+    outside_transmissivity: Colour
+    outside_index: float
+    source: Source | None = None
+    opaque = False
+
+    def display_colour(self) -> Colour:
+        return self.inside_transmissivity
+
+    def plugin(self) -> Plugin:
+        media: dict[str, Parameter] = {
+            "inside_transmissivity": self.inside_transmissivity,
+            "inside_index": self.inside_index,
+            "outside_transmissivity": self.outside_transmissivity,
+            "outside_index": self.outside_index,
+        }
+        return Plugin("radiance_dielectric", media)
+
+    def specification(self) -> Specification:
+        inside = *self.inside_transmissivity, self.inside_index
+        outside = *self.outside_transmissivity, self.outside_index
+        return Specification("interface", (), (*inside, *outside))
+
+
+def _dielectric(given: Definition) -> Material:
+    given.no_strings()
+    value = given.reals(5)
+    if value[4] != 0:
+        given.doubt(
+            f"Hartmann's constant is {value[4]:g}; dispersion is ignored,"
+            f" the index is that at {_MIDDLE:g} nm"
+        )
+    index = _index(given, value[3] + value[4] / _MIDDLE)
+    return Dielectric(
+        given.item.name, _per_metre(given, value[:3]), index, given.source
+    )
+
+
+def _interface(given: Definition) -> Material:
+    given.no_strings()
+    value = given.reals(8)
+    return Interface(
+        given.item.name,
+        _per_metre(given, value[:3]),
+        _index(given, value[3]),
+        _per_metre(given, value[4:7]),
+        _index(given, value[7]),
+        given.source,
+    )
+
+
+def _per_metre(given: Definition, value: Colour) -> Colour:
+    # Transmissivity is per unit of the file, whose scale is in metres; at most 1
+    passed = np.minimum(given.share("transmissivity", value), 1)
+    return np.asarray(passed ** (1 / given.placed.scale))
+
+
+def _index(given: Definition, value: float) -> float:
+    if not 0.1 <= value <= 10:
+        raise given.error(f"index of refraction is {value:g}; 0.1 to 10 expected")
+    return float(value)
+
+
+READERS: Mapping[str, Callable[[Definition], Material]] = {
+    "dielectric": _dielectric,
+    "interface": _interface,
+}

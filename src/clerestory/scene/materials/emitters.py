@@ -1,0 +1,182 @@
+"""Radiance's light sources: light, glow, spotlight and illum.
+
+They emit from their front; the back is black, and they reflect nothing.
+
+Reference: "The RADIANCE 6.0 Synthetic Imaging System" (ray.html), section 2.1.3.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from clerestory.scene.material import (
+    Colour,
+    Emitter,
+    Material,
+    Plugin,
+    Source,
+    Specification,
+    Vector,
+)
+from clerestory.scene.materials.mixture import Void
+from clerestory.scene.pattern import Pattern
+from clerestory.scene.primitive import Definition
+
+_BLACK = Plugin("radiance_plastic", {"reflectance": np.zeros(3)})
+
+
+def _white(emitter: Emitter) -> Colour:
+    return np.ones_like(emitter.radiance)
+
+
+def _black(_: Emitter) -> Plugin:
+    return _BLACK
+
+
+@dataclass(frozen=True, eq=False)
+class Light(Emitter):
+    """A light source of known radiance [W/(m²·sr)].
+
+    Attributes
+    ----------
+    pattern : multiplier of the radiance; None: the same for all directions and points
+    """
+
+    name: str
+    radiance: Colour
+    source: Source | None = None
+    pattern: Pattern | None = None
+    opaque, display_colour, plugin = True, _white, _black
+
+    def specification(self) -> Specification:
+        return Specification("light", _even(self.pattern), (*self.radiance,))
+
+
+@dataclass(frozen=True, eq=False)
+class Glow(Emitter):
+    """A light source that is sampled by shadow rays up to a distance only.
+
+    Attributes
+    ----------
+    radius : largest distance at which it is sampled [m]; 0: never, negative: it does
+        not light the scene
+    pattern : see `Light`
+    """
+
+    name: str
+    radiance: Colour
+    radius: float = 0.0
+    source: Source | None = None
+    pattern: Pattern | None = None
+    opaque, display_colour, plugin = True, _white, _black
+
+    def specification(self) -> Specification:
+        reals = *self.radiance, self.radius
+        return Specification("glow", _even(self.pattern), reals)
+
+
+@dataclass(frozen=True, eq=False)
+class Spotlight(Emitter):
+    """A light source that emits within a cone only.
+
+    Attributes
+    ----------
+    angle_deg : full angle of the cone
+    direction : unit vector of its axis
+    length : distance to its apex behind the surface [m]
+    pattern : see `Light`
+    """
+
+    name: str
+    radiance: Colour
+    angle_deg: float
+    direction: Vector
+    length: float
+    source: Source | None = None
+    pattern: Pattern | None = None
+    opaque, display_colour, plugin = True, _white, _black
+
+    def specification(self) -> Specification:
+        axis = self.direction * (self.length or 1.0)
+        reals = *self.radiance, self.angle_deg, *axis
+        return Specification("spotlight", _even(self.pattern), reals)
+
+
+@dataclass(frozen=True, eq=False)
+class Illum(Emitter):
+    """A light source that is seen as another material.
+
+    Attributes
+    ----------
+    alternate : material that is seen
+    pattern : see `Light`
+    """
+
+    name: str
+    radiance: Colour
+    alternate: Material = field(default_factory=Void)
+    source: Source | None = None
+    pattern: Pattern | None = None
+
+    @property
+    def opaque(self) -> bool:
+        return self.alternate.opaque
+
+    def display_colour(self) -> Colour:
+        return self.alternate.display_colour()
+
+    def plugin(self) -> Plugin:
+        return self.alternate.plugin()
+
+    def specification(self) -> Specification:
+        strings: tuple[Pattern | Material, ...]
+        strings = (*_even(self.pattern), self.alternate)
+        return Specification("illum", strings, (*self.radiance,))
+
+
+def _even(pattern: Pattern | None) -> tuple[Pattern, ...]:
+    # A pattern among the arguments is refused by the writer
+    return () if pattern is None else (pattern,)
+
+
+def _light(given: Definition) -> Material:
+    given.no_strings()
+    return Light(given.item.name, given.radiance(given.reals(3)), given.source)
+
+
+def _glow(given: Definition) -> Material:
+    given.no_strings()
+    value = given.reals(4)
+    radius = float(value[3]) * given.placed.scale
+    return Glow(given.item.name, given.radiance(value[:3]), radius, given.source)
+
+
+def _illum(given: Definition) -> Material:
+    radiance = given.radiance(given.reals(3))
+    alternate = given.alternate() or Void()
+    return Illum(given.item.name, radiance, alternate, given.source)
+
+
+def _spotlight(given: Definition) -> Material:
+    given.no_strings()
+    value = given.reals(7)
+    if not 0 < value[3] <= 360:
+        raise given.error(f"angle is {value[3]:g}°; more than 0 and up to 360 expected")
+    axis = given.placed.vectors(value[4:])
+    return Spotlight(
+        given.item.name,
+        given.radiance(value[:3]),
+        float(value[3]),
+        given.direction(axis),
+        float(np.linalg.norm(axis)),
+        given.source,
+    )
+
+
+READERS: Mapping[str, Callable[[Definition], Material]] = {
+    "light": _light,
+    "glow": _glow,
+    "illum": _illum,
+    "spotlight": _spotlight,
+}

@@ -1,0 +1,51 @@
+"""Radiance's mirror: a plane mirror that makes virtual light sources."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
+from clerestory.scene.primitive import Definition
+
+
+@dataclass(frozen=True, eq=False)
+class Mirror(Material):
+    """A plane mirror with a black back.
+
+    Attributes
+    ----------
+    reflectance : share reflected
+    alternate : material for all light but that of light sources; None: the mirror
+    """
+
+    name: str
+    reflectance: Colour
+    alternate: Material | None = None
+    source: Source | None = None
+    takes_pattern = True
+
+    @property
+    def opaque(self) -> bool:
+        return self.alternate is None or self.alternate.opaque
+
+    def display_colour(self) -> Colour:
+        other = self.alternate
+        return self.reflectance if other is None else other.display_colour()
+
+    def plugin(self) -> Plugin:
+        if self.alternate is not None:
+            return self.alternate.plugin()
+        return Plugin("radiance_mirror", {"reflectance": self.reflectance})
+
+    def specification(self) -> Specification:
+        strings = () if self.alternate is None else (self.alternate,)
+        return Specification("mirror", strings, (*self.reflectance,))
+
+
+def _read(given: Definition) -> Material:
+    colour = given.share("reflectance", given.reals(3))
+    return Mirror(given.item.name, np.asarray(colour), given.alternate(), given.source)
+
+
+READERS: Mapping[str, Callable[[Definition], Material]] = {"mirror": _read}

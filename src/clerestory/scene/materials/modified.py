@@ -1,0 +1,65 @@
+"""Materials with a pattern, which multiplies their colour, or with a texture."""
+
+from dataclasses import dataclass
+
+from clerestory.scene.material import Colour, Material, Plugin, Source
+from clerestory.scene.pattern import Pattern
+
+
+@dataclass(frozen=True, eq=False)
+class Patterned(Material):
+    """A material whose colour varies.
+
+    Attributes
+    ----------
+    base : plastic, metal, trans, glass or mirror; of glass the transmission varies
+    pattern : multiplier of its colour
+    """
+
+    name: str
+    base: Material
+    pattern: Pattern
+    source: Source | None = None
+
+    @property
+    def opaque(self) -> bool:
+        return self.base.opaque
+
+    def display_colour(self) -> Colour:
+        return self.base.display_colour()
+
+    def plugin(self) -> Plugin:
+        base = self.base.plugin()
+        return Plugin(base.name, {**base.parameters, "pattern": self.pattern})
+
+    def specification(self) -> None:
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Textured(Material):
+    """A material whose surface normal is perturbed.
+
+    Attributes
+    ----------
+    texture : three values that are added to the unit normal, in the coordinates of the
+        function
+    """
+
+    name: str
+    base: Material
+    texture: Pattern
+    source: Source | None = None
+
+    @property
+    def opaque(self) -> bool:
+        return self.base.opaque
+
+    def display_colour(self) -> Colour:
+        return self.base.display_colour()
+
+    def plugin(self) -> Plugin:
+        return Plugin("radiance_textured", {"base": self.base, "texture": self.texture})
+
+    def specification(self) -> None:
+        return None

@@ -1,0 +1,73 @@
+"""Radiance's trans: a translucent sheet."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
+from clerestory.scene.materials.highlight import (
+    Roughness,
+    Up,
+    highlight_parameters,
+    highlight_specification,
+    read_highlight,
+)
+from clerestory.scene.primitive import Definition
+
+
+@dataclass(frozen=True, eq=False)
+class Trans(Material):
+    """Radiance's trans: a translucent sheet.
+
+    Attributes
+    ----------
+    reflectance : colour of all light that is not in the highlight, reflected or
+        transmitted
+    specularity : share reflected by the uncoloured highlight
+    roughness, up : of the reflected and of the transmitted highlight; see `Plastic`
+    transmission : share of the rest that is transmitted
+    transmitted_specular : share of the transmitted light that is not diffused
+    """
+
+    name: str
+    reflectance: Colour
+    specularity: float = 0.0
+    roughness: Roughness = 0.0
+    transmission: float = 0.0
+    transmitted_specular: float = 0.0
+    source: Source | None = None
+    up: Up = None
+    takes_pattern = True
+
+    @property
+    def opaque(self) -> bool:
+        return self.transmission == 0
+
+    def display_colour(self) -> Colour:
+        return self.reflectance
+
+    def plugin(self) -> Plugin:
+        return Plugin(
+            "radiance_trans",
+            {
+                "transmission": self.transmission,
+                "transmitted_specular": self.transmitted_specular,
+                **highlight_parameters(self),
+            },
+        )
+
+    def specification(self) -> Specification:
+        passed = self.transmission, self.transmitted_specular
+        return highlight_specification("trans", self, *passed)
+
+
+def _read(given: Definition) -> Material:
+    gloss, up, passed = read_highlight(given, 2)
+    transmission = given.fraction("transmission", passed[0])
+    specular = given.fraction("transmitted specularity", passed[1])
+    return Trans(given.item.name, *gloss, transmission, specular, given.source, up)
+
+
+READERS: Mapping[str, Callable[[Definition], Material]] = {
+    "trans": _read,
+    "trans2": _read,
+}
