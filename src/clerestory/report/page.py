@@ -23,8 +23,8 @@ from clerestory.report.markup import element, join
 from clerestory.report.page_assets import asset, render_page
 from clerestory.report.page_data import page_data
 from clerestory.report.window_layers import layers_section
+from clerestory.study.annual_views import PICTURE_FOLDER
 from clerestory.study.results import Results
-from clerestory.study.views import PICTURE_FOLDER
 
 REPORT_FILE = "report.html"
 

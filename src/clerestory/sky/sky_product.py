@@ -56,9 +56,13 @@ def product_blocks(
     rows, patches = sky.shape
     size = max(1, min(_BLOCK // max(rows, patches), 4096))
     sun_columns = np.ascontiguousarray(sun.T)
+    dark = not diffuse.any()
     for start in range(0, len(steps), size):
         block = steps[start : start + size]
-        received = sky @ diffuse.T[block].T
+        if dark:
+            received = np.zeros((rows, len(block)), np.float32)
+        else:
+            received = sky @ diffuse.T[block].T
         part = direct[:, block]
         if part.nnz:
             received += (part.T @ sun_columns).T

@@ -16,15 +16,14 @@ from clerestory.files import make_folder
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
-from clerestory.phases.shaded import States
+from clerestory.phases.matrix_equation import Skies, States
 from clerestory.progress import Progress
 from clerestory.scene.view import View
 from clerestory.study.config_tables import EVERY, ViewTable
 from clerestory.study.control_inputs import GlareFunction
 from clerestory.study.job import Display
 from clerestory.study.luminaire_matrices import Lamps
-from clerestory.study.traced import Skies
-from clerestory.study.view_tracing import ViewTracing
+from clerestory.study.view_matrices import ViewMatrices
 
 PICTURE_FOLDER = "pictures"
 
@@ -33,7 +32,7 @@ _EYE_DEG = 179.0
 
 
 def study_views(
-    views: Sequence[ViewTracing],
+    views: Sequence[ViewMatrices],
     skies: Skies,
     states: States,
     *,
@@ -96,7 +95,7 @@ def sees_glare(view: View) -> bool:
 
 
 def glare_function(
-    views: Sequence[ViewTracing], skies: Skies, *, display: Display
+    views: Sequence[ViewMatrices], skies: Skies, *, display: Display
 ) -> GlareFunction:
     """Return what tells rules the glare of some steps, electric light left out.
 
@@ -133,7 +132,7 @@ def glare_function(
     return judge
 
 
-def _require_eye(view: ViewTracing) -> None:
+def _require_eye(view: ViewMatrices) -> None:
     if not sees_glare(view.camera.view):
         raise InputError(
             f'view "{view.table.label}" is too narrow to judge glare by; an angular or'
@@ -144,7 +143,7 @@ def _require_eye(view: ViewTracing) -> None:
 
 def _glare(
     series: Iterator[np.ndarray],
-    view: ViewTracing,
+    view: ViewMatrices,
     times: np.ndarray,
     steps: np.ndarray,
     states: States,

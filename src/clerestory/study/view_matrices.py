@@ -6,16 +6,24 @@ numbers; those of suns only if all states' fit into what the study allows, else 
 forgotten as the pictures pass.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
+from typing import Any, Literal
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Skies,
+    States,
+    WindowMatrices,
+)
+from clerestory.phases.methods import METHODS
 from clerestory.phases.picture_matrices import (
     Camera,
     SunPictures,
@@ -23,34 +31,31 @@ from clerestory.phases.picture_matrices import (
     picture_view_matrices,
     sun_pictures,
 )
-from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
-from clerestory.phases.shaded import ShadedWindow, States
-from clerestory.phases.streamed import Opening
+from clerestory.phases.picture_series import pictures_over_time
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, STATE, SUN, Job
-from clerestory.study.stored import Traced
-from clerestory.study.traced import Skies
+from clerestory.study.study_matrices import StudyMatrices
 
 # Bytes of a pixel's coefficient for one sun: three half-precision numbers
 _PIXEL_BYTES = 6
 
 
 @dataclass(frozen=True, eq=False)
-class ViewTracing:
+class ViewMatrices:
     """Matrices of one view, for all states of all window groups.
 
     Attributes
     ----------
-    whole : V of the pixels, T and D of each window group
-    direct : V_d, T and D_d, in the five-phase method
+    matrices : of the sensors, whose T and D are those of the pixels
+    windows : V of the pixels, T and D of each window group; V_d, T, D_d and direct suns
+        with the direct correction
     """
 
     job: Job
     table: ViewTable
     camera: Camera
-    tracing: Traced
-    whole: tuple[ShadedWindow, ...]
-    direct: tuple[ShadedWindow, ...] = ()
+    matrices: StudyMatrices
+    windows: tuple[WindowMatrices, ...] = ()
     _suns: dict[tuple[int, int], SunPictures] = field(default_factory=dict)
 
     def pictures(
@@ -65,14 +70,13 @@ class ViewTracing:
         states : number of the state at every step of the skies, per window group
         steps : numbers of the steps wanted
         """
-        for combination, alike in _combinations(states, steps):
-            suns = self.tracing.suns
+        for alike in _combinations(states, steps):
             series = pictures_over_time(
-                [self._phases(n, int(s)) for n, s in enumerate(combination)],
+                self.windows,
+                self.matrices.terms,
                 self.camera,
-                skies.whole.select(alike),
-                sun_in_patches=skies.sun.select(alike) if suns and skies.sun else None,
-                suns=suns.select(alike) if suns else None,
+                skies.select(alike),
+                [np.asarray(state)[alike] for state in states],
             )
             yield from zip(alike.tolist(), series, strict=True)
 
@@ -80,15 +84,13 @@ class ViewTracing:
         self, states: States, steps: Int[np.ndarray, " step"]
     ) -> Int[np.ndarray, " step"]:
         """Numbers of the steps in the order in which their pictures come."""
-        return np.concatenate([alike for _, alike in _combinations(states, steps)])
+        return np.concatenate(_combinations(states, steps))
 
-    def _phases(self, number: int, state: int) -> PicturePhases:
-        # One window group in one of its states
-        whole = self.whole[number].at(state)
-        if not self.direct:
-            return PicturePhases(whole)
-        direct = self.direct[number].at(state)
-        return PicturePhases(whole, direct, self.sun(number, state))
+    def sun_of(
+        self, number: int, state: int, asked: Int[np.ndarray, " sun"]
+    ) -> Float[np.ndarray, "channel pixel sun"]:
+        """Direct-sun coefficients of some suns, traced or read when first asked for."""
+        return self.sun(number, state)(asked)
 
     def sun(self, number: int, state: int) -> SunPictures:
         """Direct sun through one window group in one of its states, by suns."""
@@ -97,7 +99,7 @@ class ViewTracing:
         return self._suns[number, state]
 
     def _sun(self, number: int, state: int) -> SunPictures:
-        job, suns = self.job, self.tracing.suns
+        job, suns = self.job, self.matrices.suns
         group = job.inputs.groups[number]
         chosen = group.states[state]
         directions = np.zeros((0, 3)) if suns is None else suns.directions
@@ -108,15 +110,18 @@ class ViewTracing:
             "seed": job.seed(SUN + number + STATE * state),
             "device": job.device,
         }
-        where = (job.scene, windows, group.name, chosen.fine, self.camera)
+        scene = job.scene
+        if METHODS[job.study.method].facade:
+            scene = scene + chosen.shade
+        where = (scene, windows, group.name, chosen.fine, self.camera)
         if self._bytes(len(directions)) > job.study.sun.keep_gb * 1e9:
             return sun_pictures(
                 *where, suns=directions, executor=job.executor, **options
             )
         label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
         key = fingerprint(
-            "picture sun", job.scene_key, windows, number, chosen.fine, self.camera,
-            directions, options,
+            "picture sun", job.scene_key, chosen.shade, windows, number, chosen.fine,
+            self.camera, directions, options,
         )  # fmt: skip
 
         def make() -> TransferMatrix:
@@ -130,7 +135,8 @@ class ViewTracing:
             )
             return _half(traced)
 
-        return kept(job.matrix(f"picture-sun-{label}", key, make))
+        values = job.matrix(f"picture-sun-{label}", key, make).values
+        return lambda asked: values[:, :, asked]
 
     def _bytes(self, suns: int) -> int:
         # What the direct suns of all views and states take
@@ -150,40 +156,47 @@ def _half(matrix: TransferMatrix) -> TransferMatrix:
 
 def _combinations(
     states: States, steps: Int[np.ndarray, " step"]
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    # Combinations of states that occur, and their steps
+) -> list[Int[np.ndarray, " alike"]]:
+    # Steps of each combination of states that occurs
     chosen = np.stack([np.asarray(state)[steps] for state in states], axis=1)
     return [
-        (combination, steps[(chosen == combination).all(axis=1)])
+        steps[(chosen == combination).all(axis=1)]
         for combination in np.unique(chosen, axis=0)
     ]
 
 
-def trace_views(job: Job, tracing: Traced) -> tuple[ViewTracing, ...]:
+def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
     """Return the matrices of all views; what was traced before is found again."""
     return tuple(
-        _view(job, tracing, table, camera)
+        _view(job, matrices, table, camera)
         for table, camera in zip(job.study.view, job.inputs.cameras, strict=True)
     )
 
 
-def _view(job: Job, tracing: Traced, table: ViewTable, camera: Camera) -> ViewTracing:
-    def windows(
-        parts: Sequence[ShadedWindow | Opening], *, direct: bool
-    ) -> tuple[ShadedWindow, ...]:
-        views = _view_matrices(job, table, camera, direct=direct)
-        return tuple(
-            ShadedWindow(
-                views[group.name],
-                part.transmissions,
-                replace(part.daylight, components=None),  # pictures tell no error
-            )
-            for group, part in zip(job.inputs.groups, parts, strict=True)
-        )
+def _view(
+    job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
+) -> ViewMatrices:
+    def chains(part: Literal["whole", "direct"]) -> list[MatrixChain]:
+        views = _view_matrices(job, table, camera, direct=part == "direct")
+        found = []
+        for group, window in zip(job.inputs.groups, matrices.windows, strict=True):
+            chain = window.direct if part == "direct" else window.whole
+            factors = chain.factors if chain else ()
+            found.append(MatrixChain((views[group.name],), factors))
+        return found
 
-    whole = windows(tracing.whole, direct=False)
-    direct = () if tracing.suns is None else windows(tracing.direct, direct=True)
-    return ViewTracing(job, table, camera, tracing, whole, direct)
+    view = ViewMatrices(job, table, camera, matrices)
+    whole = chains("whole")
+    if matrices.suns is None:
+        return replace(view, windows=tuple(map(WindowMatrices, whole)))
+    suns = [
+        MatrixChain(
+            tuple(partial(view.sun_of, n, at) for at in range(len(group.states)))
+        )
+        for n, group in enumerate(job.inputs.groups)
+    ]
+    windows = tuple(map(WindowMatrices, whole, chains("direct"), suns))
+    return replace(view, windows=windows)
 
 
 def _view_matrices(
