@@ -104,9 +104,7 @@ def test_durations_are_told_as_people_do():
 
 
 def test_attributes_cannot_be_broken_out_of():
-    assert (
-        element("p", title='"><script>') == '<p title="&#34;&gt;&lt;script&gt;"></p>'
-    )
+    assert element("p", title='"><script>') == '<p title="&#34;&gt;&lt;script&gt;"></p>'
 
 
 def test_embedded_data_cannot_close_their_element():
