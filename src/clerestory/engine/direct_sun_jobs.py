@@ -1,73 +1,106 @@
-"""Jobs for direct sun through a window: to sensors, and to the pixels of a view.
+"""Jobs of direct sun through a window: to sensors, and to the pixels of a view.
 
-Coefficients are floating-point; every unit has rows and suns of its own, so there is
-nothing to add up.
+Coefficients are floating-point; every unit has rows and suns of its own, so that the
+order of units changes nothing.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine.work_units import Executor, Goal, Local, Unit, evenly_spaced
-from clerestory.progress import Progress
-from clerestory.scene.model import Scene
+from clerestory.engine.controller import EstimatedJob, trace_units
+from clerestory.engine.effort import Effort
+from clerestory.engine.sums import Sums
+from clerestory.engine.work_units import Job, Unit, UnitSize, evenly_spaced
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
-
-# Independent batches of each coefficient of a sensor
-BATCHES = 16
 
 # Most lanes in one unit
 _LANES = 1 << 21
 
 
-@dataclass(frozen=True, eq=False)
-class SunJob:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _SunJob(Job):
+    # Suns through one of the windows, `number`. `peak`: whether light that its BSDF
+    # transmits without scattering stays as sharp as the sun; `samples`: paths per
+    # receiver and sun
+    windows: tuple[Window, ...]
+    number: int
+    bsdf: Bsdf
+    suns: Float[np.ndarray, "sun 3"]
+    peak: bool
+    samples: int
+
+    @property
+    def points(self) -> int:
+        """Sample points of a batch."""
+        return -(-self.samples // self.batches)
+
+    @property
+    def receivers(self) -> int:
+        """Pairs of a row and a sun."""
+        return self.shape[0] * self.shape[2]
+
+    def pilot_unit(self, paths: int) -> Unit:
+        """Return a unit of consecutive rows and some suns of the whole year."""
+        rows, _, suns, _ = self.shape
+        pairs = max(1, paths // (self.batches * self.points))
+        few = evenly_spaced(suns, max(1, min(8, pairs)))
+        block = max(1, min(rows, pairs // max(1, len(few))))
+        first = (rows - block) // 2
+        return Unit(np.arange(first, first + block), 0, self.points, few)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SunJob(_SunJob, EstimatedJob):
     """Irradiance of sensors per direct normal irradiance of suns behind a window.
 
     Attributes
     ----------
     number : of the window that light comes through, among all
-    peak : whether what its BSDF passes straight stays as sharp as the sun
+    peak : whether light that its BSDF transmits without scattering stays as sharp as
+        the sun
     samples : paths per sensor and sun
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_sun")
-    batches: ClassVar[int] = BATCHES
+    together: ClassVar[bool] = False
 
-    scene: Scene
-    windows: tuple[Window, ...]
-    number: int
-    bsdf: Bsdf
     sensors: Sensors
-    suns: Float[np.ndarray, "sun 3"]
-    peak: bool
-    samples: int
-    seed: int
-    device: Literal["cpu", "cuda"]
 
     @property
-    def points(self) -> int:
-        """Sample points of a batch."""
-        return max(1, -(-self.samples // BATCHES))
+    def shape(self) -> tuple[int, int, int, int]:
+        """Sensors, batches, suns and channels."""
+        channels = 3 if self.bsdf.in_colour("transmission_front") else 1
+        return len(self.sensors), self.batches, len(self.suns), channels
 
-    @property
-    def receivers(self) -> int:
-        """Pairs of a sensor and a sun."""
-        return len(self.sensors) * len(self.suns)
+    def empty_sums(self, rows: int) -> Sums:
+        """Return sums of batch means."""
+        return Sums.floating((rows, *self.shape[1:]), 1 / self.points)
 
-    def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of some sensors and suns."""
-        pairs = max(1, paths // (BATCHES * self.points))
-        return _trial(len(self.sensors), len(self.suns), pairs, self.points)
+    def error(self, sums: Sums) -> float:
+        """Zero: the number of paths is given."""
+        return 0.0
+
+    def units(
+        self, rows: Int[np.ndarray, " row"], first: int, end: int, size: UnitSize
+    ) -> Iterator[Unit]:
+        """Cut rows and suns into units."""
+        del size  # a lane follows all paths of a batch
+        block = max(1, min(len(rows), _LANES // self.batches))
+        every = max(1, _LANES // (self.batches * block))
+        suns = np.arange(len(self.suns))
+        for row, sun in _places(len(rows), len(suns), block, every):
+            yield Unit(rows[row], first, end - first, suns[sun])
 
 
-@dataclass(frozen=True, eq=False)
-class PixelSunJob:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PixelSunJob(_SunJob):
     """Radiance of a view's pixels per direct normal irradiance of suns.
 
     Attributes
@@ -77,102 +110,45 @@ class PixelSunJob:
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_sun_pixels", "prepare_pixel_sun")
-    batches: ClassVar[int] = 1
 
-    scene: Scene
-    windows: tuple[Window, ...]
-    number: int
-    bsdf: Bsdf
     view: View
     columns: int
     rows: int
-    suns: Float[np.ndarray, "sun 3"]
-    peak: bool
-    samples: int
-    seed: int
-    device: Literal["cpu", "cuda"]
+    batches: int = 1
 
     @property
-    def receivers(self) -> int:
-        """Pairs of a pixel and a sun."""
-        return self.columns * self.rows * len(self.suns)
-
-    def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of some pixels and suns."""
-        pairs = max(1, paths // self.samples)
-        pixels = self.columns * self.rows
-        return _trial(pixels, len(self.suns), pairs, self.samples)
-
-
-@dataclass(frozen=True, eq=False)
-class SunEstimate:
-    """Direct-sun coefficients.
-
-    Attributes
-    ----------
-    values : irradiance per direct normal irradiance
-    components : error components; the sum of their squares is the variance
-    """
-
-    values: Float[np.ndarray, "channel row sun"]
-    components: Float[np.ndarray, "component channel row sun"]
-
-
-def trace_sun(
-    job: SunJob, *, executor: Executor | None = None, progress: Progress | None = None
-) -> SunEstimate:
-    """Trace direct sun through one window to sensors, in a black scene."""
-    rows, count = len(job.sensors), len(job.suns)
-    channels = 3 if job.bsdf.in_colour("transmission_front") else 1
-    executor = executor or Local()
-    if not executor.accepts(job, Goal(job.samples)):
-        nothing = np.broadcast_to(0.0, (channels, rows, count))
-        none = np.broadcast_to(np.float32(0), (BATCHES, *nothing.shape))
-        return SunEstimate(nothing, none)
-    values = np.zeros((channels, rows, count))
-    components = np.zeros((BATCHES, channels, rows, count), dtype=np.float32)
-    block = max(1, min(rows, _LANES // BATCHES))
-    places = _places(rows, count, block, max(1, _LANES // (BATCHES * block)))
-    units = [_unit(place, job.points, np.arange(count)) for place in places]
-    traced, done = executor.map(job, units), 0
-    for (row, sun), part in zip(places, traced, strict=True):
-        found = part[:, :, :, :channels]
-        mean = found.mean(axis=2)
-        spread = (found - mean[:, :, None]) / np.sqrt(BATCHES * (BATCHES - 1))
-        values[:, row, sun] = mean.transpose(2, 0, 1)
-        components[:, :, row, sun] = spread.transpose(2, 3, 0, 1)
-        done += found.shape[0] * found.shape[1]
-        if progress is not None:
-            progress(done / (rows * count), f"{sun.stop} of {count} suns")
-    return SunEstimate(values, components)
+    def shape(self) -> tuple[int, int, int, int]:
+        """Pixels, one batch, suns and RGB."""
+        return self.columns * self.rows, 1, len(self.suns), 3
 
 
 def trace_pixel_sun(
-    job: PixelSunJob,
-    numbers: Int[np.ndarray, " sun"],
-    *,
-    executor: Executor,
-    progress: Progress | None = None,
+    job: PixelSunJob, numbers: Int[np.ndarray, " sun"], effort: Effort
 ) -> Float[np.ndarray, "channel pixel sun"]:
     """Radiance of pixels per direct normal irradiance of each sun [1/sr].
 
     Parameters
     ----------
     numbers : of suns of the job, which their random numbers depend on
-    executor : the same for all calls with one job, so that its scene is built once
+    effort : with the same executor for all calls with one job, so that its scene is
+        built once
     """
-    pixels, count = job.columns * job.rows, len(numbers)
+    pixels, count = job.shape[0], len(numbers)
     values = np.zeros((3, pixels, count), np.float32)
     every = max(1, min(count, _LANES // job.samples))
     block = max(1, _LANES // (job.samples * every))
     places = _places(pixels, count, block, every)
-    units = [_unit(place, job.samples, numbers) for place in places]
-    done = 0
-    for (row, sun), part in zip(places, executor.map(job, units), strict=True):
+    units = [
+        Unit(np.arange(row.start, row.stop), 0, job.samples, numbers[sun])
+        for row, sun in places
+    ]
+    remaining = iter(places)
+
+    def add(_unit: Unit, part: np.ndarray) -> None:
+        row, sun = next(remaining)
         values[:, row, sun] = part
-        done += part[0].size
-        if progress is not None:
-            progress(done / values[0].size, f"{count} suns")
+
+    trace_units(job, units, effort, add, f"{count} suns")
     return values
 
 
@@ -183,18 +159,3 @@ def _places(rows: int, suns: int, block: int, every: int) -> list[tuple[slice, s
         for first in range(0, suns, every)
         for at in range(0, rows, block)
     ]
-
-
-def _unit(
-    place: tuple[slice, slice], count: int, numbers: Int[np.ndarray, " sun"]
-) -> Unit:
-    row, sun = place
-    return Unit(np.arange(row.start, row.stop), 0, count, numbers[sun])
-
-
-def _trial(rows: int, suns: int, pairs: int, count: int) -> Unit:
-    # Some suns of the whole year, and consecutive rows
-    few = evenly_spaced(suns, max(1, min(8, pairs)))
-    block = max(1, min(rows, pairs // max(1, len(few))))
-    first = (rows - block) // 2
-    return Unit(np.arange(first, first + block), 0, count, few)

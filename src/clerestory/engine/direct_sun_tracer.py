@@ -19,7 +19,7 @@ from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine import sampler
-from clerestory.engine.direct_sun_jobs import BATCHES, SunJob
+from clerestory.engine.direct_sun_jobs import SunJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.next_event_estimation import Draw
@@ -258,17 +258,19 @@ def prepare_sun(job: SunJob) -> Tracer:
     position = vectors(mi.Point3f, job.sensors.position - origin)
     normal = vectors(mi.Vector3f, job.sensors.direction)
 
-    def trace(unit: Unit) -> Float[np.ndarray, "row sun batch 3"]:
+    _, batches, _, channels = job.shape
+
+    def trace(unit: Unit) -> Float[np.ndarray, "row batch sun channel"]:
         rows, suns = len(unit.rows), len(unit.columns)
-        lane = dr.arange(mi.UInt32, rows * suns * BATCHES)
-        pair = lane // BATCHES
+        lane = dr.arange(mi.UInt32, rows * suns * batches)
+        pair = lane // batches
         row = pair // dr.opaque(mi.UInt32, suns) + dr.opaque(
             mi.UInt32, int(unit.rows[0])
         )
         sun = pair % dr.opaque(mi.UInt32, suns)
         number = dr.gather(mi.UInt32, on_device(mi.UInt32, unit.columns), sun)
         stream = sampler.mix(number, dr.opaque(mi.UInt32, job.seed))
-        key = mi.sample_tea_32(row * BATCHES + lane % BATCHES, stream)[0]
+        key = mi.sample_tea_32(row * batches + lane % batches, stream)[0]
         middle = vectors(mi.Vector3f, job.suns[unit.columns])
         with launching():
             light = sunlight_at(
@@ -281,7 +283,8 @@ def prepare_sun(job: SunJob) -> Tracer:
             )
             dr.eval(light)
             values = light.numpy()
-        return values.T.reshape(rows, suns, BATCHES, 3).astype(float)
+        by_pair = values.T.reshape(rows, suns, batches, 3)[..., :channels]
+        return by_pair.transpose(0, 2, 1, 3).astype(float)
 
     return trace
 

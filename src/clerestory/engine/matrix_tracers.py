@@ -12,10 +12,14 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, UInt64
 
-from clerestory.engine.controller import MatrixJob
-from clerestory.engine.facade_jobs import FacadeJob
+from clerestory.engine.controller import EstimatedJob
 from clerestory.engine.lower import LoweredScene, lower
-from clerestory.engine.matrix_jobs import CoefficientsJob, DaylightJob, ViewJob
+from clerestory.engine.matrix_jobs import (
+    CoefficientsJob,
+    DaylightJob,
+    FacadeJob,
+    ViewJob,
+)
 from clerestory.engine.origin import middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.primary_rays import (
@@ -109,7 +113,7 @@ def _segments(bounces: int | None, *, first: int) -> int:
 
 
 def matrix_tracer(
-    job: MatrixJob,
+    job: EstimatedJob,
     target: Target,
     launch: Launch,
     *,

@@ -10,9 +10,9 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.engine import sampler
-from clerestory.engine.exiting_radiance import ExitingRadianceJob
 from clerestory.engine.next_event_estimation import Draw
 from clerestory.engine.path_tracer import NOTHING, look
+from clerestory.engine.radiance_jobs import ExitingRadianceJob
 from clerestory.engine.radiance_tracers import light_of, segments_of, tracer_of
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.work_units import Tracer
