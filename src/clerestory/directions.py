@@ -1,7 +1,7 @@
-"""Directions and frames: unit vectors, azimuth and altitude, the frame of a window.
+"""Unit vectors, azimuth and altitude, and frames of surfaces.
 
-East is +x, north +y, up +z. Azimuth is measured clockwise from north, altitude
-from the horizon, both in radians.
+East is +x, north +y, up +z. Azimuth is measured clockwise from north and altitude from
+the horizon, both in radians.
 """
 
 from dataclasses import dataclass
@@ -14,12 +14,7 @@ from clerestory.errors import InputError
 
 
 def unit(vector: Directions) -> Directions:
-    """Vectors scaled to length one.
-
-    Raises
-    ------
-    InputError : a vector has no length or is not finite
-    """
+    """Vectors scaled to length one."""
     vector = np.asarray(vector, dtype=float)
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     if not np.all(np.isfinite(length) & (length > 0)):
@@ -57,11 +52,8 @@ class Frame:
 
     @classmethod
     def from_normal_up(cls, normal: Vector, up: Vector) -> "Frame":
-        """Frame with the given normal whose up lies as near to `up` as it can.
-
-        Raises
-        ------
-        InputError : up is parallel to the normal
+        """Frame with a given normal whose up is the projection of `up` onto the
+        surface.
         """
         normal, up = unit(normal), unit(up)
         flat = up - np.dot(up, normal) * normal

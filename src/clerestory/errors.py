@@ -1,30 +1,30 @@
-"""Errors and warnings of the package, one tree.
+"""Errors and warnings of the package.
 
     ClerestoryError
-    ├── InputError      a file, an argument or a study is wrong     exit status 2
-    │   └── MatrixError     two matrices do not fit each other
+    ├── InputError      a file, an argument or a study is invalid   exit status 2
+    │   └── MatrixError     two matrices are incompatible
     ├── DeviceError     no usable compute device or LLVM            exit status 1
     └── OutputError     a result could not be written               exit status 1
 
-Every message is one line: where, what was wrong, what was expected.
+Every message is one line: the place, what is wrong, what was expected.
 """
 
 from pathlib import Path
 
 
 class ClerestoryError(Exception):
-    """Root of all errors raised on purpose by this package."""
+    """Root of all errors that this package raises on purpose."""
 
     exit_status = 1
 
 
 class InputError(ClerestoryError):
-    """Something the user handed in is wrong.
+    """Input of the user is invalid.
 
     Parameters
     ----------
-    message : what was wrong and what was expected
-    file, line : where, if the fault lies in a file
+    message : what is wrong and what was expected
+    file, line : place of the fault, if it is in a file
 
     Examples
     --------
@@ -44,11 +44,11 @@ class InputError(ClerestoryError):
 
 
 class MatrixError(InputError):
-    """Two matrices do not fit each other, or a matrix lacks what was asked of it."""
+    """Two matrices are incompatible, or a matrix lacks the requested data."""
 
 
 class DeviceError(ClerestoryError):
-    """No usable compute device, or the compiler behind it does not work."""
+    """No usable compute device, or its compiler fails."""
 
 
 class OutputError(ClerestoryError):

@@ -1,4 +1,4 @@
-"""Files appear whole or not at all."""
+"""Atomic writing and safe reading of files."""
 
 import os
 import tempfile
@@ -12,14 +12,10 @@ from clerestory.errors import InputError, OutputError
 
 @contextmanager
 def replace_file(path: str | Path) -> Iterator[BinaryIO]:
-    """Open a binary stream that becomes `path` only when its block ends well.
+    """Open a binary stream that replaces `path` when its block ends without an error.
 
-    The bytes go to a temporary file beside `path`, which is renamed at the end;
-    an error or an interruption leaves whatever stood there before untouched.
-
-    Raises
-    ------
-    OutputError : the folder is missing or cannot be written
+    The bytes go to a temporary file in the same folder, which is renamed at the end;
+    after an error or an interruption an existing file is unchanged.
     """
     with replace_path(path) as temporary, temporary.open("wb") as stream:
         yield cast(BinaryIO, stream)
@@ -27,12 +23,7 @@ def replace_file(path: str | Path) -> Iterator[BinaryIO]:
 
 @contextmanager
 def replace_path(path: str | Path) -> Iterator[Path]:
-    """Yield an empty file that becomes `path` as `replace_file` does.
-
-    Raises
-    ------
-    OutputError : the folder is missing or cannot be written
-    """
+    """Yield an empty temporary file that replaces `path` as in `replace_file`."""
     path = Path(path)
     temporary = None
     try:
@@ -40,7 +31,7 @@ def replace_path(path: str | Path) -> Iterator[Path]:
         os.close(handle)
         temporary = Path(name)
         yield temporary
-        # mkstemp makes private files; a result has the permissions of any other file
+        # mkstemp creates private files; results have ordinary permissions
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)
@@ -54,18 +45,13 @@ def replace_path(path: str | Path) -> Iterator[Path]:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write `text` as UTF-8 to `path`, whole or not at all."""
+    """Write `text` as UTF-8 to `path` atomically."""
     with replace_file(path) as stream:
         stream.write(text.encode())
 
 
 def read_text(path: str | Path) -> str:
-    """Return the text of a file; bytes that are not UTF-8 are read as Latin-1.
-
-    Raises
-    ------
-    InputError : the file is missing, a folder, or not readable
-    """
+    """Return the text of a file; bytes that are not UTF-8 are read as Latin-1."""
     data = read_bytes(path)
     try:
         return data.decode("utf-8-sig")
@@ -74,12 +60,7 @@ def read_text(path: str | Path) -> str:
 
 
 def read_bytes(path: str | Path) -> bytes:
-    """Return the bytes of a file.
-
-    Raises
-    ------
-    InputError : the file is missing, a folder, or not readable
-    """
+    """Return the bytes of a file."""
     try:
         return Path(path).read_bytes()
     except (OSError, ValueError) as error:
@@ -88,12 +69,7 @@ def read_bytes(path: str | Path) -> bytes:
 
 
 def make_folder(path: str | Path) -> Path:
-    """Create a folder for results, with its parents, and return it.
-
-    Raises
-    ------
-    OutputError : the folder cannot be made
-    """
+    """Create a folder for results, with its parents, and return it."""
     path = Path(path)
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -86,7 +86,7 @@ def gendaylit(weather: Weather, day: str, hour: str) -> str:
 
 def coarse_sum(sky: PointSky) -> float:
     """Return gendaylit's sum over a relative sky, where the integral is meant."""
-    glow = sky.distribution.glow
+    glow = sky.distribution.centre
     points = reinhart(1).dome.centres()
     turned = np.array([0.0, np.hypot(glow[0], glow[1]), glow[2]])
     relative = sky.distribution.shape.relative(points, sun=turned)

@@ -7,17 +7,21 @@ import pytest
 
 from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.errors import InputError
-from clerestory.metrics.annual_statistics import annual_maximum, annual_mean
-from clerestory.metrics.daylight_autonomy import continuous_autonomy, daylight_autonomy
+from clerestory.metrics.climate_based_metrics import (
+    annual_maximum,
+    annual_mean,
+    continuous_autonomy,
+    daylight_autonomy,
+    light_exposure,
+    useful_illuminance,
+)
 from clerestory.metrics.honeybee import read_honeybee, write_honeybee
-from clerestory.metrics.light_exposure import light_exposure
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.spatial_metrics import (
     hours_above,
     spatial_autonomy,
     sunlight_exposure,
 )
-from clerestory.metrics.useful_illuminance import useful_illuminance
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""BSDFs with a formula: test oracles, and layers nobody needs to measure."""
+"""BSDFs with closed-form values: Lambertian diffuser, clear air and clear glass."""
 
 import numpy as np
 
@@ -10,22 +10,18 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 
-# Points per patch over which the angular dependence of a pane is averaged.
+# Sampled angles per ring for the average of a pane.
 _SAMPLES_PER_RING = 64
 
 
 def lambertian(
     transmittance: float, partition: RingPartition, *, reflectance: float = 0.0
 ) -> Bsdf:
-    """Return a layer that scatters all light evenly, from both sides alike.
+    """Return a Lambertian diffuser, equal on both sides.
 
     Parameters
     ----------
-    transmittance, reflectance : shares of the light, 0…1 together
-
-    Raises
-    ------
-    InputError : the shares are negative or exceed 1 together
+    transmittance, reflectance : 0…1, with a sum of at most 1
 
     Examples
     --------
@@ -48,7 +44,7 @@ def lambertian(
 
 
 def clear_air(partition: RingPartition) -> Bsdf:
-    """Return the layer that is not there: all light goes straight on.
+    """Return a layer that transmits all light undeviated.
 
     Its transmission matrix is the identity.
 
@@ -73,20 +69,15 @@ def thin_pane(
     index: float = 1.52,
     panes: int = 1,
 ) -> Bsdf:
-    """Return clear panes as Radiance's glass: Fresnel at both faces, interreflected.
+    """Return panes of clear glass as in Radiance's glass material.
 
-    Each patch has the average over its directions, weighted by their cosine; light
-    leaves in the patch that continues the one it came from.
+    Transmittance and reflectance are averaged over each patch with cosine weights.
 
     Parameters
     ----------
-    transmissivity : share of light left after one passage along the normal, 0…1
+    transmissivity : fraction of light left after one passage along the normal, 0…1
     index : refractive index, 1 or more
-    panes : how many such panes stand behind each other
-
-    Raises
-    ------
-    InputError : arguments out of range
+    panes : number of panes
     """
     if not (0 <= transmissivity <= 1 and index >= 1 and panes >= 1):
         raise InputError(
@@ -115,21 +106,22 @@ def thin_pane(
 def pane_shares(
     cosine: Values, *, transmissivity: float, index: float, panes: int = 1
 ) -> tuple[Values, Values]:
-    """Transmitted and reflected share of unpolarised light that meets clear panes.
+    """Transmittance and reflectance of clear panes for unpolarised light.
 
     Parameters
     ----------
-    cosine : of the angle between light and normal
-    transmissivity : share left after one passage along the normal
-    index : refractive index
-    panes : how many such panes stand behind each other
+    cosine : of the angle of incidence
+    transmissivity : fraction of light left after one passage along the normal
+    panes : number of panes
 
     Notes
     -----
-    Fresnel's equations at each face and the geometric series of interreflections,
-    for each polarisation, as in Radiance's glass. Between panes light counts as
-    unpolarised, as in Radiance.
+    Fresnel's equations at each face and the geometric series of interreflections per
+        polarisation, as in Radiance's glass. Between panes light is taken as
+        unpolarised.
 
+    Examples
+    --------
     >>> t, r = pane_shares(np.array(1.0), transmissivity=1.0, index=1.5)
     >>> round(float(t), 6), round(float(r), 6)  # 2n/(n²+1) and the rest
     (0.923077, 0.076923)
@@ -147,7 +139,7 @@ def pane_shares(
         reflected.append(r + (1 - r) ** 2 * r * passage**2 * series)
     t, r = np.mean(transmitted, axis=0), np.mean(reflected, axis=0)
 
-    # Add pane after pane with the series of interreflections between them
+    # Add panes one by one with the series of interreflections between them
     all_t, all_r = t, r
     for _ in range(panes - 1):
         between = 1 / (1 - all_r * r)
@@ -162,7 +154,7 @@ def _symmetric(
     reflection: ExitIncident,
     partition: RingPartition,
 ) -> Bsdf:
-    # A layer that does the same to light from both sides
+    # Equal functions on both sides
     tables: dict[Function, ExitIncident] = {
         "transmission_front": transmission,
         "transmission_back": transmission,

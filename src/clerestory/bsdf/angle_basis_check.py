@@ -1,4 +1,4 @@
-"""Whether the name of an angle basis stands for the rings that the data have."""
+"""Check of angle basis names against the rings of the data."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ _NAMES = ("full", "half", "quarter")
 
 
 def check_labels(bsdf: Bsdf) -> Iterator[Finding]:
-    """Yield bases whose name means other patches today, and how the file was read."""
+    """Yield bases defined otherwise than in WINDOW, and notes of the file reader."""
     seen: set[str] = set()
     for part in bsdf.functions.values():
         if not isinstance(part, ScatteringMatrix):

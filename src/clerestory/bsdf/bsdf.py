@@ -1,12 +1,12 @@
-"""BSDFs: what a layer does to light that meets it, as a set of scattering functions.
+"""Bidirectional scattering distribution functions (BSDFs) of layers.
 
-Directions are unit vectors that point away from the layer, in the frame of the
-window: x right, y up, z along the normal into the room.
+Directions are unit vectors that point away from the layer, in the frame of the window:
+x right, y up, z along the normal into the room.
 
-*Front* is the side towards the sky, as in LBNL's WINDOW and in its XML files:
-"transmission front" takes daylight from outside into the room. Radiance calls
-the room side front and swaps the names while it reads a file; it uses the
-"Transmission Front" of the file for daylight all the same, and so do we.
+*Front* is the side towards the sky, as in LBNL WINDOW and its XML files: "transmission
+front" is daylight from outside into the room. Radiance calls the room side front and
+exchanges the names on reading, but uses "Transmission Front" of the file for daylight
+as well.
 """
 
 from collections.abc import Callable, Mapping
@@ -40,14 +40,14 @@ _Answers = Float[np.ndarray, " pair"]
 
 @dataclass(frozen=True, eq=False)
 class Bsdf:
-    """What a layer does to light that meets it, from both sides.
+    """Scattering of light by a layer, on both sides.
 
     Attributes
     ----------
     functions : scattering per channel ("visible", "solar", …) and function
-    product : what the file says about the layer
-    notes : what was odd in the file and how it was read
-    source : the file it came from, for messages
+    product : product information in the file
+    notes : irregularities of the file and how they were resolved
+    source : the file, for messages
 
     Examples
     --------
@@ -65,11 +65,11 @@ class Bsdf:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Channels of which the layer has any function."""
+        """Channels that have at least one function."""
         return tuple(dict.fromkeys(channel for channel, _ in self.functions))
 
     def has(self, function: Function, *, channel: str = "visible") -> bool:
-        """Whether the function is known, itself or through reciprocity."""
+        """Whether the function is known, directly or by reciprocity."""
         other = OTHER_SIDE.get(function, function)
         return (channel, function) in self.functions or (
             channel,
@@ -79,13 +79,14 @@ class Bsdf:
     def scattering(
         self, name: Function, *, channel: str = "visible"
     ) -> ScatteringFunction:
-        """Return one scattering function, be it a matrix or a tensor tree.
+        """Return one scattering function, a matrix or a tensor tree.
 
-        A transmission given for one side only serves the other by reciprocity.
+        A transmission that is given for one side only is used for the other by
+        reciprocity.
 
         Raises
         ------
-        InputError : there is no such function in this channel
+        InputError : the channel has no such function
         """
         if (channel, name) in self.functions:
             return self.functions[channel, name]
@@ -111,16 +112,16 @@ class Bsdf:
         channel: str = "visible",
         partition: RingPartition | None = None,
     ) -> ScatteringMatrix:
-        """Return one scattering function as a matrix, flux conserved.
+        """Return one scattering function as a matrix; flux is conserved.
 
         Parameters
         ----------
-        partition : patches on both sides; None for those of the file, which for a
-            tensor tree are the 145 of Klems
+        partition : patches on both sides; None for those of the file, or Klems full for
+            trees
 
         Raises
         ------
-        InputError : there is no such function in this channel
+        InputError : the channel has no such function
         """
         part = self.scattering(name, channel=channel)
         if partition is None and isinstance(part, ScatteringMatrix):
@@ -140,23 +141,19 @@ class Bsdf:
     ) -> TransferMatrix:
         """Return the matrix T of the three-phase method, E = V·T·D·s.
 
-        Each entry is the radiance that leaves into a patch of the room per radiance
-        that arrives from a patch outside: the BSDF times the projected solid angle
-        of the incident patch. The visible channel is in RGB if the file has CIE X
-        and Z beside it, grey otherwise. In other bands than RGB, the file's channels of
-        the names of the bands are taken.
+        Entries are exit radiance per incident radiance: the BSDF times the projected
+        solid angle of the incident patch. The visible channel is in RGB if the file has
+        CIE X and Z, else grey.
 
         Parameters
         ----------
-        partition : patches on both sides; None for those of the file, which for a
-            tensor tree are the 145 of Klems
-        window : name of the window group it stands in; None fits all
-        bands : spectral bands
+        partition : patches on both sides; None for those of the file, or Klems full for
+            trees
+        window : name of the window group; None fits all
 
         Raises
         ------
-        InputError : the layer has no transmission in this channel, or in one of the
-            bands
+        InputError : the channel has no transmission
         """
         parts = [
             self.function("transmission_front", channel=name, partition=partition)
@@ -186,18 +183,18 @@ class Bsdf:
         channel: str = "visible",
         partition: RingPartition | None = None,
     ) -> Values:
-        """Share of the light from each incident patch that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance per incident patch."""
         part = self.function(function, channel=channel, partition=partition)
         return part.direct_hemispherical()
 
     def hemispherical(
         self, incident: Directions, *, function: Function, channel: str = "visible"
     ) -> Values:
-        """Share of the light from each direction that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance."""
         return self.scattering(function, channel=channel).hemispherical(incident)
 
     def diffuse(self, function: Function, *, channel: str = "visible") -> float:
-        """Share of light from a uniform hemisphere that is scattered in all."""
+        """Hemispherical-hemispherical (diffuse) transmittance or reflectance."""
         part = self.function(function, channel=channel)
         weight = part.incidents.projected_solid_angles()
         return float(part.direct_hemispherical() @ weight / np.pi)
@@ -211,7 +208,7 @@ class Bsdf:
     ) -> Float[np.ndarray, "*pair"]:
         """BSDF [1/sr] for pairs of directions that point away from the layer.
 
-        A function the layer does not have is zero.
+        Functions that the layer lacks are zero.
         """
         return self._over_pairs(
             lambda part, i, o: part.evaluate(i, o), incident, leaving, channel, 0.0
@@ -224,16 +221,12 @@ class Bsdf:
         *,
         channel: str = "visible",
     ) -> Float[np.ndarray, "*pair"]:
-        """Projected solid angle of the cell or patch that holds each pair [sr].
+        """Projected solid angle [sr] of the cell or patch that contains each pair.
 
-        It is π, the whole hemisphere, for a function the layer does not have.
+        It is π, the whole hemisphere, for functions that the layer lacks.
         """
         return self._over_pairs(
-            lambda part, i, o: part.resolution(i, o),
-            incident,
-            leaving,
-            channel,
-            np.pi,
+            lambda part, i, o: part.resolution(i, o), incident, leaving, channel, np.pi
         )
 
     def sample(
@@ -244,13 +237,14 @@ class Bsdf:
         function: Function,
         channel: str = "visible",
     ) -> tuple[Directions, Values]:
-        """Directions into which light leaves, and their probability density [1/sr].
+        """Sample exit directions; return them and their probability density [1/sr].
 
-        The density is the BSDF times the cosine over the share scattered in all.
+        The density is the BSDF times the cosine over the directional-hemispherical
+        value.
 
         Parameters
         ----------
-        incident : where light comes from, on the side of the function
+        incident : towards the source, on the side of the function
         u : points of the unit square [0, 1)², one per direction
         """
         part = self.scattering(function, channel=channel)
@@ -267,7 +261,7 @@ class Bsdf:
         channel: str,
         missing: float,
     ) -> Float[np.ndarray, "*pair"]:
-        # Ask each function about its pairs, some thousands at a time
+        # Evaluate each function for its pairs, in chunks
         incident, leaving = np.broadcast_arrays(incident, leaving)
         answer = np.full(incident.shape[:-1], missing)
         flat, i, o = answer.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
@@ -290,7 +284,7 @@ class Bsdf:
         )
 
     def xyz(self, name: Function) -> tuple[ScatteringFunction, ...]:
-        """Scattering of the tristimulus values X, Y and Z, for what is in colour."""
+        """Scattering functions of the tristimulus values X, Y and Z."""
         y = self.scattering(name)
         if self.has(name, channel="cie-x"):
             x, z = (self.scattering(name, channel=c) for c in ("cie-x", "cie-z"))

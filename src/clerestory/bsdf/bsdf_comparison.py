@@ -1,4 +1,4 @@
-"""How far two BSDFs are from each other, in numbers a result can be judged by."""
+"""Numerical differences between two BSDFs."""
 
 from dataclasses import dataclass
 
@@ -17,14 +17,13 @@ class Comparison:
     Attributes
     ----------
     rms : root mean square difference of the BSDF, weighted by solid angle [1/sr]
-    mean : mean of the first BSDF, weighted alike [1/sr]
-    redistributed : share of the light of a uniform sky that leaves elsewhere, or more
-        or less of it; 0 for equal layers, 1 for nothing in common
-    share_bias, share_rms, share_worst : of the shares scattered in all, over incident
-        patches
-    worst_patch : incident patch of the greatest difference
-    incidents : partition of the incident patches that were compared
-    diffuse : shares of uniform light that each scatters in all
+    mean : mean of the first BSDF with the same weights [1/sr]
+    redistributed : fraction of the light of a uniform sky that is scattered into other
+        directions; 0 for equal layers, 1 for disjoint ones
+    share_bias, share_rms, share_worst : differences of directional-hemispherical values
+    worst_patch : incident patch of the largest difference
+    incidents : incident partition of the comparison
+    diffuse : diffuse transmittance or reflectance of each
     """
 
     rms: float
@@ -47,12 +46,8 @@ def compare(
 ) -> Comparison:
     """Return the differences between one function of two layers.
 
-    They are compared on their own patches if these are the same, otherwise on the
-    coarser incident patches of the two, flux conserved. A tensor tree counts as 145.
-
-    Raises
-    ------
-    InputError : a layer lacks the function
+    Layers are compared on their own patches if these are equal, otherwise on the
+    coarser incident partition of the two. Trees are averaged to Klems full.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Which functions of a BSDF are there, which are empty, and which are copies."""
+"""Checks for missing, empty and duplicated functions of a BSDF."""
 
 from collections.abc import Iterator, Mapping
 
@@ -10,12 +10,12 @@ from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.reciprocity import Tables
 from clerestory.bsdf.scattering_function import Function
 
-# Mismatch between front and back above which a layer is not the same on both sides.
+# Mismatch above which the two sides of a layer are taken as different.
 _ASYMMETRIC = 0.05
 
 
 def check_presence(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
-    """Yield what is missing, all zero, or a copy of something else."""
+    """Yield functions that are missing, all zero, or copies of another one."""
     if "visible" not in bsdf.channels:
         yield Finding(
             "missing",
@@ -49,12 +49,7 @@ def _missing(bsdf: Bsdf, channel: str) -> Iterator[Finding]:
     for name, effect in effects.items():
         if not bsdf.has(name, channel=channel):
             yield Finding(
-                "missing",
-                "info",
-                0.0,
-                f"no {name.replace('_', ' ')}",
-                channel,
-                effect,
+                "missing", "info", 0.0, f"no {name.replace('_', ' ')}", channel, effect
             )
 
 
@@ -64,7 +59,7 @@ def _empty(channel: str, tables: Tables) -> Iterator[Finding]:
         other = name.replace("front", "back") if "front" in name else ""
         other = other or name.replace("back", "front")
         transmits = name.startswith("transmission")
-        # A transmission of one side only breaks reciprocity; a clear layer is black
+        # Zero transmission on one side only violates reciprocity
         matters = transmits and other in full
         yield Finding(
             "empty",
@@ -91,8 +86,8 @@ def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
         if not np.array_equal(one.values, other.values):
             continue
         kind = front.removesuffix("_front")
-        # A copied transmission must be its own reverse; a copied reflection needs a
-        # layer that passes light alike from both sides
+        # Equal transmissions require self-reciprocity; equal reflections require equal
+        # transmittances of both sides
         doubt = sides["reverse" if kind == "transmission" else "passing"]
         yield Finding(
             "copy",
@@ -110,10 +105,10 @@ def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def mismatch_of_sides(tables: Tables) -> dict[str, float]:
-    """How unlike the two sides of a layer are, judged by its transmission.
+    """Differences between the two sides of a layer, from its transmission.
 
-    "reverse": of the front and its own reverse; "passing": of the shares that front
-    and back pass. Both are 0 where the transmission is unknown.
+    "reverse": mismatch of the front and its reciprocal; "passing": mismatch of front
+    and back transmittances. Both are 0 where the transmission is unknown.
     """
     front = tables.get("transmission_front")
     back = tables.get("transmission_back")

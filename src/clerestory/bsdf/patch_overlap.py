@@ -1,9 +1,9 @@
-"""How much of each patch of one partition lies in each cell of another.
+"""Overlap areas between two partitions of the hemisphere.
 
-On the unit square of Shirley and Chiu's map rings are squares about the middle and
-azimuths are straight lines from it. So overlaps are sums over thin strips, within
-which the lengths are known: the sums over patches and over cells are exact, and flux
-that moves from one partition to another is neither lost nor made.
+On the unit square of the Shirley–Chiu map rings are concentric squares and azimuths are
+straight lines through the middle. Overlaps are sums over thin strips within which
+lengths are exact; sums over patches and over cells are exact, so that resampling
+conserves flux.
 """
 
 import numpy as np
@@ -13,17 +13,12 @@ from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import disc_from_square
 
-# Strips between two neighbouring limits, of cells or of rings.
+# Strips between neighbouring limits of cells or rings.
 _STRIPS = 8
 
-# A quarter of the square lies on each side of its middle; its axis as (x, y) and the
-# one across, which follows growing azimuth.
-_QUARTERS = (
-    ((1, 0), (0, 1)),
-    ((0, 1), (-1, 0)),
-    ((-1, 0), (0, -1)),
-    ((0, -1), (1, 0)),
-)
+# The four triangular quarters of the square: outward axis as (x, y), and the axis
+# across in the sense of growing azimuth.
+_QUARTERS = (((1, 0), (0, 1)), ((0, 1), (-1, 0)), ((-1, 0), (0, -1)), ((0, -1), (1, 0)))
 
 
 def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_array:
@@ -31,8 +26,10 @@ def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_arra
 
     Parameters
     ----------
-    halvings : the cells are 2^halvings along each axis, the second running faster
+    halvings : 2^halvings cells along each axis, the second axis fastest
 
+    Examples
+    --------
     >>> from clerestory.hemisphere.klems import klems
     >>> quarter = klems("quarter")
     >>> overlap = patches_in_cells(quarter, 3)
@@ -93,7 +90,7 @@ def patches_in_patches(old: RingPartition, new: RingPartition) -> sparse.csr_arr
 
 
 def opposite_patches(partition: RingPartition) -> Indices:
-    """Patch on the other side of the pole, half a turn away, for each patch."""
+    """Patch on the opposite side of the pole, for each patch."""
     return partition.find(partition.centres() * [-1, -1, 1])
 
 

@@ -1,7 +1,7 @@
-"""How far scattering on patches is from its own reverse and its own mirror image.
+"""Symmetry and reciprocity mismatch of scattering matrices.
 
-A mismatch is the share of the light that goes elsewhere, under a uniform sky: 0 for
-alike, 1 for nothing in common. Values that nobody will notice do not count.
+A mismatch is the fraction of the flux under a uniform sky that is scattered into other
+patches: 0 for equal tables, 1 for disjoint ones.
 """
 
 from typing import Literal, get_args
@@ -21,7 +21,7 @@ _RINGS_TOGETHER = 2
 
 
 def mismatch(one: ExitIncident, other: ExitIncident) -> float:
-    """Return the share of the light in two tables of flux that goes elsewhere.
+    """Return the fraction of the flux by which two tables differ.
 
     >>> mismatch(np.array([[1.0, 1.0]]), np.array([[1.0, 1.2]])).__round__(6)
     0.047619
@@ -31,30 +31,30 @@ def mismatch(one: ExitIncident, other: ExitIncident) -> float:
 
 
 def reciprocity_mismatch(front: ScatteringMatrix, back: ScatteringMatrix) -> float:
-    """Mismatch of one function and the reverse of its partner, over groups of patches.
+    """Mismatch of a function and the reciprocal of its partner, over groups of patches.
 
-    Patches are taken together, about fifteen degrees wide, so that the noise of
-    traced files averages out. The partner of a reflection is itself.
+    Patches are grouped to about fifteen degrees, which averages out the noise of traced
+    files. The partner of a reflection is the reflection itself.
     """
     reverse = back.reciprocal()
     return mismatch(_flux_of_groups(front), _flux_of_groups(reverse))
 
 
 def turn_incident(part: ScatteringMatrix, turn: Turn) -> ScatteringMatrix:
-    """Return the function with its incident patches renumbered by a turn."""
+    """Return the function with incident patches renumbered by a symmetry."""
     order = turned_patches(part.incidents, turn)
     return ScatteringMatrix(part.values[:, order], part.exits, part.incidents)
 
 
 def turned_mismatch(part: ScatteringMatrix, turn: Turn) -> float:
-    """Mismatch of a function with itself when the whole layer is turned."""
+    """Mismatch of a function with itself after a symmetry operation."""
     exits, incidents = (turned_patches(p, turn) for p in (part.exits, part.incidents))
     flux = flux_table(part)
     return mismatch(flux, flux[np.ix_(exits, incidents)])
 
 
 def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
-    """Patch at the place to which a turn brings each patch's centre."""
+    """Patch to which a symmetry operation maps each patch's centre."""
     x, y, z = partition.centres().T
     moved = {
         "half a turn": (-x, -y, z),
@@ -62,13 +62,13 @@ def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
         "up and down": (x, -y, z),
         "a quarter turn": (-y, x, z),
     }[turn]
-    # A patch whose mirror image straddles two others takes the next one
+    # A patch whose image straddles two others maps to the next one
     found: Int[np.ndarray, " patches"] = partition.find(np.stack(moved, axis=-1))
     return found
 
 
 def flux_table(part: ScatteringMatrix) -> ExitIncident:
-    """Light between patches per radiance of a uniform sky [sr²/sr]."""
+    """Flux between patches per radiance of a uniform sky [sr]."""
     flux: ExitIncident = (
         part.exits.projected_solid_angles()[:, None] * part.flux_factors()
     )
@@ -82,7 +82,7 @@ def _flux_of_groups(part: ScatteringMatrix) -> Float[np.ndarray, "group group"]:
 
 
 def _groups(partition: RingPartition) -> Float[np.ndarray, "patch group"]:
-    # Membership of patches in groups of rings and sectors; the pole stands alone
+    # Membership of patches in groups of rings and sectors; the pole is a group
     x, y, _ = partition.centres().T
     sector = np.floor(np.arctan2(y, x) * _SECTORS / (2 * np.pi) + 0.5 + 1e-6)
     ring = np.repeat(np.arange(len(partition.count)), partition.count)

@@ -1,19 +1,17 @@
-"""What a BSDF file says about the product itself, besides its scattering."""
+"""Product information of a BSDF file besides its scattering data."""
 
 from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """The shape of a layer as a text in MGF, the Materials and Geometry Format.
-
-    `clerestory.radiance.bsdf_package.layer_geometry` makes a scene of it.
+    """The geometry of a layer as text in MGF, the Materials and Geometry Format.
 
     Attributes
     ----------
-    text : in the frame of the BSDF; z points into the room, nothing is above 0
+    text : in the frame of the BSDF; z points into the room, all geometry at z ≤ 0
     metres : length of its unit [m]
-    line : where it starts in its file, for messages
+    line : first line in the file, for messages
     """
 
     text: str
@@ -23,11 +21,11 @@ class Geometry:
 
 @dataclass(frozen=True)
 class Detail:
-    """Something a file says that is kept as it is, such as a conductivity.
+    """An element of a file that is kept unchanged, such as a conductivity.
 
     Attributes
     ----------
-    name : of its element; "Geometry/Angle" for one of the geometry
+    name : of the element; "Geometry/Angle" for a part of the geometry
     text, unit : as in the file; unit "" if not given
     """
 
@@ -38,7 +36,7 @@ class Detail:
 
 @dataclass(frozen=True)
 class Spectra:
-    """Light source and detector that a channel was weighted with, by their files."""
+    """Light source and detector spectra of a channel, by file names."""
 
     channel: str
     source: str
@@ -46,7 +44,7 @@ class Spectra:
 
 
 def usual_spectra(channel: str) -> Spectra:
-    """Return what genBSDF and WINDOW write for a channel.
+    """Return the spectra that genBSDF and WINDOW write for a channel.
 
     >>> usual_spectra("visible").detector
     'ASTM E308 1931 Y.dsp'
@@ -58,16 +56,17 @@ def usual_spectra(channel: str) -> Spectra:
 
 @dataclass(frozen=True)
 class Product:
-    """Name and dimensions of a glazing or shading layer.
+    """Name, dimensions and thermal properties of a layer.
 
     Attributes
     ----------
     name, manufacturer, device_type : as in the file
-    thickness, width, height : dimensions [m]; None where the file says nothing, or 0
-    emissivity_front, emissivity_back : far-infrared emissivity, 0…1; None if not said
-    geometry : its shape; None if the file has none
-    details : what else the file says
-    spectra : of channels whose spectra are not the usual ones
+    thickness, width, height : dimensions [m]; None if not given
+    emissivity_front, emissivity_back : hemispherical, far infrared, 0…1; None if not
+        given
+    geometry : None if the file has none
+    details : all other elements of the file
+    spectra : of channels with other than the usual spectra
     """
 
     name: str = ""

@@ -1,8 +1,8 @@
-"""Whether a BSDF can be true: energy, reciprocity, order, labels, copies, gaps.
+"""Quality checks of BSDFs: energy, reciprocity, order, labels, copies and gaps.
 
-Physics sets two rules, Helmholtz reciprocity and the energy balance. A file that
-breaks them is noisy, or its numbers are not what its labels say. Which of the two
-it is shows in what would repair it: every doubt here has a measured size.
+Helmholtz reciprocity and the energy balance hold for every layer. The kind of fault of
+a file that violates them is deduced from the correction that would restore them; every
+finding has a measured size.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,16 +25,16 @@ from clerestory.bsdf.reciprocity import (
 from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
-# Sizes from which a finding is told, matters, and spoils results.
+# Limits of energy excess for info, warning and error.
 _ENERGY = (0.001, 0.01, 0.05)
 
-# Sums of bare values of a direction that look like shares of flux.
+# Sums of values over exit patches that suggest flux fractions instead of BSDF.
 _LIKE_SHARES = (0.3, 1.01)
 
-# Ratio of light from above to light from below that reads as upside down.
+# Ratio of transmittances from above and below that suggests an inverted layer.
 _FROM_ABOVE = 1.5
 
-# Mismatch below which a layer counts as symmetric or isotropic.
+# Mismatch below which a layer is taken as symmetric or isotropic.
 _ALIKE = 0.025
 
 _Side = Literal["front", "back"]
@@ -42,14 +42,10 @@ _SIDES: tuple[_Side, _Side] = ("front", "back")
 
 
 def check(bsdf: Bsdf) -> tuple[Finding, ...]:
-    """Return what is doubtful about a BSDF, the gravest first.
+    """Return the findings about a BSDF, errors first.
 
-    Findings of severity "error" spoil results, "warning" are doubts to look into,
-    "info" tells what the layer is. Tensor trees are judged by their averages over
-    the 145 patches of Klems.
+    Tensor trees are checked by their averages over Klems full.
 
-    Examples
-    --------
     >>> from clerestory.bsdf.analytic import lambertian
     >>> from clerestory.hemisphere.klems import klems
     >>> [f.severity for f in check(lambertian(0.5, klems("full"))) if f.matters]
@@ -77,7 +73,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         severity = graded(excess, _ENERGY)
         if severity is None:
             continue
-        # Would the reflection of the other side have fitted?
+        # Test whether the reflection of the other side satisfies the balance
         other: _Side = "back" if side == "front" else "front"
         swapped, _ = _scattered(tables, side, reflection_of=other)
         fits = (
@@ -105,7 +101,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
 def _scattered(
     tables: Tables, side: _Side, *, reflection_of: _Side
 ) -> tuple[Values, ScatteringMatrix | None]:
-    # Share of light scattered in all, on the patches of one of the functions
+    # Transmittance plus reflectance, on the incident patches of one of them
     transmission: dict[_Side, Function] = {
         "front": "transmission_front",
         "back": "transmission_back",
@@ -124,7 +120,7 @@ def _scattered(
 
 
 def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
-    # A layer blacker than any is likelier to hold shares of flux
+    # Very low values suggest flux fractions instead of 1/sr
     for side in _SIDES:
         share, dark = _scattered(tables, side, reflection_of=side)
         if dark is None:
@@ -173,11 +169,11 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def from_above_and_below(front: ScatteringMatrix) -> tuple[float, float]:
-    """Share of light that passes, of what falls from above and rises from below."""
+    """Mean transmittance of light from above and of light from below."""
     _, y, z = front.incidents.centres().T
     slant = (z < np.cos(np.radians(30))) & (z > np.cos(np.radians(70)))
     share = front.direct_hemispherical()
-    # Light through a patch goes on along its centre: from above, downwards
+    # Light of an incident patch travels along its centre: from above, downwards
     groups = (slant & (y < -0.35), slant & (y > 0.35))
     above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
     return above, below

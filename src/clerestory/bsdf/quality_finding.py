@@ -1,4 +1,4 @@
-"""What is doubtful about a BSDF: how much, where, and what comes of it."""
+"""Findings of the quality checks of BSDFs."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -12,16 +12,16 @@ Severity = Literal["info", "warning", "error"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One observation about a BSDF.
+    """One irregularity of a BSDF.
 
     Attributes
     ----------
     name : "energy", "reciprocity", "order", …
-    severity : "error" spoils results, "warning" is a doubt, "info" a remark
-    size : how far off, as a share or ratio that `what` explains
-    what : what was found, in words with the size
+    severity : "error" invalidates results, "warning" is a doubt, "info" a remark
+    size : deviation, as a fraction or ratio that `what` explains
+    what : description with the size
     where : channel, function, patch and direction
-    effect : what it will do to a simulation
+    effect : consequence for a simulation
     """
 
     name: str
@@ -33,7 +33,7 @@ class Finding:
 
     @property
     def matters(self) -> bool:
-        """Whether it can change results."""
+        """Whether results can change."""
         return self.severity != "info"
 
     def __str__(self) -> str:
@@ -43,7 +43,7 @@ class Finding:
 
 
 def graded(size: float, limits: tuple[float, float, float]) -> Severity | None:
-    """Severity of a size; None below the first limit.
+    """Severity of a deviation; None below the first limit.
 
     >>> graded(0.02, (0.001, 0.01, 0.05))
     'warning'
@@ -56,7 +56,7 @@ def graded(size: float, limits: tuple[float, float, float]) -> Severity | None:
 
 
 def place(partition: RingPartition, patch: int) -> str:
-    """Return a patch in words: its number and the direction of its centre.
+    """Return the number of a patch and the direction of its centre as text.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> place(klems("full"), 3)

@@ -1,8 +1,7 @@
-"""A scattering function seen from its other side, where no table can say the same.
+"""Reciprocal of scattering functions that have no reciprocal table.
 
-A rank 3 tree in reverse is no rank 3 tree: its cells are squares around the leaving
-direction and rings around the incident one. Values are exact; light is summed and
-sampled over a grid of leaving directions finer than the cells.
+The reciprocal of a rank 3 tree is no rank 3 tree. Values are exact; integrals and
+samples use a grid of exit directions finer than the cells.
 """
 
 from dataclasses import dataclass
@@ -24,12 +23,12 @@ _FINER, _COARSEST, _FINEST = 2, 8, 10
 @final
 @dataclass(frozen=True, eq=False)
 class ReversedFunction(ScatteringFunction):
-    """Another function with incident and leaving directions exchanged.
+    """A scattering function with incident and exit directions exchanged.
 
     Attributes
     ----------
     forward : the other function
-    halvings : 2^halvings of its smallest cells lie along the unit square's edge
+    halvings : its smallest cells are 2^-halvings of the edge of the unit square
     """
 
     forward: ScatteringFunction
@@ -40,17 +39,14 @@ class ReversedFunction(ScatteringFunction):
         return self.forward.evaluate(leaving, incident)
 
     def hemispherical(self, incident: Directions) -> Values:
-        """Share of the light from each direction that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance."""
         each = np.reshape(incident, (-1, 3))
         grid = self._grid()
         share = [np.pi * self._over(direction, grid).mean() for direction in each]
         return np.reshape(np.array(share), np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Directions into which light leaves, and their probability density [1/sr].
-
-        The density is that of the grid, see the head of this module.
-        """
+        """Exit directions and their density [1/sr], which is that of the grid."""
         shape = np.shape(incident)[:-1]
         each, which = np.unique(
             np.reshape(incident, (-1, 3)), axis=0, return_inverse=True
@@ -65,7 +61,7 @@ class ReversedFunction(ScatteringFunction):
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the cell that holds each pair [sr]."""
+        """Projected solid angle of the cell that contains each pair [sr]."""
         return self.forward.resolution(leaving, incident)
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
@@ -83,14 +79,14 @@ class ReversedFunction(ScatteringFunction):
         return self.forward
 
     def tabulated(self) -> ScatteringFunction:
-        """Return the other function as a table, seen from its other side."""
+        """Return the reciprocal of the tabulated function."""
         return self.forward.tabulated().reciprocal()
 
     def own_partitions(self) -> None:
-        """None: the function is not made of patches."""
+        """None: the function has no patches."""
 
     def _grid(self) -> Directions:
-        # Directions through the middle of equal cells, those of a row together
+        # Directions to the centres of grid cells, row by row
         edge = 1 << min(max(self.halvings + _FINER, _COARSEST), _FINEST)
         middle = (np.arange(edge) + 0.5) / edge
         a, b = np.meshgrid(middle, middle, indexing="ij")
@@ -108,7 +104,7 @@ def _direction(a: Values, b: Values) -> Directions:
 def _choose(
     value: Float[np.ndarray, " cells"], u: Float[np.ndarray, "samples 2"]
 ) -> tuple[Float[np.ndarray, "samples 3"], Float[np.ndarray, " samples"]]:
-    # Directions within grid cells chosen in proportion to their values
+    # Directions in grid cells chosen with probabilities proportional to values
     running = np.concatenate([[0.0], np.cumsum(value)])
     total = float(running[-1])
     if total == 0:

@@ -1,8 +1,8 @@
-"""Helmholtz reciprocity: light goes the same ways forth and back.
+"""Check of Helmholtz reciprocity.
 
-What breaks it tells the kind of fault: it vanishes when incident directions are
-renumbered (azimuths are counted another way) or when values are divided by a weight
-(they are not a BSDF), or it stays (noise, an interpolation, a wrong model).
+A violation that vanishes when incident directions are renumbered indicates another
+azimuth convention; one that vanishes when values are divided by a weight indicates
+values that are not BSDF; others indicate noise, interpolation or an invalid model.
 """
 
 from collections.abc import Iterator
@@ -10,21 +10,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from clerestory.array_types import ExitIncident
-from clerestory.bsdf.patch_symmetry import (
-    TURNS,
-    reciprocity_mismatch,
-    turn_incident,
-)
+from clerestory.bsdf.patch_symmetry import TURNS, reciprocity_mismatch, turn_incident
 from clerestory.bsdf.quality_finding import Finding, Severity, graded
 from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
-# Sizes from which a finding is told, matters, and spoils results.
+# Limits for info, warning and error.
 _RECIPROCITY = (0.015, 0.05, 0.25)
 _SIDES = (0.02, 0.10, 0.50)
 
-# A repair is believed if it leaves no more than this share of the mismatch; a
-# weight is proven if it leaves next to nothing.
+# Largest remaining share of the mismatch for a plausible and for a proven correction;
+# smallest mismatch for which weights are tested.
 _REPAIRED = 0.4
 _PROVEN = 0.1
 _WEIGHTED = 0.005
@@ -33,13 +29,15 @@ Tables = dict[Function, ScatteringMatrix]
 
 
 def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield functions that are not their partner's reverse, and what would help."""
+    """Yield functions that violate reciprocity, with the correction that would restore
+    it.
+    """
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
         severity = graded(size, _RECIPROCITY)
         if severity is None:
             continue
-        # Look for a numbering of the incident patches that obeys
+        # Find the renumbering of incident patches that satisfies reciprocity best
         left = {
             turn: reciprocity_mismatch(
                 turn_incident(part, turn), turn_incident(partner, turn)
@@ -73,7 +71,7 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
 def _reverses(
     tables: Tables,
 ) -> Iterator[tuple[str, ScatteringMatrix, ScatteringMatrix]]:
-    # Functions with those that are their reverse: a reflection is its own
+    # Functions with their reciprocal partners: a reflection is its own
     pairs: tuple[tuple[str, Function, Function], ...] = (
         ("transmission", "transmission_front", "transmission_back"),
         ("reflection front", "reflection_front", "reflection_front"),
@@ -89,7 +87,7 @@ def _reverses(
 
 
 def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield unequal diffuse transmittances: reciprocity makes both sides equal."""
+    """Yield unequal diffuse transmittances; by reciprocity both sides are equal."""
     if not {"transmission_front", "transmission_back"} <= set(tables):
         return
     front = diffuse_share(tables["transmission_front"])
@@ -109,13 +107,13 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def diffuse_share(part: ScatteringMatrix) -> float:
-    """Share of the light of a uniform hemisphere that is scattered in all."""
+    """Diffuse (hemispherical-hemispherical) transmittance or reflectance."""
     weight = part.incidents.projected_solid_angles()
     return float(part.direct_hemispherical() @ weight / weight.sum())
 
 
 def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield functions that obey reciprocity once a weight is divided out."""
+    """Yield functions that satisfy reciprocity after division by a weight."""
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
         if size < _WEIGHTED:

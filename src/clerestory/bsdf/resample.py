@@ -1,8 +1,7 @@
-"""BSDFs from one kind or partition to another, flux conserved.
+"""Resampling of BSDFs between matrices and trees, and between partitions.
 
-A value becomes the mean of the values it stands for, weighted by projected solid
-angle on both sides. So what is scattered in all, from any patch of the coarser side,
-stays what it was; detail that the new cells cannot hold is gone.
+A new value is the mean of the values it replaces, weighted by projected solid angle on
+both sides, so that directional-hemispherical values of the coarser side are conserved.
 """
 
 from dataclasses import replace
@@ -27,9 +26,9 @@ _FINEST = 6
 
 
 def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
-    """Return the BSDF with matrices on one partition on both sides.
+    """Return the BSDF as matrices on one partition.
 
-    Colour as CIE u′ and v′ becomes CIE X and Z, which can be averaged.
+    Colour given as CIE u′ and v′ becomes CIE X and Z, which can be averaged.
 
     >>> from clerestory.bsdf.analytic import lambertian
     >>> from clerestory.hemisphere.klems import klems
@@ -47,15 +46,11 @@ def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
 
 
 def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
-    """Return the BSDF with tensor trees of rank 4; trees stay as they are.
+    """Return the BSDF as tensor trees of rank 4; existing trees are kept.
 
     Parameters
     ----------
-    halvings : 2^halvings smallest cells lie along each axis, 6 at most
-
-    Raises
-    ------
-    InputError : more halvings than memory allows
+    halvings : 2^halvings smallest cells along each axis, 6 at most
     """
     functions = {
         key: part if isinstance(part, ScatteringTree) else tree_from(part, halvings)
@@ -65,12 +60,7 @@ def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
 
 
 def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
-    """Return the rank 4 tree of a matrix; equal cells are one.
-
-    Raises
-    ------
-    InputError : not a matrix, or more halvings than memory allows
-    """
+    """Return the rank 4 tree of a matrix, with equal cells merged."""
     if not 0 <= halvings <= _FINEST or not isinstance(part, ScatteringMatrix):
         raise InputError(
             f"a tensor tree of {halvings} halvings from a {type(part).__name__}; a"
@@ -84,10 +74,9 @@ def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
 
 
 def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
-    """Return the BSDF averaged with its reciprocal, which makes it reciprocal.
+    """Return the mean of a BSDF and its reciprocal, which is reciprocal.
 
-    Transmissions of the two sides become each other's reciprocal, reflections their
-    own. Trees of rank 3 cannot be averaged so and stay as they are.
+    Trees of rank 3 have no reciprocal tree and are kept.
     """
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for (channel, name), part in bsdf.functions.items():
@@ -110,13 +99,12 @@ def _mean(one: ScatteringFunction, two: ScatteringFunction) -> ScatteringFunctio
 def full_tree(
     value: Float[np.ndarray, "incident leaving"], halvings: int
 ) -> ScatteringTree:
-    """Return the rank 4 tree with all cells of a grid.
+    """Return the rank 4 tree of a full grid of cells.
 
     Parameters
     ----------
-    value : BSDF [1/sr] of the finest cells, incident ones numbered by where light goes
-        straight on; in both numbers the second coordinate of the square runs faster
-    halvings : of each coordinate
+    value : BSDF [1/sr] of the finest cells; incident cells are numbered by the
+        undeviated direction, the second coordinate of the square fastest
     """
     # Branches of all levels, then the values in their order
     starts = np.cumsum([1 << 4 * level for level in range(halvings + 1)])

@@ -1,9 +1,8 @@
-"""What every scattering function can be asked, however its values are kept.
+"""Interface of scattering functions.
 
-Directions are unit vectors in the frame of the window: x right, y up. Only x and y
-are looked at, for the function says which side light meets and leaves. Incident
-directions point to where light comes from, as all directions point away from the
-layer.
+Directions are unit vectors in the frame of the window, x right and y up, away from the
+layer; incident directions point towards the source. Only x and y are used: the function
+determines the sides of incidence and exit.
 """
 
 from abc import ABC, abstractmethod
@@ -20,7 +19,7 @@ Function = Literal[
 ]
 FUNCTIONS: tuple[Function, ...] = get_args(Function)
 
-# Pairs that are evaluated together: their arrays stay in the processor's cache.
+# Pairs per chunk, so that arrays fit into the cache of the processor.
 TOGETHER = 1 << 15
 
 OTHER_SIDE: dict[Function, Function] = {
@@ -32,7 +31,7 @@ OTHER_SIDE: dict[Function, Function] = {
 def by_function(
     incident: Float[np.ndarray, "pair 3"], leaving: Float[np.ndarray, "pair 3"]
 ) -> dict[Function, Int[np.ndarray, " some"]]:
-    """Numbers of the pairs that each of the four functions is for.
+    """Numbers of the pairs of directions that each of the four functions is for.
 
     Parameters
     ----------
@@ -62,15 +61,15 @@ class ScatteringFunction(ABC):
 
     @abstractmethod
     def hemispherical(self, incident: Directions) -> Values:
-        """Share of the light from each direction that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance."""
 
     @abstractmethod
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Directions into which light leaves, and their probability density [1/sr].
+        """Sample exit directions; return them and their probability density [1/sr].
 
-        The density is the BSDF times the cosine of the leaving direction over the
-        share scattered in all. Directions have z ≥ 0, whichever side they leave.
-        Where nothing is scattered the density is 0 and the direction the normal.
+        The density is the BSDF times the cosine of the exit direction over the
+        directional-hemispherical value; directions have z ≥ 0 on either side. Where
+        nothing is scattered the density is 0 and the direction the normal.
 
         Parameters
         ----------
@@ -79,14 +78,14 @@ class ScatteringFunction(ABC):
 
     @abstractmethod
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the leaving cell that holds each pair [sr]."""
+        """Projected solid angle of the exit cell that contains each pair [sr]."""
 
     @abstractmethod
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
-        """BSDF averaged over pairs of patches [1/sr]; flux is conserved.
+        """BSDF averaged over pairs of patches [1/sr], weighted by projected solid
+        angle.
 
-        Averages are weighted by projected solid angle. Incident patches are
-        numbered by where light goes straight on.
+        Incident patches are numbered by the undeviated direction.
         """
 
     @abstractmethod
@@ -95,15 +94,15 @@ class ScatteringFunction(ABC):
 
     @abstractmethod
     def reciprocal(self) -> "ScatteringFunction":
-        """Return the function with incident and leaving directions exchanged.
+        """Return the function with incident and exit directions exchanged.
 
         By Helmholtz reciprocity it is the transmission of the other side.
         """
 
     @abstractmethod
     def tabulated(self) -> "ScatteringFunction":
-        """Return the function as a matrix or tree, which kernels can look up."""
+        """Return the function as a matrix or tree, for kernels."""
 
     @abstractmethod
     def own_partitions(self) -> tuple[RingPartition, RingPartition] | None:
-        """Exit and incident patches of its own; None if it is not made of patches."""
+        """Exit and incident patches; None if the function has no patches."""

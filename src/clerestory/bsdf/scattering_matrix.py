@@ -1,10 +1,9 @@
-"""One scattering function as a matrix from incident patches to exit patches.
+"""Scattering function as a matrix from incident patches to exit patches.
 
-Exit patch i is the patch i of its partition, mirrored in z for light that leaves
-to the outside. Incident patch i is where light must come from to travel straight
-on, into exit patch i of the other side: daylight through it comes from the
-direction opposite to the centre of patch i, and light that is reflected back by a
-mirror keeps its number too.
+Exit patch i is patch i of its partition, mirrored in z for light that leaves to the
+outside. Incident patch i contains the directions from which undeviated light continues
+into exit patch i of the other side; specularly reflected light keeps its patch number
+as well.
 """
 
 from dataclasses import dataclass
@@ -30,11 +29,7 @@ class ScatteringMatrix(ScatteringFunction):
     ----------
     values : BSDF from each incident patch to each exit patch [1/sr]
     exits, incidents : partitions of the hemispheres
-    standard_error : of each value [1/sr], where it was estimated; else None
-
-    Raises
-    ------
-    InputError : shape and partitions disagree, or a value is negative or not finite
+    standard_error : of each value [1/sr]; None if unknown
     """
 
     values: Float[np.ndarray, "exit incident"]
@@ -52,7 +47,7 @@ class ScatteringMatrix(ScatteringFunction):
             raise InputError("the BSDF holds negative or infinite values [1/sr]")
 
     def direct_hemispherical(self) -> Values:
-        """Share of the light from each incident patch that is scattered in all."""
+        """Directional-hemispherical value per incident patch."""
         share: Float[np.ndarray, " incident"] = (
             self.exits.projected_solid_angles() @ self.values
         )
@@ -77,21 +72,18 @@ class ScatteringMatrix(ScatteringFunction):
         return value
 
     def hemispherical(self, incident: Directions) -> Values:
-        """Share of the light from each direction that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance."""
         return np.asarray(self.direct_hemispherical()[self._enter(incident)])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Directions into which light leaves, and their probability density [1/sr].
-
-        See `ScatteringFunction.sample`.
-        """
+        """Exit directions and their probability density [1/sr]."""
         shape = np.shape(incident)[:-1]
         enter, u = self._enter(np.reshape(incident, (-1, 3))), np.reshape(u, (-1, 2))
         light = self.exits.projected_solid_angles()[:, None] * self.values
         running = np.cumsum(light, axis=0)
         total = running[-1, enter]
 
-        # Choose a patch in proportion to its light, with all columns end to end
+        # Choose a patch in proportion to its flux, over the concatenated columns
         ahead = np.concatenate([[0.0], np.cumsum(light.T.ravel())])
         first = enter * len(self.exits)
         target = ahead[first] + u[..., 0] * (
@@ -101,7 +93,7 @@ class ScatteringMatrix(ScatteringFunction):
         chosen = np.clip(chosen, first, first + len(self.exits) - 1)
         width = ahead[chosen + 1] - ahead[chosen]
 
-        # The rest of the first number places the direction within the patch
+        # The remainder of the first number places the direction within the patch
         rest = (target - ahead[chosen]) / np.where(width > 0, width, 1)
         within = np.stack([np.clip(rest, 0, 1 - 1e-12), u[..., 1]], axis=-1)
         patch = chosen - first
@@ -113,7 +105,7 @@ class ScatteringMatrix(ScatteringFunction):
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the leaving patch that holds each pair [sr]."""
+        """Projected solid angle of the exit patch that contains each pair [sr]."""
         leaving, _ = np.broadcast_arrays(leaving, incident)
         patch = find_patches(self.exits, leaving.reshape(-1, 3))
         size = self.exits.projected_solid_angles()[patch]

@@ -1,15 +1,14 @@
-"""Tensor trees: BSDFs whose resolution follows the data, cell by cell.
+"""Tensor trees: BSDFs of variable angular resolution.
 
-A direction is a point of the unit square, over the disc below the hemisphere, by
-Shirley and Chiu's map. A rank 4 tree halves both coordinates of the incident and of
-the leaving direction again and again, wherever the values differ. A rank 3 tree is
-of a layer that looks alike at every azimuth: its first coordinate is half the
-distance from the rim of the incident direction's disc point, and leaving directions
-are turned with it. These are the conventions of Radiance's bsdf_t.c.
+A direction is a point of the unit square by the Shirley–Chiu map of the disc below the
+hemisphere. A rank 4 tree subdivides both coordinates of the incident and of the exit
+direction where values differ. A rank 3 tree describes an isotropic layer: its first
+coordinate is half the distance of the incident direction from the rim of the disc, and
+exit directions are rotated with it. These are the conventions of Radiance's bsdf_t.c.
 
-The tree is one array of 32-bit slots. A slot that is not negative holds a value, the
-bits of a float; a negative one is the complement of the place where its 2^rank
-branches stand, dimension i being bit i of the branch. The root is slot 0.
+A tree is one array of 32-bit slots. A non-negative slot holds the bits of a float
+value; a negative one is the complement of the index of its 2^rank branches, with
+dimension i as bit i of the branch number. The root is slot 0.
 """
 
 from collections.abc import Callable
@@ -37,10 +36,10 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
 
-# Radiance keeps normal incidence this far off the unused half of a rank 3 tree.
+# Offset of normal incidence from the unused half of a rank 3 tree, as in Radiance.
 _OFF_MIDDLE = 1e-6
 
-# Cells that are held at once while light is summed over them.
+# Cells that are integrated together.
 _MOST_CELLS = 1 << 22
 
 _Pairs = Float[np.ndarray, " pairs"]
@@ -54,15 +53,10 @@ class ScatteringTree(ScatteringFunction):
 
     Attributes
     ----------
-    slots : values and branches, see the head of this module
-    rank : 3 if every azimuth is alike, 4 otherwise
+    slots : values and branches, see the module
+    rank : 3 for isotropic layers, 4 otherwise
     depth : halvings of a coordinate down to the smallest cell
-    standard_error : of each cell [1/sr] on the same cells, where the values were
-        estimated; else None
-
-    Raises
-    ------
-    InputError : the slots do not make a tree
+    standard_error : of each cell [1/sr] on the same cells; None if unknown
 
     Examples
     --------
@@ -105,7 +99,7 @@ class ScatteringTree(ScatteringFunction):
         )
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the leaving cell that holds each pair [sr]."""
+        """Projected solid angle of the exit cell that contains each pair [sr]."""
         return self._over_pairs(
             lambda place: (
                 np.pi * 0.25 ** look_up(self.slots, place, depth=self.depth)[1]
@@ -115,7 +109,7 @@ class ScatteringTree(ScatteringFunction):
         )
 
     def hemispherical(self, incident: Directions) -> Values:
-        """Share of the light from each direction that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance."""
         x, y, _ = _components(incident)
         place, which = np.unique(
             np.stack(self._incident_place(x, y)), axis=1, return_inverse=True
@@ -130,10 +124,7 @@ class ScatteringTree(ScatteringFunction):
         return share[which.ravel()].reshape(np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Directions into which light leaves, and their probability density [1/sr].
-
-        See `ScatteringFunction.sample`.
-        """
+        """Exit directions and their probability density [1/sr]."""
         x, y, _ = _components(incident)
         u = np.reshape(u, (-1, 2))
         place, which = np.unique(
@@ -165,7 +156,7 @@ class ScatteringTree(ScatteringFunction):
         least, most = np.inf, -np.inf
         for level, place, value in cells(self.slots, self.rank):
             if self.rank == 3 and level:
-                # The second half of the first dimension is never used
+                # The second half of the first dimension is unused
                 value = value[place[0] < 1 << (level - 1)]
             if len(value):
                 least, most = min(least, value.min()), max(most, value.max())
@@ -175,7 +166,7 @@ class ScatteringTree(ScatteringFunction):
         """Return the function with incident and leaving directions exchanged."""
         if self.rank == 3:
             return ReversedFunction(self, halvings=self.depth)
-        # Opposite directions have complementary bits: branches change places
+        # Opposite directions have complementary bits, so that branches are permuted
         bits = (np.arange(16)[:, None] >> np.array([2, 3, 0, 1])) & 1
         branch = (1 - bits) @ (1 << np.arange(4))
         slots = self.slots.copy()
@@ -187,7 +178,7 @@ class ScatteringTree(ScatteringFunction):
         return self
 
     def own_partitions(self) -> None:
-        """None: a tree is not made of patches."""
+        """None: a tree has no patches."""
 
     @cached_property
     def _top(self) -> tuple[int, Int32[np.ndarray, " tops"]]:
@@ -227,7 +218,7 @@ class ScatteringTree(ScatteringFunction):
         return cells_from_disc(*disc, halvings=self.depth)
 
     def _groups(self, count: int) -> list[slice]:
-        # Incident places whose cells fit the memory together, were they all smallest
+        # Groups of incident cells that fit the memory at the finest resolution
         together = max(1, _MOST_CELLS >> 2 * self.depth)
         return [
             slice(start, min(start + together, count))
@@ -241,7 +232,7 @@ def _components(direction: Directions) -> tuple[_Pairs, _Pairs, _Pairs]:
 
 
 def _azimuth(x: _Pairs, y: _Pairs) -> tuple[_Pairs, _Pairs]:
-    # Cosine and sine of the azimuth in which light from (x, y) goes straight on
+    # Cosine and sine of the azimuth of undeviated light from (x, y)
     radius = np.sqrt(x * x + y * y)
     upright = np.flatnonzero(radius == 0)
     radius[upright] = 1.0
@@ -262,8 +253,8 @@ def _choose(
     owner: Int64[np.ndarray, " samples"],
     u: Float[np.ndarray, "samples 2"],
 ) -> tuple[Float[np.ndarray, "2 samples"], Float[np.ndarray, " samples"]]:
-    # Points of the square distributed like the values of the owner's cells, and their
-    # density over projected solid angle
+    # Points of the square distributed like the values of the cells of each owner, and
+    # their density over projected solid angle
     light = found.value * found.size.astype(float) ** 2
     running = np.concatenate([[0.0], np.cumsum(light)])
     owners = np.arange(int(found.owner[-1]) + 2)
@@ -273,7 +264,7 @@ def _choose(
     cell = np.searchsorted(running, target, side="right") - 1
     cell = np.clip(cell, start[owner], start[owner + 1] - 1)
 
-    # The rest of the first number places the point within the cell
+    # The remainder of the first number places the point within the cell
     rest = (target - running[cell]) / np.where(light[cell] > 0, light[cell], 1)
     within = np.stack([np.clip(rest, 0, 1 - 1e-12), u[:, 1]])
     point = found.corner[:, cell] + found.size[cell] * within

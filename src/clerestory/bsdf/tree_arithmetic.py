@@ -1,4 +1,4 @@
-"""Tensor trees whose cells come from the cells of several others."""
+"""Cell-wise operations on tensor trees."""
 
 from collections.abc import Callable
 
@@ -12,15 +12,17 @@ _Values = Float32[np.ndarray, " cells"]
 
 
 def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> ScatteringTree:
-    """Return the tree of an operation on the values of trees, cell by cell.
+    """Return the tree of an operation on the values of several trees.
 
-    Its cells are as small as the smallest of the trees in each place.
+    Its cells are as small as the smallest of the trees at each place.
 
     Parameters
     ----------
-    operation : from one array of values per tree to values that are not negative
+    operation : from one array of values per tree to non-negative values
     trees : one or more, of one rank
 
+    Examples
+    --------
     >>> def constant(value):
     ...     slots = np.array([value], dtype=np.float32).view(np.int32)
     ...     return ScatteringTree(slots, 4, 0)
@@ -43,7 +45,7 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
         regions.append(region)
         size += count << rank
 
-        # Step down; a tree that ends here keeps its value in all branches
+        # Descend; a tree without branches here repeats its value
         below = []
         for code, tree in zip(codes, trees, strict=True):
             of = code[inner, None]
@@ -54,7 +56,7 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
 
 
 def bits_of(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
-    """Slots that hold values; what is below zero becomes zero."""
+    """Slots that hold values; negative values become zero."""
     single: Float32[np.ndarray, " cells"] = np.abs(np.maximum(value, 0)).astype(
         np.float32
     )

@@ -1,4 +1,4 @@
-"""Averages of tensor trees over the patches of ring partitions, flux conserved."""
+"""Averages of tensor trees over patches; flux is conserved."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.tree_lookup import Cells, cells
 from clerestory.hemisphere.partition import RingPartition
 
-# Steps of azimuth in which rank 3 trees are turned; Klems patches end on halves of one.
+# Azimuth steps of rank 3 trees; limits of Klems patches are at half steps.
 _TURN_STEPS = 480
 
 
@@ -56,7 +56,7 @@ def _flux(
 def _turned_flux(
     groups: list[Cells], exits: RingPartition, incidents: RingPartition
 ) -> ExitIncident:
-    # Flux from each incident ring to each step of azimuth of each exit ring
+    # Flux from each incident ring to each azimuth step of each exit ring
     finest = max(group.level for group in groups)
     steps = RingPartition(
         "steps", np.full(len(exits.count), _TURN_STEPS), exits.theta, "polar"
@@ -75,7 +75,7 @@ def _turned_flux(
             _TURN_STEPS
         )
 
-    # Turn it to every azimuth of the incident patches: a product of Fourier transforms
+    # Rotate it to every azimuth of the incident patches, by Fourier transforms
     spectrum = np.fft.rfft(ahead.reshape(shape), axis=-1)
     flux = np.zeros((len(exits), len(incidents)))
     to = [np.fft.rfft(part, axis=-1) for part in _patches_over_steps(exits)]
@@ -119,7 +119,7 @@ def _rings_in_radii(
 def _patches_over_steps(
     partition: RingPartition,
 ) -> list[Float[np.ndarray, "patch step"]]:
-    # Share of each step of azimuth that lies in each patch, ring by ring
+    # Share of each azimuth step within each patch, ring by ring
     halves = 2 * np.arange(_TURN_STEPS)[:, None] + np.array([-0.5, 0.5])
     phi = np.pi * halves / _TURN_STEPS
     middle = (partition.theta[:-1] + partition.theta[1:]) / 2

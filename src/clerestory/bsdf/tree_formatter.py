@@ -1,4 +1,4 @@
-"""Text of a tensor tree, as BSDF files have it."""
+"""Text of tensor trees in BSDF files."""
 
 from collections.abc import Iterator
 
@@ -16,6 +16,8 @@ def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
     ----------
     digits : significant digits; None for all
 
+    Examples
+    --------
     >>> even = ScatteringTree(np.array([0.25], dtype=np.float32).view(np.int32), 4, 0)
     >>> format_tree(even)
     '{ 0.25 }'
@@ -24,18 +26,13 @@ def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
 
 
 def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[str]:
-    """Yield the lines of the text of a tree, each a brace, a value or a block of them.
-
-    Parameters
-    ----------
-    digits : significant digits; None for all
-    """
+    """Yield the lines of the text of a tree: a brace, a value or a block of values."""
     slots, width = tree.slots, 1 << tree.rank
     blocks = slots[1:].reshape(-1, width)
     full = np.all(blocks >= 0, axis=1)
     order = np.argsort(branch_order(tree.rank, 1))
 
-    # Slots that are still to be written, the next one last; None is a closing brace
+    # Slots to be written, the next one last; None is a closing brace
     waiting: list[int | None] = [int(slots[0])]
     while waiting:
         code = waiting.pop()
@@ -52,7 +49,7 @@ def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[s
 
 
 def _row(values: Float32[np.ndarray, " value"], digits: int | None) -> str:
-    # One format for all values of a row is several times as quick as one for each
+    # One format string per row is several times faster than one per value
     if digits is None:
         texts = " ".join(str(value).removesuffix(".0") for value in values)
     else:

@@ -1,7 +1,7 @@
-"""Look-ups in the flat table of a tensor tree, see `clerestory.bsdf.tensor_tree`.
+"""Lookup in the slots of tensor trees, see `clerestory.bsdf.tensor_tree`.
 
-Places are whole numbers of the finest cells along each dimension, from 0 to
-2^depth − 1. Their bits, from the highest, name the branch to take on each level.
+Places are integer coordinates of the finest cells along each dimension, 0 to 2^depth −
+1. Their bits, from the highest, give the branch on each level.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from jaxtyping import Float32, Int, Int32, Int64
 
 from clerestory.array_types import Indices
 
-# Bits of a path that `dense_top` looks at in one step: 65,536 cells at most.
+# Bits of the joined levels: at most 65,536 cells.
 _TOP_BITS = 16
 
 
@@ -23,7 +23,7 @@ class Cells(NamedTuple):
     Attributes
     ----------
     level : halvings of each coordinate
-    place : numbers along each dimension, from 0 to 2^level − 1
+    place : coordinates along each dimension, 0 to 2^level − 1
     value : BSDF [1/sr]
     """
 
@@ -33,7 +33,7 @@ class Cells(NamedTuple):
 
 
 class Slices(NamedTuple):
-    """Leaving cells for fixed incident places, in the order of their owners.
+    """Exit cells for fixed incident places, ordered by owner.
 
     Attributes
     ----------
@@ -55,12 +55,7 @@ def look_up(
     *,
     depth: int,
 ) -> tuple[Float32[np.ndarray, " pairs"], Int32[np.ndarray, " pairs"]]:
-    """Values at places, and the level of the cells that hold them.
-
-    Parameters
-    ----------
-    place : whole numbers along each of the tree's dimensions
-    """
+    """Values at places, and the level of the cells that contain them."""
     rank = len(place)
     path = _path(place, depth)
     code = np.full(len(path), slots[0], dtype=np.int32)
@@ -69,7 +64,7 @@ def look_up(
         inner = code < 0
         if not inner.any():
             break
-        # Step down; where a value is reached, whatever is read is not looked at
+        # Descend; slots read for finished places are ignored
         branch = (path >> rank * height).astype(np.int32) & ((1 << rank) - 1)
         below = np.take(slots, ~code + branch, mode="clip")
         np.copyto(code, below, where=inner)
@@ -80,10 +75,10 @@ def look_up(
 def dense_top(
     slots: Int32[np.ndarray, " slots"], rank: int, depth: int
 ) -> tuple[int, Int32[np.ndarray, " tops"]]:
-    """Halvings of the coarse levels, and the slot of each of their cells.
+    """Number of coarse levels that are joined into one, and its slots.
 
-    These levels are joined into one, so that a look-up takes them in a single step. A
-    cell within a coarser one has its value.
+    A lookup takes the joined levels in a single step. Cells within a coarser one have
+    its value.
     """
     halvings = min(depth, _TOP_BITS // rank)
     top = slots[:1]
@@ -103,13 +98,7 @@ def values_at(
     *,
     depth: int,
 ) -> Float32[np.ndarray, " pairs"]:
-    """Values at places, as from `look_up`, in fewer steps.
-
-    Parameters
-    ----------
-    top : from `dense_top`
-    place : whole numbers along each of the tree's dimensions
-    """
+    """Values at places as from `look_up`, with the joined levels of `dense_top`."""
     rank, (halvings, codes) = len(place), top
     path = _path(place, depth)
     code = np.take(codes, path >> rank * (depth - halvings))
@@ -123,7 +112,7 @@ def values_at(
 
 
 def cells(slots: Int32[np.ndarray, " slots"], rank: int) -> Iterator[Cells]:
-    """Cells of a whole tree, one group per size."""
+    """Cells of a tree, one group per size."""
     code, place, level = slots[:1], np.zeros((rank, 1), dtype=np.int64), 0
     bits = (np.arange(1 << rank) >> np.arange(rank)[:, None]) & 1
     while len(code):
@@ -141,7 +130,7 @@ def slices(
     *,
     depth: int,
 ) -> Slices:
-    """Leaving cells for each of the incident places, which fix the first dimensions."""
+    """Exit cells for each of the incident places, which fix the first dimensions."""
     fixed, count = incident.shape
     owner = np.arange(count)
     code = np.full(count, slots[0], dtype=np.int32)
@@ -157,7 +146,7 @@ def slices(
         if not inner.any():
             break
 
-        # Take the branches of the incident place in all four quarters of the square
+        # Descend into all four quarters of the exit square
         owner, size = owner[inner], size / 2
         bits = (incident[:, owner] >> height) & 1
         branch = bits.T @ (1 << np.arange(fixed))
@@ -177,7 +166,7 @@ def slices(
 def _path(
     place: tuple[Int32[np.ndarray, " pairs"], ...], depth: int
 ) -> Int[np.ndarray, " pairs"]:
-    # Branches on all levels, the coarsest in the highest bits
+    # Morton code: branch numbers of all levels, the coarsest in the highest bits
     rank = len(place)
     spread = _spread(rank, depth)
     path: Int[np.ndarray, " pairs"] = spread[place[0]]
@@ -188,7 +177,7 @@ def _path(
 
 @lru_cache(maxsize=16)
 def _spread(rank: int, depth: int) -> Indices:
-    # Bits of each number set `rank` apart
+    # Bits of each number spread to a distance of `rank`
     number = np.arange(1 << depth, dtype=np.int64)
     apart: Int64[np.ndarray, " places"] = np.zeros_like(number)
     for bit in range(depth):

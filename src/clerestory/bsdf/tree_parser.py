@@ -1,9 +1,9 @@
-"""Text of a tensor tree to a flat table, in a few passes over bytes.
+"""Parser for the text of tensor trees.
 
-A tree in a file is either `{ branch branch … }`, one branch for each half of each
-of its dimensions (dimension i is bit i of the branch's number), or `{ value … }`, a
-grid with the last dimension running fastest. Nothing here recurses, so neither
-deep nesting nor a tree of hundreds of megabytes can exhaust the stack.
+A tree is either `{ branch branch … }`, one branch per half of each dimension (dimension
+i is bit i of the branch number), or `{ value … }`, a grid with the last dimension
+fastest. The parser is not recursive, so that neither deep nesting nor large trees
+exhaust the stack.
 """
 
 from dataclasses import dataclass
@@ -16,22 +16,22 @@ from clerestory.array_types import Indices
 from clerestory.bsdf.tree_scanner import TreeFault, TreeScan, position_of, scan_tree
 from clerestory.errors import InputError
 
-# Halvings of a coordinate: 2¹⁵ cells along it, a few arc seconds.
+# Most halvings of a coordinate: 2¹⁵ cells, a few arc seconds.
 DEEPEST = 15
 
-# Values that are put into the order of branches together.
+# Values that are reordered together.
 _TOGETHER = 1 << 22
 
 
 @dataclass(frozen=True, eq=False)
 class TreeTable:
-    """Slots of a tree, as `ScatteringTree` explains them, and what was cut off.
+    """Slots of a tree and the amount of negative values.
 
     Attributes
     ----------
-    slots : values and branches
+    slots : values and branches, as in `ScatteringTree`
     depth : halvings of a coordinate down to the smallest cell
-    negative : mean of the negative values that were read as zero [1/sr]
+    negative : mean of the negative values, which are read as zero [1/sr]
     """
 
     slots: Int32[np.ndarray, " slots"]
@@ -50,16 +50,12 @@ class _Nodes:
 def parse_tree(
     text: bytes, *, rank: int, file: str | Path | None = None, line: int = 1
 ) -> TreeTable:
-    """Return the table of a tree from its text.
+    """Return the slots of a tree from its text.
 
     Parameters
     ----------
     rank : dimensions of the tree, 3 or 4
-    file, line : where the text starts, for messages
-
-    Raises
-    ------
-    InputError : braces, counts or values that do not make a tree
+    file, line : start of the text, for messages
     """
     try:
         scan = scan_tree(text)
@@ -90,7 +86,7 @@ def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
             brace=int(np.argmax(depth > DEEPEST + 1)),
         )
 
-    # Only a pair of braces with nothing nested may hold values
+    # Only innermost pairs of braces may hold values
     leaf = np.zeros(len(opens), dtype=bool)
     leaf[:-1] = opens[:-1] & ~opens[1:]
     holds = np.concatenate([[False], leaf[:-1]])
@@ -156,7 +152,7 @@ def _build(
     negative = _negative_mean(nodes, values, rank)
     code = np.abs(np.maximum(values, 0)).view(np.int32)
 
-    # Put the nodes of each level behind those of the level before
+    # Append the nodes level by level
     regions: list[Int32[np.ndarray, " slots"]] = []
     size = 1
     for level in range(int(nodes.level.max()) + 1):
@@ -169,7 +165,7 @@ def _build(
         regions.append(region)
         size += int(inner.sum()) << rank
 
-    # Put the grids behind them all
+    # Append the grids
     shift = 0
     offsets = np.cumsum([0, *(len(region) for region in regions)])
     grids: list[Int32[np.ndarray, " slots"]] = []
@@ -187,7 +183,7 @@ def _build(
 
 
 def _pointers(start: int, count: int, rank: int) -> Int32[np.ndarray, " slots"]:
-    # Codes of `count` branches whose blocks follow each other from `start`
+    # Slots of `count` branches whose blocks are consecutive from `start`
     if start + (count << rank) >= 1 << 31:
         raise TreeFault("a tensor tree of more than 2³¹ slots; fewer expected")
     return ~(start + (np.arange(count, dtype=np.int64) << rank)).astype(np.int32)
@@ -200,7 +196,7 @@ def _grids(
     halvings: int,
     start: int,
 ) -> Int32[np.ndarray, " slots"]:
-    # Slots of equal grids: their inner levels, then their values in branch order
+    # Slots of grids of one size: their inner levels, then their values in Morton order
     levels = []
     for level in range(1, halvings):
         count = len(first) << rank * level
@@ -216,7 +212,7 @@ def _grids(
 
 
 def branch_order(rank: int, halvings: int) -> Indices:
-    """Number in a grid, last dimension fastest, of each cell in the order of branches.
+    """Morton order of a grid: index, last dimension fastest, of each cell.
 
     >>> branch_order(3, 1).tolist()
     [0, 4, 2, 6, 1, 5, 3, 7]

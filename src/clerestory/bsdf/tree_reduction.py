@@ -1,8 +1,8 @@
-"""Coarser tensor trees: cells that hardly differ become one, as in rttree_reduce.
+"""Reduction of tensor trees by merging similar cells, as in rttree_reduce.
 
-A branch is kept where √((largest − smallest) / (√mean + 0.03)) of its values exceeds
-a threshold. The threshold is the percentile of this measure over all blocks of
-smallest cells: at 95 % about one block of smallest cells in twenty stays.
+A branch is kept where √((max − min) / (√mean + 0.03)) of its values exceeds a
+threshold. The threshold is a percentile of this measure over all blocks of smallest
+cells: at 95 % about one block in twenty is kept.
 """
 
 from dataclasses import dataclass
@@ -17,21 +17,21 @@ from clerestory.bsdf.tree_lookup import cells
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 
-# Steps of the measure's histogram, as in rttree_reduce, and where it ends.
+# Bins and upper end of the measure's histogram, as in rttree_reduce.
 _STEPS, _END = 300, 4.0
 
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """A reduced tree, and what the reduction did to it.
+    """A reduced tree and the effect of the reduction.
 
     Attributes
     ----------
-    tree : the coarser tree
+    tree : the reduced tree
     cells_before, cells_after : numbers of values
-    moved : share of diffuse incident light that leaves through another cell
-    hemispherical_error : largest change of the share scattered in all, over the
-        centres of Klems' 145 patches
+    moved : fraction of diffuse incident light that leaves through another cell
+    hemispherical_error : largest change of the directional-hemispherical value, over
+        the centres of the Klems full patches
     """
 
     tree: ScatteringTree
@@ -55,16 +55,11 @@ class _Level:
 
 
 def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
-    """Return a tree without the branches that matter least; flux is conserved.
+    """Return a tree with similar cells merged; flux is conserved.
 
     Parameters
     ----------
-    percent : share of the blocks of smallest cells to give up [%]; 0 joins only
-        cells that are equal
-
-    Raises
-    ------
-    InputError : not a percentage from 0 to below 100
+    percent : blocks of smallest cells to merge [%]; 0 merges only equal cells
     """
     if not 0 <= percent < 100:
         raise InputError(f"reduction by {percent} %; 0 to below 100 % expected")
@@ -74,7 +69,7 @@ def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
     depth = max(group.level for group in cells(slots, tree.rank))
     reduced = ScatteringTree(slots, tree.rank, depth)
 
-    # Compare the two: every cell's loss is another's gain
+    # Fraction of the flux that changes cells: every loss is a gain elsewhere
     change = combine(lambda a, b: np.abs(a - b), tree, reduced)
     live = 2 if tree.rank == 3 else 1
     incident = klems("full").centres()
@@ -115,7 +110,7 @@ def _threshold(levels: list[_Level], tree: ScatteringTree, percent: float) -> fl
     step = np.minimum(measure * (_STEPS / _END), _STEPS - 1).astype(int)
     count = np.bincount(step, minlength=_STEPS).astype(float)
 
-    # Where the tree has no smallest cells its blocks do not differ at all
+    # Parts of the tree without smallest cells count as blocks without differences
     total = float(1 << tree.rank * (tree.depth - 1))
     count[0] += total - len(measure)
     wanted = np.floor(percent / 100 * total)

@@ -1,7 +1,7 @@
-"""The first pass over the text of a tensor tree: its braces, and its numbers.
+"""Scanner for the text of tensor trees: braces and numbers.
 
-Nothing here recurses, and the text is looked at in pieces, so that a tree of hundreds
-of megabytes takes little more memory than its values.
+The scanner is not recursive and works in chunks, so that trees of hundreds of megabytes
+take little more memory than their values.
 """
 
 import warnings
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, Int8, Int32, UInt8
 
-# Bytes that are looked at together.
+# Bytes per chunk.
 _CHUNK = 1 << 22
 
 _SPACE, _WORD, _OPEN, _CLOSE = range(4)
@@ -26,8 +26,8 @@ class TreeScan:
 
     Attributes
     ----------
-    step : +1 where a brace opens, −1 where it closes
-    words : how many stand before each brace, since the one before
+    step : +1 for an opening, −1 for a closing brace
+    words : number of words between a brace and the previous one
     values : all words as numbers
     """
 
@@ -37,7 +37,7 @@ class TreeScan:
 
 
 class TreeFault(Exception):
-    """A fault of a text, at the brace of some number or at an offset in bytes."""
+    """A fault of the text, at a brace number or a byte offset."""
 
     def __init__(self, message: str, *, brace: int = -1, offset: int = -1) -> None:
         super().__init__(message)
@@ -61,12 +61,6 @@ def position_of(text: bytes, fault: TreeFault) -> int:
 def scan_tree(text: bytes) -> TreeScan:
     """Return braces and values of a text.
 
-    Raises
-    ------
-    TreeFault : something is no finite number, or there are no braces
-
-    Examples
-    --------
     >>> scan = scan_tree(b"{ { 0.5 } { 1 2 } }")
     >>> scan.step.tolist(), scan.words.tolist(), scan.values.tolist()
     ([1, 1, -1, 1, -1, -1], [0, 0, 1, 0, 2, 0], [0.5, 1.0, 2.0])
@@ -81,7 +75,7 @@ def scan_tree(text: bytes) -> TreeScan:
         begins = np.flatnonzero(word & ~np.concatenate([[False], word[:-1]]))
         braces = np.flatnonzero(kind >= _OPEN)
 
-        # Count the words since the brace before
+        # Count the words since the previous brace
         before = np.searchsorted(begins, braces)
         count = np.diff(before, prepend=0)
         if len(count):
@@ -103,7 +97,7 @@ def scan_tree(text: bytes) -> TreeScan:
 
 
 def _end_of_word(text: bytes, end: int) -> int:
-    # Step back to a byte that no word runs across; a longer word is cut, and refused
+    # Move back to the start of a word; words above 100 bytes are cut and refused
     end = min(end, len(text))
     for back in range(min(end, 100)):
         if end == len(text) or _KIND[text[end - back]] != _WORD:
@@ -129,7 +123,7 @@ def _numbers(chunk: bytes, count: int, offset: int) -> Float32[np.ndarray, " val
 
 
 def _bad_word(plain: bytes, offset: int) -> TreeFault:
-    # Name the first word that is no number, with its place
+    # Find the first word that is not a finite number
     place = 0
     for word in plain.split():
         place = plain.index(word, place)

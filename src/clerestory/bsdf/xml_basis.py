@@ -1,4 +1,4 @@
-"""Angle bases of a BSDF file: what its names and its rings say, and which is true."""
+"""Angle bases of a BSDF file, from their names, rings and value counts."""
 
 from dataclasses import dataclass
 
@@ -10,25 +10,25 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 
-# Ring limits may be rounded: rings are joined, to each other and to 0 and 90 [°].
+# Tolerance with which ring limits are joined to each other and to 0 and 90 [°].
 _ROUNDING_DEG = 0.02
 
 _MOST_RINGS = 1000
 _MOST_PATCHES = 20_000
 
-# Klems half and quarter as Radiance had them before it adopted WINDOW's definitions.
+# Klems half and quarter of Radiance before it adopted those of WINDOW.
 _OLD_HALF = ((0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90), (1, 8, 12, 16, 20, 12, 4))
 _OLD_QUARTER = ((0, 9, 27, 46, 66, 90), (1, 8, 12, 12, 8))
 
 
 @dataclass(frozen=True, eq=False)
 class Bases:
-    """Partitions that names may stand for, the likeliest first.
+    """Partitions for each basis name, in the order of preference.
 
     Attributes
     ----------
-    known : candidates by lower-case name; those that the file defines come first
-    defined : lower-case names that the file defines itself
+    known : candidates by lower-case name; definitions of the file come first
+    defined : lower-case names that the file defines
     """
 
     known: dict[str, tuple[RingPartition, ...]]
@@ -36,12 +36,7 @@ class Bases:
 
 
 def read_bases(definition: etree._Element, document: Document) -> Bases:
-    """Return the angle bases of a file, with the well-known ones as a fallback.
-
-    Raises
-    ------
-    InputError : rings that do not make a hemisphere
-    """
+    """Return the angle bases of a file, and the well-known ones."""
     known: dict[str, tuple[RingPartition, ...]] = {}
     for element in document.children(definition, "AngleBasis"):
         basis = _read_basis(element, document)
@@ -55,13 +50,9 @@ def read_bases(definition: etree._Element, document: Document) -> Bases:
 def choose_bases(
     block: etree._Element, bases: Bases, *, count: int, document: Document
 ) -> tuple[RingPartition, RingPartition, str]:
-    """Return the partitions of rows and columns that fit the count of the data.
+    """Return the partitions of rows and columns that fit the count of values.
 
-    The third value says so if they are not what the file defines.
-
-    Raises
-    ------
-    InputError : no partition of these names fits the data
+    The third value is a note if they are not those that the file defines.
     """
     names = [document.text(block, f"{side}AngleBasis") for side in ("Row", "Column")]
     for name in names:

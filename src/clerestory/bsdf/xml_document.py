@@ -1,4 +1,4 @@
-"""An XML file opened with care: no entities, no network, lines for messages."""
+"""Hardened XML parsing: no entities, no network, line numbers for messages."""
 
 import re
 import warnings
@@ -16,15 +16,15 @@ from clerestory.files import read_bytes
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """A parsed file whose elements can be named in messages.
+    """A parsed file.
 
     Attributes
     ----------
-    path : where it came from
-    root : its outermost element
-    lines_before : lines of text before the XML, which the parser has not seen
-    notes : what was odd about it
-    trees : texts in braces, which the parser has not seen either
+    path : the file
+    root : outermost element
+    lines_before : lines of text before the XML
+    notes : irregularities
+    trees : extracted texts of tensor trees
     """
 
     path: str | Path
@@ -39,11 +39,11 @@ class Document:
         return self.trees.line(seen) + self.lines_before
 
     def error(self, element: etree._Element, message: str) -> InputError:
-        """Return the error that points to an element."""
+        """Return the error at an element."""
         return InputError(message, file=self.path, line=self.line(element))
 
     def children(self, element: etree._Element, name: str) -> list[etree._Element]:
-        """Children of that name, in any namespace."""
+        """Children of a name, in any namespace."""
         return list(element.iterfind(f"{{*}}{name}"))
 
     def find(self, element: etree._Element, path: str) -> etree._Element | None:
@@ -51,12 +51,7 @@ class Document:
         return element.find("/".join(f"{{*}}{name}" for name in path.split("/")))
 
     def require(self, element: etree._Element, path: str) -> etree._Element:
-        """First descendant along a path of names.
-
-        Raises
-        ------
-        InputError : there is none
-        """
+        """First descendant along a path of names; an InputError if there is none."""
         found = self.find(element, path)
         if found is None:
             raise self.error(element, f"no {path} in {_name(element)}; one expected")
@@ -71,12 +66,8 @@ class Document:
 def parse_document(path: str | Path) -> Document:
     """Return the WindowElement of a file.
 
-    Text before the XML (genBSDF's "Recover using:" line) is skipped and noted. A
-    document type declaration is refused: the schema has none, entity bombs do.
-
-    Raises
-    ------
-    InputError : the file cannot be read or is not such an XML file
+    Text before the XML (genBSDF's "Recover using:" line) is skipped and noted. Document
+    type declarations, which entity expansion attacks need, are refused.
     """
     data = read_bytes(path)
     start = re.search(rb"<\?xml|<WindowElement", data)
@@ -116,12 +107,7 @@ def parse_document(path: str | Path) -> Document:
 
 
 def read_numbers(element: etree._Element, document: Document) -> Values:
-    """Numbers of an element, separated by spaces, line ends, tabs or commas.
-
-    Raises
-    ------
-    InputError : something in it is not a finite number
-    """
+    """Finite numbers of an element, separated by white space or commas."""
     text = (element.text or "").replace(",", " ")
     try:
         with warnings.catch_warnings():

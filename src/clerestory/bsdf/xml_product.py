@@ -1,4 +1,4 @@
-"""Name and dimensions of the product in a BSDF file."""
+"""Reader of product information in BSDF files."""
 
 import math
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from clerestory.bsdf.product_data import (
 )
 from clerestory.bsdf.xml_document import Document
 
-# In whole decimals, so that a length written in millimetres comes back to the last bit.
+# Decimal, so that lengths in millimetres are restored exactly.
 _METRES = {
     "meter": Decimal(1),
     "decimeter": Decimal("0.1"),
@@ -27,7 +27,7 @@ _METRES = {
     "foot": Decimal("0.3048"),
 }
 
-# Elements of a material that have a place of their own in `Product`.
+# Elements of a material with an attribute of `Product`.
 _KNOWN = (
     *("Name", "Manufacturer", "DeviceType", "Thickness", "Width", "Height"),
     *("EmissivityFront", "EmissivityBack", "Geometry"),
@@ -35,7 +35,7 @@ _KNOWN = (
 
 
 def read_product(layer: etree._Element, document: Document) -> Product:
-    """Return what a layer says about itself; empty where it says nothing."""
+    """Return the product information of a layer; empty where it is missing."""
     product = Product(
         geometry=_geometry(layer, document),
         details=tuple(_details(layer, document)),
@@ -58,7 +58,7 @@ def read_product(layer: etree._Element, document: Document) -> Product:
 
 
 def _geometry(layer: etree._Element, document: Document) -> Geometry | None:
-    # MGF stands in a block of its own, in files of old genBSDF in the element itself
+    # MGF is in a block, or in files of old genBSDF in the element itself
     element = document.find(layer, "Geometry")
     if element is None:
         element = document.find(layer, "Material/Geometry")
@@ -99,7 +99,7 @@ def _spectra(layer: etree._Element, document: Document) -> Iterator[Spectra]:
 
 
 def _number(text: str) -> float | None:
-    # These values are informative: what cannot be understood counts as not said
+    # Informative values: unreadable ones count as missing
     try:
         value = float(text)
     except ValueError:

@@ -1,8 +1,7 @@
-"""Reader of BSDF files in LBNL's XML schema (WINDOW, genBSDF, wrapBSDF).
+"""Reader of BSDF files in the XML schema of LBNL (WINDOW, genBSDF, wrapBSDF).
 
-The partition of the hemisphere is taken from the rings in the file, checked
-against the count of its data, never from its name: "LBNL/Klems Half" has stood
-for 73 and for 77 patches.
+The partition of the hemisphere is taken from the rings in the file and checked against
+the count of values, not from its name: "LBNL/Klems Half" has meant 73 and 77 patches.
 """
 
 import warnings
@@ -21,27 +20,26 @@ from clerestory.bsdf.xml_tree import read_tree, tree_rank
 from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
 
-# Share of the light that negative values may take away before a file is refused.
+# Largest share of the flux in negative values.
 _NEGLIGIBLE_NEGATIVE = 1e-3
 
-# A layer may pass on this much of what it receives before a warning, as in Radiance.
+# Largest directional-hemispherical value without a warning, as in Radiance.
 _ENERGY_LIMIT = 1.01
 
 
 def read_bsdf(path: str | Path) -> Bsdf:
     """Return the BSDF of an XML file with matrices or tensor trees.
 
-    Oddities that are safe to read over (text before the XML, a repeated block,
-    slightly negative values) are listed in `Bsdf.notes`.
+    Harmless irregularities (text before the XML, a repeated block, slightly negative
+    values) are listed in `Bsdf.notes`.
 
     Raises
     ------
-    InputError : not a BSDF file, damaged, or without data; the message has the
-        line of the element
+    InputError : not a BSDF file, damaged, or without data, with the line of the element
 
     Warns
     -----
-    ClerestoryWarning : more light leaves the layer than arrives
+    ClerestoryWarning : the layer scatters more light than it receives
     """
     document = parse_document(path)
     layer = document.require(document.root, "Optical/Layer")
@@ -100,7 +98,7 @@ def _read_matrix(
     document: Document,
     notes: list[str],
 ) -> ScatteringMatrix:
-    # Find the partitions that the names and the count of the data agree on
+    # Find the partitions that fit the names and the count of values
     data = document.require(block, "ScatteringData")
     values = read_numbers(data, document)
     rows, columns, note = choose_bases(
@@ -114,7 +112,7 @@ def _read_matrix(
     exits, incidents = (columns, rows) if by_rows else (rows, columns)
     table = np.ascontiguousarray(table.T) if by_rows else table
 
-    # Drop the negative noise of measurements and of interpolation
+    # Set negative noise of measurements and interpolation to zero
     weights = exits.projected_solid_angles()
     lost = float(np.max(weights @ np.maximum(-table, 0)))
     if lost > _NEGLIGIBLE_NEGATIVE:

@@ -1,4 +1,4 @@
-"""Tensor trees of a BSDF file."""
+"""Reader of tensor trees in BSDF files."""
 
 from typing import Literal
 
@@ -8,14 +8,14 @@ from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.bsdf.xml_document import Document
 
-# Share of the light that negative values may take away before a file is refused.
+# Largest share of the flux in negative values.
 _NEGLIGIBLE_NEGATIVE = 1e-3
 
 _BASIS = "LBNL/Shirley-Chiu"
 
 
 def tree_rank(kind: str) -> Literal[3, 4] | None:
-    """Rank that an IncidentDataStructure names; None if it names no tree.
+    """Rank of an IncidentDataStructure; None if it is no tree.
 
     >>> tree_rank("TensorTree4"), tree_rank("Columns")
     (4, None)
@@ -27,12 +27,7 @@ def tree_rank(kind: str) -> Literal[3, 4] | None:
 def read_tree(
     block: etree._Element, rank: Literal[3, 4], document: Document, notes: list[str]
 ) -> ScatteringTree:
-    """Return the tree of one WavelengthDataBlock; what is odd is added to notes.
-
-    Raises
-    ------
-    InputError : the text does not make a tree; with the line of the fault
-    """
+    """Return the tree of a WavelengthDataBlock; irregularities are added to notes."""
     data = document.require(block, "ScatteringData")
     basis = document.text(block, "AngleBasis")
     if basis.lower() != _BASIS.lower():
@@ -53,7 +48,7 @@ def read_tree(
     text = document.trees.texts[number]
     table = parse_tree(text, rank=rank, file=document.path, line=line)
 
-    # Half of a rank 3 tree is never used
+    # Half of a rank 3 tree is unused
     lost = 3.1416 * table.negative * (2 if rank == 3 else 1)
     if lost > _NEGLIGIBLE_NEGATIVE:
         raise document.error(

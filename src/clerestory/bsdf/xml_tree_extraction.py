@@ -1,8 +1,7 @@
-"""Texts of tensor trees, taken out of a file before its XML is parsed.
+"""Extraction of tensor tree texts from a file before its XML is parsed.
 
-A tree may have hundreds of megabytes of text, far more than an XML parser should be
-asked to hold. Every text that starts with a brace is put aside and leaves its
-number in braces, which no text of a file can then be.
+Trees can have hundreds of megabytes of text, too much for an XML parser. Every text
+that starts with a brace is replaced by its number in braces.
 """
 
 import re
@@ -15,13 +14,13 @@ _NUMBER = re.compile(r"\s*\{(\d{1,9})\}\s*")
 
 @dataclass(frozen=True)
 class TreeTexts:
-    """Texts that were taken out, and where they stood.
+    """Extracted texts and their places.
 
     Attributes
     ----------
     texts : from the first brace to the next element
-    first_line : line on which each stood, within the XML
-    line_in_rest : line on which its number stands now
+    first_line : line of each within the XML
+    line_in_rest : line of its number in the remaining XML
     """
 
     texts: list[bytes] = field(default_factory=list)
@@ -29,7 +28,7 @@ class TreeTexts:
     line_in_rest: list[int] = field(default_factory=list)
 
     def line(self, line_in_rest: int) -> int:
-        """Line of the XML for a line of what is left of it."""
+        """Line of the XML for a line of the remaining XML."""
         before = bisect_left(self.line_in_rest, line_in_rest)
         if not before:
             return line_in_rest
@@ -38,7 +37,7 @@ class TreeTexts:
         return line_in_rest - self.line_in_rest[last] + end
 
     def find(self, text: str | None) -> int | None:
-        """Return which text has left this number; None if it is not a number."""
+        """Return which text was replaced by this number; None if it is no number."""
         match = _NUMBER.fullmatch(text or "")
         return int(match[1]) if match and int(match[1]) < len(self.texts) else None
 

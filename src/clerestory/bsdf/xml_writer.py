@@ -1,4 +1,4 @@
-"""Writer of BSDF files in LBNL's XML schema, for Radiance, WINDOW and ourselves."""
+"""Writer of BSDF files in the XML schema of LBNL."""
 
 from collections.abc import Iterator
 from decimal import Decimal
@@ -33,10 +33,10 @@ _LABELS = {
     "cie-v": "CIE-v",
 }
 
-# Stands for a text that is not given: WinCalc wants names, readers take it for empty.
+# Empty text: WinCalc requires names, and readers strip it.
 _BLANK = "\N{NO-BREAK SPACE}"
 
-# Where the values of a function go. A comment may hold the same, but only before them.
+# Placeholder of values; comments with the same text come before it.
 _NO_VALUES = b"<ScatteringData/>"
 
 
@@ -47,14 +47,13 @@ def write_bsdf(
 
     Parameters
     ----------
-    digits : significant digits of the values; None for all, so that reading the file
-        gives the same numbers
-    comment : how the data came about, in the head of the file
+    digits : significant digits of the values; None for a lossless file
+    comment : origin of the data, in the head of the file
 
     Raises
     ------
-    InputError : matrices and trees are mixed, two different partitions have the same
-        name, or a text cannot stand in XML
+    InputError : matrices and trees are mixed, two partitions share a name, or a text is
+        not allowed in XML
     OutputError : the file cannot be written
     """
     try:
@@ -64,7 +63,7 @@ def write_bsdf(
     etree.indent(root, space=" ")
     text = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
 
-    # Values are written line by line: those of a deep tree are a hundred million bytes
+    # Values are written line by line: deep trees have a hundred megabytes
     head, *rest = text.rsplit(_NO_VALUES, len(bsdf.functions))
     with replace_file(path) as stream:
         stream.write(head)
@@ -115,7 +114,7 @@ def _add_material(layer: etree._Element, product: Product) -> None:
     material = _add(layer, "Material")
     _add(material, "Name", product.name or _BLANK)
     _add(material, "Manufacturer", product.manufacturer or _BLANK)
-    # In millimetres, for WinCalc does not look at the unit
+    # In millimetres, as WinCalc ignores the unit
     thickness = Decimal(repr(float(product.thickness or 0))) * 1000
     _add(material, "Thickness", f"{thickness.normalize():f}", unit="Millimeter")
     for name in ("width", "height"):
@@ -148,7 +147,7 @@ def _add_geometry(layer: etree._Element, product: Product) -> None:
     for detail in details:
         _add_detail(element, detail)
     if geometry is not None:
-        # The schema knows units by name; a text in another one is scaled as a whole
+        # The schema restricts units; other units become a scale
         text = geometry.text
         if geometry.metres != 1:
             text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
@@ -156,7 +155,7 @@ def _add_geometry(layer: etree._Element, product: Product) -> None:
 
 
 def _structure(bsdf: Bsdf) -> str:
-    # A file has matrices, or trees of one rank
+    # A file holds matrices, or trees of one rank
     kinds = {
         f"TensorTree{part.rank}"
         if isinstance(part, ScatteringTree)
@@ -174,7 +173,7 @@ def _structure(bsdf: Bsdf) -> str:
 
 
 def _partitions(bsdf: Bsdf) -> list[RingPartition]:
-    # Radiance and WINDOW know partitions by their names: these must be unique
+    # Radiance and WINDOW identify partitions by name
     found: dict[str, RingPartition] = {}
     for part in bsdf.functions.values():
         for partition in part.own_partitions() or ():
@@ -223,7 +222,7 @@ def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
 
 
 def _format_table(table: ExitIncident, digits: int | None) -> str:
-    # Zeros, the bulk of a clear pane, take one character
+    # Zeros, most values of a clear pane, take one character
     def write(value: float) -> str:
         text = repr(value) if digits is None else f"{value:.{digits}g}"
         return text.removesuffix(".0")

@@ -1,8 +1,8 @@
-"""Counting the light of one block of a tree, with most paths where errors are largest.
+"""Adaptive sampling of one block of a tensor tree.
 
-A first round starts equally many paths in each incident cell. The cells that they
-justify tell where errors remain: at peaks, where cells stay small. Further rounds
-start most paths there.
+A first round traces equally many paths from each incident cell. The cells selected from
+it show where errors remain, mostly at peaks, where cells are small; further rounds
+sample these incident cells more.
 """
 
 from dataclasses import dataclass
@@ -14,35 +14,30 @@ from jaxtyping import Float, Int64
 from clerestory.array_types import Indices, Values
 from clerestory.bsdfgen.flux_preserving_merge import HemisphericalFlux
 from clerestory.bsdfgen.morton_codes import incident_part
-from clerestory.bsdfgen.tree_pruning import (
-    Cells,
-    Light,
-    chosen_cells,
-    climbed,
-)
+from clerestory.bsdfgen.tree_pruning import Cells, Light, chosen_cells, climbed
 from clerestory.engine.effort import Effort
 
-# Share of the paths in the first round, and paths from each cell in it if an error is
-# aimed at.
+# Share of the paths in the first round, and paths per cell in it if a target error is
+# given.
 _FIRST_SHARE = 0.25
 _PILOT = 256
 
-# Variance of what leaves a path of a film that loses nothing, by Russian roulette.
+# Variance of the exit weight of a lossless film due to Russian roulette.
 _ROULETTE = 0.25
 
-# Most paths from one incident cell: an aim that needs more is out of reach.
+# Most paths per incident cell.
 _MOST = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """What was counted of one function in one block.
+    """Estimates of one function in one block.
 
     Attributes
     ----------
-    finest : light of the finest cells
-    incident : light in all from each incident cell
-    leaving : light in all through each leaving cell of the whole tree, rank 4 only
+    finest : values of the finest cells
+    incident : directional-hemispherical value of each incident cell
+    leaving : the same by reciprocity for each exit cell of the whole tree, rank 4 only
     """
 
     finest: Light
@@ -52,13 +47,13 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Counted:
-    """What was counted in one block.
+    """Estimates of one block.
 
     Attributes
     ----------
-    transmission, reflection : light by its way out
-    paths : traced
-    reached : whether the error aimed at was reached
+    transmission, reflection : of the two exit sides
+    paths : number of traced paths
+    reached : whether the target error was reached
     """
 
     transmission: Part
@@ -69,14 +64,14 @@ class Counted:
 
 @dataclass(eq=False)
 class Counter:
-    """Sums of the light in one block, growing round by round.
+    """Accumulated sums of one block.
 
     Attributes
     ----------
-    engine, slab, grid : what traces
+    engine, slab, grid : tracing kernel, geometry and grid
     block : number of the block
-    back : whether light comes from the room
-    weights : share of each traced channel in the luminous value
+    back : whether the incident side is the room
+    weights : of each channel in the luminance
     """
 
     engine: Any
@@ -87,7 +82,7 @@ class Counter:
     weights: Float[np.ndarray, " channel"]
 
     def __post_init__(self) -> None:
-        # Rank 3 has directions in the lower half of its first dimension only
+        # Rank 3 uses the lower half of its first dimension only
         half = self.grid.rank == 3 and self.grid.depth > 0
         self._rows = np.arange(self.grid.incidents >> int(half))
         self._paths = np.zeros(self.grid.incidents, dtype=np.int64)
@@ -95,7 +90,7 @@ class Counter:
         self._scores = [nothing, nothing]
 
     def count(self, effort: Effort) -> Counted:
-        """Trace until the samples are spent or the error is reached."""
+        """Trace until the samples are used up or the target error is reached."""
         goal = effort.samples
         first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
         self._trace(np.full(len(self._rows), first), effort)
@@ -118,7 +113,7 @@ class Counter:
             self._trace(extra, effort)
 
     def _trace(self, extra: Indices, effort: Effort) -> None:
-        # Cells that go on from the same number by the same number go together
+        # Group the cells with equal numbers of previous and new paths
         have = self._paths[self._rows]
         groups = [
             (self._rows[(have == first) & (extra == number)], int(first), int(number))
@@ -141,7 +136,7 @@ class Counter:
         self._paths[self._rows] += extra
 
     def _part(self, number: int) -> Part:
-        # What the scores of a function say so far
+        # Estimates of a function from its scores
         grid = self.grid
         place, sums = self._scores[number]
         incident = incident_part(place, rank=grid.rank, levels=grid.block)
@@ -153,8 +148,8 @@ class Counter:
         noise = np.maximum(sums[:, -1] - luminous**2 / paths, 0)
         noise /= (paths * exit_size) ** 2
 
-        # All that leaves a path is about 0 to 1 in all: its variance is s (1 - s), or
-        # what roulette adds where nothing is lost
+        # The exit weight of a path is close to 0 or 1: its variance is s (1 - s), plus
+        # that of Russian roulette
         share = np.bincount(incident, luminous, minlength=grid.incidents) / every
         variance = share * np.maximum(1 - share, _ROULETTE) / every
         single = mean.astype(np.float32), noise.astype(np.float32)
@@ -162,7 +157,7 @@ class Counter:
         return Part(finest, HemisphericalFlux(share, variance), self._leaving(finest))
 
     def _leaving(self, finest: Light) -> HemisphericalFlux:
-        # What each leaving cell has from the incident cells of this block
+        # Flux of each exit cell from the incident cells of this block
         grid = self.grid
         if grid.rank == 3:
             return HemisphericalFlux(np.zeros(0), np.zeros(0))
@@ -176,14 +171,14 @@ class Counter:
         )
 
     def _cells(self, part: Part) -> Cells:
-        # Cells of the block, each root for itself
+        # Cells of the block, each root separately
         grid = self.grid
         levels = climbed(part.finest, self.weights, rank=grid.rank, levels=grid.block)
         roots = 1 << 2 * (grid.depth - grid.block)
         return chosen_cells(levels, rank=grid.rank, roots=roots)
 
     def _risk(self, cells: Cells) -> Values:
-        # Expected square of the errors, summed over the finest cells of each row
+        # Expected squared error, summed over the finest cells of each incident cell
         grid, bits = self.grid, self.grid.rank - 2
         risk = np.zeros(grid.incidents)
         for height in np.unique(cells.height):
@@ -198,7 +193,7 @@ class Counter:
         return risk[self._rows]
 
     def _ratio(self, parts: list[Part], risk: Values, aim: float) -> float:
-        # How many times the error aimed at remains
+        # Ratio of the present to the target error
         finest = len(self._rows) << 2 * self.grid.depth
         error = np.sqrt(risk.sum() / (2 * finest))
         total = sum(float((p.finest.mean @ self.weights).sum()) for p in parts)
@@ -207,7 +202,8 @@ class Counter:
 
 
 def _shared(cost: Values, more: int) -> Indices:
-    # Paths for each row: the root of its cost, in powers of two for few launches
+    # Paths per incident cell: proportional to the root of its cost, rounded to powers
+    # of two for few kernel launches
     root = np.sqrt(cost)
     if more <= 0 or not root.any():
         return np.zeros(len(cost), dtype=int)
@@ -225,7 +221,7 @@ def _merged(
     *,
     cells: int,
 ) -> tuple[Int64[np.ndarray, " cell"], Float[np.ndarray, "cell channel"]]:
-    # Sums by ascending place
+    # Merged sums, ordered by place
     if not len(place):
         return more, added
     lit = np.zeros(cells, dtype=bool)

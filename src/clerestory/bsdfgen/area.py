@@ -1,7 +1,7 @@
-"""The piece of a shading system that light is traced through.
+"""Sample area: the box of a shading system that rays are traced through.
 
-The frame is genBSDF's: +x along the width, +y up, +z into the room, and the system
-lies behind z = 0.
+The frame is that of genBSDF: +x along the width, +y up, +z into the room; the system is
+at z ≤ 0.
 """
 
 from collections.abc import Sequence
@@ -14,23 +14,23 @@ from clerestory.array_types import Vector
 from clerestory.errors import InputError
 from clerestory.scene.model import Scene
 
-# The planes that paths start from keep off the system by this share of its size.
+# Distance of the faces from the system, as a share of its size.
 _CLEARANCE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
 class SampleArea:
-    """A box that light enters and leaves through its front and its back.
+    """A box whose front and back faces rays enter and leave through.
 
     Attributes
     ----------
     bounds : lower and upper corner [m]
-    periodic : whether it is the cell of a repeating system, so that what leaves one
-        side enters at the opposite side; else light is lost at the sides
+    periodic : whether the box is the unit cell of an endless system; rays that leave
+        one side re-enter at the opposite one, otherwise they are lost
 
     Raises
     ------
-    InputError : the box has no width, no height or a negative depth
+    InputError : no width or height, or a negative depth
 
     Examples
     --------
@@ -63,7 +63,7 @@ class SampleArea:
         return size
 
     def slab(self) -> Float[np.ndarray, "2 3"]:
-        """Corners of the box with its planes just off the system [m]."""
+        """Corners of the box with its faces slightly off the system [m]."""
         off = _CLEARANCE * float(self.size.max())
         slab: Float[np.ndarray, "2 3"] = self.bounds + np.outer([-off, off], [0, 0, 1])
         return slab
@@ -72,12 +72,7 @@ class SampleArea:
 def area_from_dimensions(
     dimensions: Sequence[float], *, periodic: bool = False
 ) -> SampleArea:
-    """Return the box of genBSDF's `-dim xmin xmax ymin ymax zmin zmax`.
-
-    Raises
-    ------
-    InputError : not six numbers that make a box
-    """
+    """Return the box of genBSDF's `-dim xmin xmax ymin ymax zmin zmax`."""
     if len(dimensions) != 6:
         raise InputError(
             f"{len(dimensions)} dimensions; xmin xmax ymin ymax zmin zmax expected"
@@ -86,12 +81,7 @@ def area_from_dimensions(
 
 
 def area_of(scene: Scene, *, periodic: bool = False) -> SampleArea:
-    """Return the box around a system.
-
-    Raises
-    ------
-    InputError : the scene is empty, or lies entirely in the room
-    """
+    """Return the bounding box of a system."""
     if not scene.surfaces:
         raise InputError(
             "the scene has no surfaces; some, or the dimensions of an empty sample"

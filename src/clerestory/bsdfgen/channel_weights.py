@@ -22,22 +22,17 @@ VISIBLE: Mapping[str, Weights] = MappingProxyType(
     {"visible": tuple(RGB.shares.tolist())}
 )
 
-# Channels that hold the visible and the solar band of grey materials.
+# Channels that hold the visible and the solar reflectance of grey materials.
 VISIBLE_AND_SOLAR: Mapping[str, Weights] = MappingProxyType(
     {"visible": (1.0, 0.0, 0.0), "solar": (0.0, 1.0, 0.0)}
 )
 
-# Chromaticity u', v' of equal-energy white, where there is no light.
+# Chromaticity u', v' of equal-energy white, used where values are zero.
 _WHITE_UV = 4 / 19, 9 / 19
 
 
 def check_bands(bands: Mapping[str, Weights]) -> None:
-    """Refuse bands that are no sums of the three channels.
-
-    Raises
-    ------
-    InputError : no band, or weights that are negative or sum to nothing
-    """
+    """Refuse bands that are not sums of the three channels."""
     for name, weights in bands.items():
         if len(weights) != 3 or min(weights) < 0 or not sum(weights) > 0:
             raise InputError(

@@ -1,4 +1,4 @@
-"""Whether dielectrics enclose solids: refraction needs an inside."""
+"""Check that dielectrics are closed solids with outward normals."""
 
 from collections.abc import Iterator
 
@@ -10,15 +10,15 @@ from clerestory.bsdfgen.naming import item
 from clerestory.scene.model import Dielectric, Interface, Scene
 from clerestory.scene.tessellate import Mesh, meshes
 
-# Corners nearer than this share of the system's size are one.
+# Tolerance of equal corners as a share of the size of the system.
 _SAME = 1e-6
 
 
 def open_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
-    """Yield dielectrics with an open edge, or with their inside out.
+    """Yield dielectrics with open edges or inward normals.
 
-    Every edge of a solid belongs to two faces that run along it in opposite senses.
-    Edges in the sides of a repeating cell may stay open: the next cell goes on there.
+    Every edge of a solid belongs to two faces that use it in opposite senses. Edges in
+    the sides of a periodic unit cell may be open.
     """
     for mesh in meshes(scene):
         if not isinstance(mesh.material, Dielectric | Interface):
@@ -56,7 +56,7 @@ def _welded(
 
 
 def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
-    # Edges that are not run along as often one way as the other
+    # Edges that are not used equally often in both senses
     count = int(edges.max()) + 1
     forth = edges[:, 0].astype(np.int64) * count + edges[:, 1]
     back = edges[:, 1].astype(np.int64) * count + edges[:, 0]
@@ -71,7 +71,7 @@ def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
 def _in_sides(
     ends: Float[np.ndarray, "edge 2 3"], area: SampleArea
 ) -> Bool[np.ndarray, " edge"]:
-    # Edges in or beyond a side of the cell
+    # Edges in or beyond a side of the unit cell
     near = _SAME * float(area.size.max())
     low, high = area.bounds[0, :2] + near, area.bounds[1, :2] - near
     beyond = np.concatenate([ends[..., :2] <= low, ends[..., :2] >= high], axis=-1)
@@ -81,7 +81,7 @@ def _in_sides(
 def _volume(
     corner: Float[np.ndarray, "corner 3"], faces: Int[np.ndarray, "face 3"]
 ) -> float:
-    # By Gauss' theorem on (0, 0, z): upright sides, open or not, do not count
+    # Volume by Gauss' theorem on (0, 0, z): vertical faces do not contribute
     a, b, c = np.moveaxis(corner[faces] - corner.mean(axis=0), 1, 0)
     upwards = np.cross(b - a, c - a)[:, 2] / 2
     return float(upwards @ (a + b + c)[:, 2] / 3)

@@ -1,4 +1,4 @@
-"""Surfaces that lie in each other: rays meet one of the two by chance."""
+"""Detection of overlapping coplanar surfaces, whose intersections are ambiguous."""
 
 from collections.abc import Iterator
 
@@ -9,16 +9,16 @@ from clerestory.bsdfgen.naming import item
 from clerestory.scene.model import Scene
 from clerestory.scene.tessellate import meshes
 
-# Planes nearer than this share of the system's size are one, and so much of two
-# triangles may overlap at a common edge.
+# Tolerance of coplanarity and of overlaps at common edges, as a share of the size of
+# the system.
 _SAME = 1e-6
 
-# Pairs of triangles compared at most; larger systems are looked over in part.
+# Most pairs of triangles that are tested; larger systems are tested in part.
 _MOST_PAIRS = 4_000_000
 
 
 def overlapping(scene: Scene) -> Iterator[str]:
-    """Yield the first pair of coplanar surfaces that overlap, and how many more."""
+    """Yield the first pair of overlapping coplanar surfaces and their number."""
     parts = meshes(scene)
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     surface = np.concatenate([m.surface for m in parts])
@@ -42,7 +42,7 @@ def overlapping(scene: Scene) -> Iterator[str]:
 def _planes(
     corner: Float[np.ndarray, "triangle 3 3"], near: float
 ) -> Iterator[Int[np.ndarray, " triangle"]]:
-    # Triangles by the plane that they lie in
+    # Triangles grouped by their plane
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1)
     flat = np.flatnonzero(length > 0)
@@ -66,7 +66,7 @@ def _pairs(
     number: Int[np.ndarray, " triangle"],
     near: float,
 ) -> Int[np.ndarray, "pair 2"]:
-    # Flatten them along the axis that shows most of the plane
+    # Project along the largest component of the normal
     normal = np.cross(corner[0, 1] - corner[0, 0], corner[0, 2] - corner[0, 0])
     flat = np.delete(corner, int(np.argmax(np.abs(normal))), axis=2)
     low, high = flat.min(axis=1) + near, flat.max(axis=1) - near
@@ -94,7 +94,7 @@ def _overlap(
     other: Float[np.ndarray, "pair 3 2"],
     near: float,
 ) -> Bool[np.ndarray, " pair"]:
-    # Two triangles are apart if the normal of one of their edges separates them
+    # Separating axis test on the normals of the edges
     apart = np.zeros(len(one), dtype=bool)
     for part in (one, other):
         edge = np.roll(part, -1, axis=1) - part

@@ -1,4 +1,4 @@
-"""Cross-sections drawn along a direction: slats, prisms and channels."""
+"""Extruded cross-sections of slats, prisms and channels."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -9,7 +9,7 @@ from jaxtyping import Float
 from clerestory.array_types import Points2
 from clerestory.scene.model import Polygon
 
-# A curved slat is cut into strips that turn by at most this much [rad].
+# Largest angle of a strip of a curved slat [rad].
 _STRIP = np.radians(3.0)
 
 
@@ -18,8 +18,8 @@ def arc(width: float, rise: float) -> Points2:
 
     Parameters
     ----------
-    width : of the slat's chord
-    rise : of its middle above the chord; below 0 it sags
+    width : chord of the slat
+    rise : of its middle above the chord; negative if it sags
 
     Examples
     --------
@@ -47,13 +47,13 @@ def extruded(
     name: str,
     closed: bool = False,
 ) -> Iterator[Polygon]:
-    """Yield the strips of a section (y, z) drawn along x.
+    """Yield the strips of a section (y, z) extruded along x.
 
-    The front of a strip looks up where the section runs towards -z.
+    The front of a strip is the upper side where the section runs towards -z.
 
     Parameters
     ----------
-    ends : from where to where on x [m]
+    ends : range of x [m]
     closed : whether the last point is joined to the first
     """
     points = [*section, section[0]] if closed else list(section)
@@ -64,7 +64,7 @@ def extruded(
 
 
 def turned(polygons: Iterator[Polygon]) -> Iterator[Polygon]:
-    """Yield polygons turned about z by -90°: what was up is at the right."""
+    """Yield polygons rotated about z by -90°, so that up becomes right."""
     for polygon in polygons:
         x, y, z = polygon.vertices.T
         yield Polygon(np.stack([y, -x, z], axis=1), polygon.material, polygon.name)

@@ -1,8 +1,7 @@
-"""Fabrics by openness and colour: what a catalogue of roller shades tells.
+"""Roller-shade fabrics by openness and colour, as given in product catalogues.
 
-The cloth is a sheet with small square holes, which straight light passes, between
-threads that scatter light to both sides. Its thickness shades the holes for light
-that comes aslant.
+The fabric is a diffusing sheet with square holes that transmit direct light; its
+thickness shades the holes at oblique incidence.
 """
 
 import math
@@ -27,19 +26,15 @@ def fabric(
     diffuse_transmittance: Share = 0.0,
     thickness: float = 0.3,
 ) -> System:
-    """Return the cell of an endless cloth.
+    """Return the unit cell of an endless fabric.
 
     Parameters
     ----------
-    openness : share of its area that is holes, 0 to below 1
-    reflectance : of the threads; the cloth's is (1 - openness) times as much
-    diffuse_transmittance : of the threads; the cloth adds its holes
-    thickness : of the cloth, in distances of its threads; 0 makes the holes as open
-        aslant as along the normal
-
-    Raises
-    ------
-    InputError : shares out of range
+    openness : openness factor, 0 to below 1
+    reflectance : of the threads; that of the fabric is (1 - openness) times as large
+    diffuse_transmittance : of the threads
+    thickness : of the fabric over the distance of the threads; 0 for an openness that
+        does not depend on the angle of incidence
 
     Examples
     --------
@@ -68,12 +63,7 @@ def fabric(
 
 
 def scatterer(name: str, reflected: np.ndarray, passed: np.ndarray) -> Plastic | Trans:
-    """Return a diffuse material of given reflectance and transmittance.
-
-    Raises
-    ------
-    InputError : together above 1, or the two are of different colours
-    """
+    """Return a diffuse material of given reflectance and transmittance."""
     both = reflected + passed
     if np.any(both > 1):
         raise InputError(

@@ -1,4 +1,4 @@
-"""Flat panes: diffuse sheets and clear glass."""
+"""Flat panes as parametric systems: diffuse sheets and clear glass."""
 
 import numpy as np
 
@@ -12,15 +12,11 @@ from clerestory.scene.model import Glass, Material, Polygon, Scene
 
 
 def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
-    """Return a sheet that scatters light evenly to both sides.
+    """Return a Lambertian sheet.
 
     Parameters
     ----------
-    transmittance, reflectance : shares of the light, 1 together at most
-
-    Raises
-    ------
-    InputError : shares out of range
+    transmittance, reflectance : with a sum of at most 1
 
     Examples
     --------
@@ -39,12 +35,8 @@ def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
 
     Parameters
     ----------
-    transmissivity : share left after one passage at normal incidence
-    index : of refraction
-
-    Raises
-    ------
-    InputError : numbers out of range
+    transmissivity : fraction of light left after one passage at normal incidence
+    index : refractive index
 
     Examples
     --------

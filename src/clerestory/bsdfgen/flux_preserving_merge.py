@@ -1,16 +1,20 @@
-"""Pieces of a tree's cells that keep the light of each incident or each leaving cell.
+"""Correction of merged tree cells that preserves directional-hemispherical values.
 
-Cells are joined where their differences are no more than noise, each block for itself.
-But what a block loses from one incident cell to its neighbour, all others lose alike
-where the light in all changes from cell to cell: single values stay as good as they
-can be, sums over all leaving cells do not. The light in all is known far better than
-any single value, so it is brought back: where it changes, joined cells are cut, and
-share their value in proportion to it.
+Cells are merged where their differences do not exceed the noise. Where the
+directional-hemispherical value varies between incident cells, merged cells would all
+shift flux in the same sense: single values stay accurate, their sum does not. The
+directional-hemispherical value has a much smaller error than single values. Where it
+varies, merged cells are subdivided and scaled in proportion to it.
 
-A change is looked for at all scales, from single incident cells to halves of a joined
-one: over many cells light is known better than in one. The brightest joined cells are
-cut, as many as can take the change without being changed much themselves; wide cells
-then take what their incident cells have in common, and smaller ones what is left.
+Variations are evaluated at all scales, as errors are smaller over many cells. The
+brightest merged cells are subdivided, as many as can take the correction without a
+large relative change. Rank 4 trees are used in both directions by reciprocity: incident
+cells, exit cells and incident cells again are corrected in turn (iterative proportional
+fitting).
+
+Reference: W. E. Deming, F. F. Stephan, "On a least squares adjustment of a sampled
+frequency table when the expected marginal totals are known", Annals of Mathematical
+Statistics 11 (4), 1940.
 """
 
 from collections.abc import Sequence
@@ -23,37 +27,34 @@ from clerestory.array_types import Values
 from clerestory.bsdfgen.morton_codes import incident_part
 from clerestory.bsdfgen.subcells import Pieces
 
-# Joined cells are cut where the light from a part of their incident cells would else be
-# off by more than this share of all that comes, for parts of a thirty-second of the
-# square of directions and wider; twice as much at half the width, for what is moved
-# there stays in the neighbourhood. It must be more than so many standard errors too, of
-# which an upper bound is known.
+# Largest flux error of a part of the incident cells, as a share of all incident flux,
+# for parts of 1/2^_SPAN of the width of the square and wider; twice as much per halving
+# of the width. The error must also exceed a number of standard errors.
 _TOLERANCE = 0.004
 _SPAN = 5
 _SURE = 0.3
 
-# Light that leaves through a cell is known no better than its standard error: paths
-# start evenly, but leave by chance.
+# The same number for exit cells, whose flux is estimated by scattered paths.
 _SURE_LEAVING = 2.0
 
-# Cells that take a change hold so many times as much light, at least.
+# Flux of the subdivided cells over the required change.
 _STRETCH = 3.0
 
-# Cells that have less than half of the light are changed by this share at most: what
-# is left for them may be the noise of the others.
+# Largest relative change of cells with less than half of the flux.
 _CHANGE = 0.5
 
-# Pieces whose light is summed at once.
+# Subcells that are summed together.
 _TOGETHER = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
 class HemisphericalFlux:
-    """Light in all from each incident cell, or by reciprocity from each leaving one.
+    """Directional-hemispherical values of incident cells, or of exit cells by
+    reciprocity.
 
     Attributes
     ----------
-    share : of the light that comes, luminous, 0…1
+    share : luminous transmittance or reflectance, 0…1
     variance : of the share
     """
 
@@ -69,15 +70,16 @@ def preserve_flux(
     rank: int,
     by_leaving: bool = False,
 ) -> list[Pieces]:
-    """Return pieces whose joined ones are cut and scaled to keep the incident light.
+    """Return merged cells subdivided and scaled to preserve directional-hemispherical
+    values.
 
     Parameters
     ----------
     pieces : by their height above the finest cells, up to the root
     luminous : value of each cell [1/sr]
-    light : as it was counted
-    by_leaving : whether light is that of leaving cells, which take the place of the
-        incident ones; for rank 4
+    light : estimated values
+    by_leaving : whether light is that of exit cells, in place of incident cells; for
+        rank 4
 
     Examples
     --------
@@ -116,13 +118,13 @@ def preserve_flux_on_both_sides(
     incident: HemisphericalFlux,
     leaving: HemisphericalFlux,
 ) -> list[Pieces]:
-    """Return pieces of rank 4 that keep the light of incident and of leaving cells.
+    """Return subcells of rank 4 that preserve the flux of incident and of exit cells.
 
     Parameters
     ----------
     pieces : by their height above the finest cells, up to the root
     luminous : value of each cell [1/sr]
-    incident, leaving : as they were counted
+    incident, leaving : estimated values
 
     Examples
     --------
@@ -151,8 +153,8 @@ def _moved(
     bits: int,
     depth: int,
 ) -> Float[np.ndarray, " block"]:
-    # Most light that cells of a height and one scale would move between their parts,
-    # where it is more than what is allowed, and known
+    # Largest flux error between parts of merged cells of one height, where it exceeds
+    # the tolerance and the standard error
     wide = 1 << bits * height
     off = (scale - np.repeat(_means(scale, wide), wide)) * together
     most = np.zeros(len(scale) // wide)
@@ -174,7 +176,7 @@ def _means(
 
 @dataclass(frozen=True, eq=False)
 class _Tally:
-    # Sums of the light of pieces by their incident cells
+    # Sums of the flux of subcells by incident cells
     luminous: Float[np.ndarray, " cell"]
     incidents: int
     rank: int
@@ -182,14 +184,14 @@ class _Tally:
     skip: int  # bits of a digit before those of the cells whose light is kept
 
     def lights(self, pieces: Sequence[Pieces]) -> Float64[np.ndarray, " incident"]:
-        """Share of the light that pieces of the lowest heights have from each cell."""
+        """Flux of subcells of the lowest heights for each incident cell."""
         total = np.zeros(self.incidents)
         for height, part in enumerate(pieces):
             total += self.light(part, height)
         return total
 
     def light(self, pieces: Pieces, height: int) -> Float64[np.ndarray, " incident"]:
-        """Share of the light that pieces of one height have from each cell."""
+        """Flux of subcells of one height for each incident cell."""
         wide = 1 << (self.rank - 2) * height
         sums = np.zeros(self.incidents // wide)
         for start in range(0, len(pieces), _TOGETHER):
@@ -199,19 +201,19 @@ class _Tally:
         return np.repeat(sums, wide)
 
     def share(self, pieces: Pieces, height: int) -> Float64[np.ndarray, " piece"]:
-        """Share of the light from one finest incident cell in each piece."""
+        """Flux of each subcell from one finest incident cell."""
         size = np.pi * 4.0 ** (height - self.depth)
         return np.asarray(self.luminous[pieces.cell] * pieces.factor * size)
 
     def block(self, pieces: Pieces, height: int) -> Int32[np.ndarray, " piece"]:
-        """Number of the incident cell of each piece, among all as wide."""
+        """Number of the incident cell of each subcell, among all of its width."""
         levels = self.depth - height
         return incident_part(pieces.place >> self.skip, rank=self.rank, levels=levels)
 
     def brightest(
         self, pieces: Pieces, need: Float[np.ndarray, " block"], height: int
     ) -> Bool[np.ndarray, " piece"]:
-        """Brightest pieces of one height that have as much light as blocks need."""
+        """Brightest subcells of one height with as much flux as required."""
         found = np.zeros(len(pieces), dtype=bool)
         if not len(pieces):
             return found
@@ -228,7 +230,9 @@ class _Tally:
     def scaled(
         self, pieces: list[Pieces], left: Float64[np.ndarray, " incident"]
     ) -> list[Pieces]:
-        """Scale wide pieces by what is common in what is left, smaller by the rest."""
+        """Scale wide subcells by the common part of the correction, small ones by the
+        rest.
+        """
         found = list(pieces)
         own = [self.light(part, height) for height, part in enumerate(pieces)]
         rest = every = np.sum(own, axis=0)

@@ -1,8 +1,8 @@
-"""BSDFs of shading systems by tracing their geometry, as genBSDF does.
+"""BSDF generation by ray tracing the geometry of shading systems, as genBSDF.
 
-Light enters a piece of the system from each incident patch or cell, evenly over the
-patch by projected solid angle, and is counted by the patch or cell through which it
-leaves. The piece is a finite sample or the cell of a repeating system.
+Rays enter the sample area from each incident patch or cell, uniformly in projected
+solid angle, and are scored in the exit patch or cell. The sample area is a finite
+sample or the unit cell of an endless system.
 """
 
 import warnings
@@ -64,48 +64,45 @@ def generate_bsdf(
     name: str = "",
     **keywords: Unpack[EffortKeywords],
 ) -> Bsdf:
-    """Return the BSDF of a system in genBSDF's frame, with standard errors.
+    """Return the BSDF of a shading system with standard errors.
 
-    +x is the width, +y up, +z into the room; nothing lies at z > 0. *Front* is the
-    side of the sky, as in the files.
+    The frame is that of genBSDF: +x is the width, +y up, +z into the room, all geometry
+    at z ≤ 0. *Front* is the side of the sky, as in the files.
 
     Parameters
     ----------
-    scene : the geometry [m], or one of the parametric systems
-    basis : Klems' patches, or a tensor tree; rank 3 for systems that look alike from
-        every azimuth
-    halvings : a tree resolves 2^halvings cells along each axis, 2 to 7
-    sides : where light comes from
-    area : piece of the system to trace through; the box around it if None
-    periodic : whether the piece repeats, so that no light is lost at its sides
-    bands : for each band of the result, weights of the scene's three channels; the
-        visible band of red, green and blue if None
+    scene : geometry [m], or a parametric system
+    basis : Klems basis, or a tensor tree; rank 3 for isotropic systems
+    halvings : resolution of trees, 2^halvings cells along each axis, 2 to 7
+    sides : incident sides
+    area : sample area; the bounding box if None
+    periodic : whether the sample area is the unit cell of an endless system, so that no
+        light is lost at its sides
+    bands : for each band of the result, weights of the three channels of the scene;
+        luminance of red, green and blue if None
     colour : whether to add CIE X and Z, or u' and v' of trees
-    samples : paths from each incident patch, or from each finest incident cell of a
-        tree on average; 2000 if neither this nor an error is given
-    relative_error : instead of samples: root mean square of the standard errors of
-        all values, relative to their mean
+    samples : paths per incident patch, or average per finest incident cell of a tree;
+        2000 if neither this nor an error is given
+    relative_error : instead of samples, target root mean square of the standard errors
+        of all values over their mean
     bounces : most diffuse reflections of a path, as Radiance's -ab; None: no limit
-    symmetry : for matrices: where the geometry is its own mirror image, trace from one
-        of two patches that are alike, with the same errors in less time
-    reciprocal : average light that goes forth with light that goes back; right only
-        for a periodic or endless piece
-    reduction : share of the blocks of smallest cells of a tree to give up [%]
-    geometry : whether the result holds the geometry, as MGF
+    symmetry : for matrices, whether to trace only one of two mirror-symmetric patches
+    reciprocal : whether to average with the reciprocal; only for periodic sample areas
+    reduction : blocks of smallest cells of a tree to merge [%]
+    geometry : whether the result holds the geometry as MGF
     name : of the product
-    seed : whole number ≥ 0; the same seed on the same device gives the same bits
-    device : "auto" takes a GPU if there is one
-    progress : called with the share done, 0…1, and a note
+    seed : whole number ≥ 0; results are bitwise reproducible for a seed on one device
+    device : "auto" selects a GPU if there is one
+    progress : called with the fraction done, 0…1, and a note
 
     Raises
     ------
-    InputError : no geometry, a box without size, or a number out of range
+    InputError : no geometry, an empty sample area, or a number out of range
     DeviceError : no usable device
 
     Warns
     -----
-    ClerestoryWarning : geometry that is hardly what was meant, item by item; an error
-        that was not reached
+    ClerestoryWarning : doubtful geometry; a target error that was not reached
 
     Examples
     --------
@@ -166,7 +163,7 @@ def _system(
     bands: Mapping[str, Weights] | None,
     name: str,
 ) -> System:
-    # What is given explicitly goes before what a parametric system brings along
+    # Arguments override the values of a parametric system
     if isinstance(scene, System):
         system = replace(scene, area=area or scene.area, bands=bands or scene.bands)
     else:

@@ -1,6 +1,7 @@
-"""What looks wrong with a system before it is traced, one line for each finding.
+"""Plausibility checks of the geometry of a shading system.
 
-The findings are doubts, not errors, but for one: a system that lies wholly in the room.
+Findings are warnings, except for a system that is entirely in the room, which is an
+error.
 """
 
 from collections.abc import Iterator
@@ -14,29 +15,22 @@ from clerestory.bsdfgen.naming import item
 from clerestory.errors import InputError
 from clerestory.scene.model import Scene
 
-# Beyond z = 0 by more than this is in the room [m], as in genBSDF.
+# Largest z of surfaces [m], as in genBSDF.
 _IN_ROOM = 1e-5
 
-# Systems thicker than this are hardly in metres, and thinner ones hardly either [m].
+# Largest thickness, largest and smallest width of plausible systems in metres.
 _THICKEST, _WIDEST, _NARROWEST = 1.5, 60.0, 2e-5
 
-# A system this share of its width behind the plane z = 0 is misplaced, as in genBSDF.
+# Largest distance behind z = 0 as a share of the size, as in genBSDF.
 _FAR_BEHIND = 0.1
 
 
 def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
-    """Return what looks wrong with a system, naming the item and its line.
+    """Return warnings about a system, with the surface and its line.
 
-    Looks for surfaces in the room, systems far behind the plane z = 0, units other
-    than metres, dielectrics that do not enclose a solid or are inside out, and
-    surfaces that lie in each other.
+    Detects surfaces in the room, systems far behind z = 0, units other than metres,
+    open or inverted dielectric solids, and overlapping coplanar surfaces.
 
-    Raises
-    ------
-    InputError : all of it is in the room
-
-    Examples
-    --------
     >>> from clerestory.scene.model import Plastic, Polygon
     >>> corner = np.array([[0, 0, 0.01], [1, 0, -0.1], [0, 1, -0.1]])
     >>> slat = Polygon(corner, "grey", "slat")

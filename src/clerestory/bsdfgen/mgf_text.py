@@ -1,4 +1,4 @@
-"""Geometry as a text in MGF, the Materials and Geometry Format, for BSDF files.
+"""Geometry as text in MGF, the Materials and Geometry Format, for BSDF files.
 
 Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
 """
@@ -30,21 +30,15 @@ from clerestory.scene.model import (
     Trans,
 )
 
-# Thickness that MGF gives the transmittance of a solid for [m].
+# Thickness for which MGF gives the transmittance of a solid [m].
 _SOLID_THICKNESS = 0.005
 
 _Colour = Float[np.ndarray, "3"]
 
 
 def mgf_text(scene: Scene, area: SampleArea) -> str:
-    """Return the MGF of a system in metres, the middle of its area moved to x = y = 0.
+    """Return a system as MGF in metres, with the middle of its area at x = y = 0.
 
-    Raises
-    ------
-    InputError : a material that MGF has no words for
-
-    Examples
-    --------
     >>> grey = Plastic("grey", np.full(3, 0.5))
     >>> slat = Polygon(np.array([[0.0, 0, -1], [2, 0, -1], [2, 2, -1]]), "grey", "slat")
     >>> scene = Scene({"grey": grey}, (slat,))
@@ -123,7 +117,7 @@ def _trans(material: Trans) -> Iterator[str]:
 
 
 def _glass(material: Glass) -> Iterator[str]:
-    # Both faces and the way between them, at normal incidence
+    # Both faces and the glass between them, at normal incidence
     face = ((material.index - 1) / (material.index + 1)) ** 2
     inner = material.transmissivity
     series = 1 / (1 - (face * inner) ** 2)
@@ -134,7 +128,7 @@ def _glass(material: Glass) -> Iterator[str]:
 
 
 def _share(keyword: str, rgb: _Colour, *roughness: Roughness) -> Iterator[str]:
-    # A share of light after its colour
+    # A reflectance or transmittance after its colour
     xyz = RADIANCE.to_xyz() @ np.asarray(rgb, dtype=float)
     yield "\tc"
     if np.ptp(rgb) > 0:

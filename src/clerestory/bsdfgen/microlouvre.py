@@ -1,7 +1,7 @@
-"""Microlouvres: woven metal mats of tiny bars that keep out the high sun.
+"""Microlouvres: woven metal mats of small bars that block the high sun.
 
-A louvre lets no straight light pass from above its cut-off: the profile angle, above
-the horizon and across the bars, from which each bar shades the gap below it.
+No direct light passes above the cut-off angle, the profile angle above which each bar
+shades the gap below it.
 """
 
 import math
@@ -23,19 +23,15 @@ def microlouvre(
     reflectance: Share = 0.1,
     solar_reflectance: float | None = None,
 ) -> System:
-    """Return the cell of an endless microlouvre.
+    """Return the unit cell of an endless microlouvre.
 
     Parameters
     ----------
     depth, thickness : of a bar [m]
-    cutoff_deg : profile angle above which no straight light passes
-    tilt_deg : of the bars; the outer edge of tilted ones is the lower one
-    reflectance : of the bars, all around
-    solar_reflectance : in the solar band, if it is wanted
-
-    Raises
-    ------
-    InputError : a number out of range, or a cut-off that the tilt makes impossible
+    cutoff_deg : profile angle above which no direct light passes
+    tilt_deg : of the bars; positive if the outer edge is the lower one
+    reflectance : of the bars
+    solar_reflectance : in the solar band; None for the visible band only
 
     Examples
     --------
@@ -65,8 +61,8 @@ def microlouvre(
 
 
 def _spacing(depth: float, thickness: float, cutoff: float, tilt_deg: float) -> float:
-    # A ray at the cut-off falls by tan(cutoff) per length; bars cover, across it, the
-    # extent of their section: that of a rectangle turned by the tilt
+    # A ray at the cut-off falls by tan(cutoff) per length; a bar covers, across it, the
+    # projection of its tilted rectangular section
     turn = cutoff + math.radians(tilt_deg)
     across = depth * abs(math.sin(turn)) + thickness * abs(math.cos(turn))
     return across / math.cos(cutoff)

@@ -1,8 +1,7 @@
-"""Mirror symmetry of a system: patches from which light need not be traced.
+"""Mirror symmetry of shading systems, for tracing fewer incident patches.
 
-A system that is its own mirror image, left to right or top to bottom, scatters light
-from a patch as it does light from the patch's mirror image. Light is then traced from
-one of the two; what is known of it is known of the other.
+A system that is symmetric left to right or top to bottom scatters light from
+mirror-image patches alike. Only one of them is traced.
 """
 
 from collections import Counter
@@ -27,35 +26,29 @@ from clerestory.scene.model import (
     Trans,
 )
 
-# Corners nearer than this share of the system's size are one.
+# Tolerance of equal corners as a share of the size of the system.
 _SAME = 1e-5
 
-# Keeps corners that lie on a grid off the limits between its numbers.
+# Offset that keeps corners on a regular grid off rounding limits.
 _OFF_GRID = 0.381966
 
-# Materials that know no direction but the normal of their surface.
+# Isotropic materials.
 _ISOTROPIC = Plastic | Metal | Trans | Glass | Dielectric | Interface
 
 Flip = tuple[int, int]
 
 _FLIPS: tuple[Flip, ...] = (1, 1), (1, -1), (-1, 1), (-1, -1)
 
-# Of a system that is nowhere its own mirror image.
+# The identity, for systems without symmetry.
 NO_MIRROR = _FLIPS[:1]
 
 
 def mirrors(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
-    """Return the flips of x and y that leave a system as it is, the identity first.
+    """Return the flips of x and y that map a system onto itself, the identity first.
 
-    The mirrors stand in the middle of the sample area. Polygons and cylinders of
-    materials without grain are compared; a system with others has no mirror.
+    The mirror planes are in the middle of the sample area. Polygons and cylinders of
+    isotropic materials are compared; systems with others count as asymmetric.
 
-    Parameters
-    ----------
-    area : the piece of the system that is traced
-
-    Examples
-    --------
     >>> from clerestory.bsdfgen.venetian_geometry import venetian
     >>> blind = venetian(slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.5)
     >>> mirrors(blind.scene, blind.area)
@@ -80,12 +73,12 @@ def mirrors(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Orbits:
-    """Patches that the mirrors of a system make alike.
+    """Classes of patches that the mirror symmetries of a system map onto each other.
 
     Attributes
     ----------
-    chosen : one patch of each kind, from which light is traced
-    flips : for each mirror, the patch at the place of each patch's mirror image
+    chosen : one traced patch of each class
+    flips : for each mirror, the image of each patch
     """
 
     chosen: Int[np.ndarray, " kind"]
@@ -93,9 +86,9 @@ class Orbits:
 
     @classmethod
     def of(cls, partition: RingPartition, mirrors: Sequence[Flip]) -> "Orbits":
-        """Return the patches of a partition that some mirrors make alike.
+        """Return the classes of patches of a partition under some mirrors.
 
-        Mirrors that do not lead from patch to patch are left out.
+        Mirrors that do not map patches onto patches are left out.
 
         >>> from clerestory.hemisphere.klems import klems
         >>> Orbits.of(klems("full"), ((1, 1), (-1, 1))).chosen.size
@@ -113,7 +106,7 @@ class Orbits:
 
     @property
     def kind(self) -> Indices:
-        """Number of each patch's kind."""
+        """Number of each patch's class."""
         kind: Int[np.ndarray, " patch"] = np.searchsorted(
             self.chosen, self.flips.min(axis=0)
         )
@@ -122,10 +115,9 @@ class Orbits:
     def unfolded(
         self, table: Float[np.ndarray, "*more kind exit"]
     ) -> Float[np.ndarray, "*more patch exit"]:
-        """Return a table for all incident patches from that for the chosen ones.
+        """Return a table for all incident patches from that for the traced ones.
 
-        Patches that lie on a mirror are their own image: what leaves them to the left
-        and to the right is averaged.
+        Patches on a mirror plane are their own image: their two sides are averaged.
         """
         kind = self.kind
         total = np.zeros((*table.shape[:-2], len(kind), table.shape[-1]), table.dtype)
@@ -141,7 +133,7 @@ class Orbits:
 def _key(
     surface: Polygon | Cone, middle: Vector, flip: Flip, unit: float
 ) -> tuple[object, ...]:
-    # What tells a surface from all others that are not in the same place
+    # Identity of a surface by its place and material
     def grid(points: Directions) -> list[tuple[int, ...]]:
         moved = (points - middle) * [*flip, 1] / unit + _OFF_GRID
         return [tuple(row) for row in np.round(moved).astype(int).tolist()]

@@ -1,6 +1,6 @@
-"""Mirrored-channel film: a clear sheet with mirrors across it, one above another.
+"""Mirrored-channel film: a clear sheet with parallel embedded mirrors.
 
-Light that meets a mirror from above is sent to the ceiling.
+Light that is reflected by a mirror is redirected to the ceiling.
 """
 
 import math
@@ -15,10 +15,10 @@ from clerestory.bsdfgen.system_parameters import Share, positive, share
 from clerestory.errors import InputError
 from clerestory.scene.model import Dielectric, Material, Metal, Polygon, Scene
 
-# A cell is this many times as wide and as high as the film is thick.
+# Width and height of the unit cell over the thickness of the film.
 _SLENDER = 8.0
 
-# Mirrors keep off the faces of the sheet by this share of its thickness.
+# Distance of the mirrors from the faces of the sheet, as a share of its thickness.
 _INSET = 1e-3
 
 
@@ -31,20 +31,16 @@ def mirrored_channels(
     index: float = 1.49,
     transmissivity: float = 1.0,
 ) -> System:
-    """Return the cell of an endless film whose mirrors run along the width.
+    """Return the unit cell of an endless film with horizontal mirrors.
 
     Parameters
     ----------
-    pitch : from mirror to mirror [m]
+    pitch : distance of the mirrors [m]
     thickness : of the sheet [m]
     mirror_depth : of a mirror, in the middle of the sheet [m]
     reflectance : of the mirrors, on both sides
-    index : of refraction of the sheet
-    transmissivity : share of light left after 1 m of the sheet
-
-    Raises
-    ------
-    InputError : a number out of range, or mirrors deeper than the sheet
+    index : refractive index of the sheet
+    transmissivity : fraction of light left after 1 m of the sheet
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""Numbers that name places in a tree by the branches that lead to them.
+"""Morton codes of the cells of tensor trees.
 
-A number has one digit a level, the coarsest in the highest bits. A digit of a tree of
-rank 3 or 4 has one bit a dimension; the incident direction has the lowest ones.
+A code has one digit per level, the coarsest in the highest bits. A digit of a tree of
+rank 3 or 4 has one bit per dimension; the incident direction has the lowest bits.
 """
 
 from functools import cache
@@ -11,14 +11,14 @@ from jaxtyping import Int
 
 from clerestory.array_types import Indices
 
-# Bits of the numbers whose parts are looked up in a table.
+# Bits of the codes in the lookup table.
 _TABLE_BITS = 16
 
 _Number = Int[np.ndarray, "*batch"]
 
 
 def incident_part(number: _Number, *, rank: int, levels: int) -> _Number:
-    """Return the number of the incident cell on the last levels of a place.
+    """Return the code of the incident cell, over the last levels of a code.
 
     >>> incident_part(np.array([0b1110_1101]), rank=4, levels=2).tolist()
     [9]
@@ -35,7 +35,7 @@ def incident_part(number: _Number, *, rank: int, levels: int) -> _Number:
 
 @cache
 def _incident_parts(rank: int, digits: int) -> Indices:
-    # The incident part of all numbers of a few digits
+    # Incident part of all codes of a few digits
     number = np.arange(1 << rank * digits)
     found = np.zeros_like(number)
     bits = rank - 2
@@ -52,7 +52,7 @@ def joined(
     rank: int,
     levels: int,
 ) -> Int[np.ndarray, " *place"]:
-    """Return the number of the place of an incident and a leaving cell.
+    """Return the code of a pair of incident and exit cells.
 
     >>> joined(np.array([0b10_01]), np.array([0b11_11]), rank=4, levels=2).tolist()
     [237]

@@ -1,4 +1,4 @@
-"""How messages name a surface."""
+"""Names of surfaces in messages."""
 
 from clerestory.scene.model import Surface
 

@@ -1,4 +1,4 @@
-"""What is done to traced functions at the end: reciprocity, one sense, fewer cells."""
+"""Postprocessing of traced BSDFs: reciprocity, merged transmissions, reduction."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,9 +18,9 @@ from clerestory.errors import InputError
 
 
 def reciprocal_with_errors(functions: Functions) -> Functions:
-    """Return functions averaged with their reciprocals, and their smaller errors.
+    """Return functions averaged with their reciprocals, with reduced standard errors.
 
-    Light forth and light back are independent estimates of one number.
+    The two directions are independent estimates of one value.
     """
     means = reciprocal_mean(Bsdf(functions)).functions
     found: Functions = {}
@@ -43,7 +43,7 @@ def _matrix_error(
     one, two = part.standard_error, other.standard_error
     if one is None or two is None:
         return None
-    # Pairs of a reflection that are their own reverse are one estimate, not two
+    # Self-reciprocal pairs of a reflection are a single estimate
     back = ScatteringMatrix(two, other.exits, other.incidents).reciprocal().values
     number = np.arange(one.size, dtype=float).reshape(one.shape)
     reverse = ScatteringMatrix(number, part.exits, part.incidents).reciprocal().values
@@ -65,9 +65,9 @@ def _tree_error(
 
 
 def one_transmission(functions: Functions) -> Functions:
-    """Return functions of rank 4 trees with one transmission a band, as files have.
+    """Return rank 4 trees with one transmission per band, as in files.
 
-    The other one is its reciprocal. As in genBSDF, that from the back stays.
+    As in genBSDF the one from the back is kept; the other is its reciprocal.
     """
     return {
         (band, name): part
@@ -77,7 +77,7 @@ def one_transmission(functions: Functions) -> Functions:
 
 
 def reduced(functions: Functions, percent: float) -> Functions:
-    """Return trees without the branches that matter least, and without errors."""
+    """Return trees with similar cells merged, without standard errors."""
     return {
         key: reduce_tree(part, percent).tree
         if isinstance(part, ScatteringTree)
@@ -89,12 +89,7 @@ def reduced(functions: Functions, percent: float) -> Functions:
 def error_functions(
     functions: Mapping[tuple[str, Function], ScatteringFunction],
 ) -> Functions:
-    """Return the standard errors of functions in the same shape as their values.
-
-    Raises
-    ------
-    InputError : a function that carries none
-    """
+    """Return the standard errors of functions in the shape of their values."""
     found: Functions = {}
     for (channel, name), part in functions.items():
         if channel in ("cie-u", "cie-v"):

@@ -1,4 +1,4 @@
-"""Prismatic film: a clear sheet with a saw-tooth of small prisms on its outer side."""
+"""Prismatic film: a clear sheet with a saw-tooth of prisms on its outer side."""
 
 import math
 
@@ -12,7 +12,7 @@ from clerestory.bsdfgen.system_parameters import not_negative, positive
 from clerestory.errors import InputError
 from clerestory.scene.model import Dielectric, Polygon, Scene
 
-# A cell is this many times as wide and as high as the film is thick.
+# Width and height of the unit cell over the thickness of the film.
 _SLENDER = 8.0
 
 
@@ -25,20 +25,16 @@ def prismatic(
     index: float = 1.49,
     transmissivity: float = 1.0,
 ) -> System:
-    """Return the cell of an endless film whose prisms run along the width.
+    """Return the unit cell of an endless film with horizontal prisms.
 
     Parameters
     ----------
-    pitch : from prism to prism [m]
-    upper_angle_deg, lower_angle_deg : between the plane of the film and the face of a
-        prism that looks up, and the one that looks down; below 90
+    pitch : distance of the prisms [m]
+    upper_angle_deg, lower_angle_deg : between the plane of the film and the upward and
+        the downward face of a prism; below 90
     base : thickness of the sheet under the prisms [m]
-    index : of refraction
-    transmissivity : share of light left after 1 m of the material
-
-    Raises
-    ------
-    InputError : a number out of range
+    index : refractive index
+    transmissivity : fraction of light left after 1 m of the material
 
     Examples
     --------
@@ -56,7 +52,7 @@ def prismatic(
             f"index = {index}, transmissivity = {transmissivity}; above 1, and 0 to 1,"
             " expected"
         )
-    # Where the ridge lies above the groove at the lower side of its prism, and how high
+    # Distance from the groove to the ridge, and height of the prisms
     up, down = (1 / math.tan(math.radians(a)) if a < 90 else 0.0 for a in angles)
     height = pitch / (up + down)
     ridge = height * down

@@ -1,4 +1,4 @@
-"""Screens: perforated sheets and woven threads."""
+"""Geometry of perforated sheets and woven screens."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -21,10 +21,10 @@ from clerestory.bsdfgen.system_parameters import (
 from clerestory.errors import InputError
 from clerestory.scene.model import Cone, Material, Plastic, Polygon, Scene
 
-# Corners of a round hole; its area is that of the circle.
+# Corners of a round hole, whose polygon has the area of the circle.
 _CORNERS = 48
 
-# Holes or threads along a side of a cell.
+# Holes or threads along a side of the unit cell.
 _COUNT = 4
 
 
@@ -37,19 +37,15 @@ def perforated(
     reflectance: Share = 0.5,
     solar_reflectance: float | None = None,
 ) -> System:
-    """Return the cell of an endless sheet with holes on a square grid.
+    """Return the unit cell of an endless sheet with holes on a square grid.
 
     Parameters
     ----------
-    pitch : from hole to hole [m]
+    pitch : distance of the holes [m]
     hole : diameter of round holes, or side of square ones [m]
     thickness : of the sheet [m]; 0 for a thin one
     reflectance : of sheet and walls of the holes, as of Radiance's plastic
-    solar_reflectance : in the solar band, if it is wanted
-
-    Raises
-    ------
-    InputError : a number out of range, or holes that touch each other
+    solar_reflectance : in the solar band; None for the visible band only
 
     Examples
     --------
@@ -75,18 +71,15 @@ def woven(
     reflectance: Share = 0.5,
     solar_reflectance: float | None = None,
 ) -> System:
-    """Return the cell of an endless screen of round threads, one way over the other.
+    """Return the unit cell of an endless screen of round threads in two crossing
+    layers.
 
     Parameters
     ----------
-    spacing : from thread to thread, both ways [m]
+    spacing : distance of the threads, both ways [m]
     thread : diameter [m]
     reflectance : of the threads, as of Radiance's plastic
-    solar_reflectance : in the solar band, if it is wanted
-
-    Raises
-    ------
-    InputError : a number out of range, or threads that touch their neighbours
+    solar_reflectance : in the solar band; None for the visible band only
 
     Examples
     --------
@@ -117,7 +110,7 @@ def woven(
 
 
 def cell(pitch: float, thickness: float) -> SampleArea:
-    """Return the cell of a few holes or threads each way."""
+    """Return the unit cell of a few holes or threads each way."""
     side = _COUNT * pitch
     return SampleArea(np.array([[0, 0, -thickness], [side, side, 0]]), periodic=True)
 
@@ -135,11 +128,7 @@ def holed_sheet(
 
     Parameters
     ----------
-    faces : of a thick sheet; one of a material that transmits stands for both
-
-    Raises
-    ------
-    InputError : a number out of range, or holes that touch each other
+    faces : of a thick sheet; a single one for materials that transmit
     """
     positive(pitch=pitch, hole=hole)
     not_negative(thickness=thickness)
@@ -173,7 +162,7 @@ def _rim(shape: str, hole: float) -> Points2:
 def _around(
     middle: Vector2, rim: Points2, pitch: float, z: float, side: int, material: str
 ) -> Iterator[Polygon]:
-    # Four parts of a square around a hole, each from one corner to the next
+    # Four quarters of a square with a hole
     outer = pitch / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     quarter = len(rim) // 4
     for number in range(4):

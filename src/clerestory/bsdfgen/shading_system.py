@@ -1,4 +1,4 @@
-"""A shading system as geometry, ready to be traced to a BSDF."""
+"""Geometry of a shading system, ready for BSDF generation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,13 +11,13 @@ from clerestory.scene.model import Scene
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Geometry with all that tracing it takes.
+    """Geometry and all else that BSDF generation needs.
 
     Attributes
     ----------
     scene : in the frame of genBSDF [m]
-    area : the piece that stands for the whole
-    bands : for each band of the BSDF, the share of the scene's three channels in it
+    area : sample area
+    bands : for each band of the BSDF, weights of the three channels of the scene
     product : name and dimensions, for the file
     """
 

@@ -1,8 +1,7 @@
-"""Pieces that the cells of a tree are cut into, each with a share of its cell's light.
+"""Subdivision of tree cells into scaled subcells.
 
-A cell is cut into its branches, these into theirs. Hundreds of pieces may come from one
-cell: what is known of the cell stands once, and a piece has no more than its place, the
-number of its cell and a factor.
+A cell can have hundreds of subcells; a subcell holds only its place, the number of its
+cell and a factor.
 """
 
 from collections.abc import Sequence
@@ -16,13 +15,13 @@ from clerestory.array_types import Indices, Mask
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Pieces of one size.
+    """Subcells of one size.
 
     Attributes
     ----------
-    place : number of each piece among the nodes of its level
-    cell : number of the cell that each was cut from
-    factor : what the cell's value is multiplied by
+    place : Morton code of each subcell among the nodes of its level
+    cell : number of the cell that contains each
+    factor : ratio of the value of the subcell to that of the cell
     """
 
     place: Int32[np.ndarray, " piece"]
@@ -33,7 +32,7 @@ class Pieces:
         return len(self.place)
 
     def cut(self, split: Mask, *, rank: int) -> "tuple[Pieces, Pieces]":
-        """Return the pieces that stay whole, and the branches of those that split."""
+        """Return the subcells that stay whole, and the branches of those to split."""
         width = 1 << rank
         place = (self.place[split, None] << rank) + np.arange(width, dtype=np.int32)
         branches = Pieces(
@@ -44,11 +43,11 @@ class Pieces:
         return self.only(~split), branches
 
     def only(self, which: slice | Mask) -> "Pieces":
-        """Return some of the pieces."""
+        """Return some of the subcells."""
         return Pieces(self.place[which], self.cell[which], self.factor[which])
 
     def beside(self, other: "Pieces") -> "Pieces":
-        """Return these pieces and others of the same size."""
+        """Return these subcells and others of the same size."""
         return Pieces(
             np.concatenate([self.place, other.place]),
             np.concatenate([self.cell, other.cell]),
@@ -57,7 +56,7 @@ class Pieces:
 
 
 def uncut(place: Indices, height: Indices, *, depth: int) -> list[Pieces]:
-    """Return whole cells as pieces, by their height above the finest cells.
+    """Return whole cells as subcells, by their height above the finest cells.
 
     >>> [len(pieces) for pieces in uncut(np.arange(16), np.zeros(16, int), depth=1)]
     [16, 0]
@@ -71,15 +70,14 @@ def uncut(place: Indices, height: Indices, *, depth: int) -> list[Pieces]:
 
 
 def slots_of(pieces: Sequence[Pieces], *, rank: int) -> Int32[np.ndarray, " slot"]:
-    """Return the slots of a tree, as a `ScatteringTree` has them.
+    """Return the slots of a tree, as in `ScatteringTree`, with numbers as values.
 
-    Where one of that holds a value, these hold the number of a piece: all are counted
-    from the finest on, in the order that they are given in.
+    Subcells are numbered from the finest on, in the given order.
 
     >>> slots_of(uncut(np.arange(16), np.zeros(16, int), depth=1), rank=4)[:3].tolist()
     [-2, 0, 1]
     """
-    # Climb from the finest pieces: whoever has branches stands between the others
+    # Ascend from the finest level: nodes with branches are inserted between the others
     levels = []
     inner, first = np.zeros(0, dtype=np.int32), 0
     for part in pieces:
@@ -90,7 +88,7 @@ def slots_of(pieces: Sequence[Pieces], *, rank: int) -> Int32[np.ndarray, " slot
         first += len(part)
         inner = place[order[:: 1 << rank]] >> rank
 
-    # Step down: the branches of a level stand side by side, after the level
+    # Descend: the branches of a level follow that level
     size = 0
     for slots, inside in reversed(levels):
         size += len(slots)

@@ -1,4 +1,4 @@
-"""Parametric systems by name, from words and from TOML files."""
+"""Parametric shading systems by name, from command-line text and TOML files."""
 
 import inspect
 import math
@@ -35,14 +35,8 @@ SYSTEMS: Mapping[str, Callable[..., System]] = MappingProxyType(
 
 
 def make_system(kind: str, values: Mapping[str, Any]) -> System:
-    """Return a parametric system by its name and its numbers.
+    """Return a parametric system by its name and parameters.
 
-    Raises
-    ------
-    InputError : an unknown kind or name, a missing number, or one out of range
-
-    Examples
-    --------
     >>> make_system("fabric", {"openness": 0.03, "reflectance": 0.5}).product.name
     'Fabric, 3.0% open'
     """
@@ -66,7 +60,7 @@ def make_system(kind: str, values: Mapping[str, Any]) -> System:
 
 
 def _check_kind(name: str, value: Any, default: Any) -> None:
-    # Numbers and lists of numbers, but words and yes or no where these are the default
+    # Numbers and lists of numbers; strings and booleans where these are the default
     wanted = type(default) if isinstance(default, bool | str) else float
     numbers = value if isinstance(value, list | tuple) else [value]
     good = (
@@ -83,16 +77,10 @@ def _check_kind(name: str, value: Any, default: Any) -> None:
 
 
 def parse_words(text: str) -> dict[str, Any]:
-    """Return the values of a text such as `slat_width=0.08,tilt_deg=45`.
+    """Return the parameters of a text such as `slat_width=0.08,tilt_deg=45`.
 
-    A value with slashes is a list, for red, green and blue.
+    Values with slashes are lists, for red, green and blue.
 
-    Raises
-    ------
-    InputError : not pairs of a name and a value
-
-    Examples
-    --------
     >>> parse_words("openness=0.05,reflectance=0.6/0.5/0.4,shape=round")
     {'openness': 0.05, 'reflectance': [0.6, 0.5, 0.4], 'shape': 'round'}
     """
@@ -120,14 +108,8 @@ def _value(word: str) -> Any:
 
 
 def read_system(path: str | Path) -> System:
-    r"""Return the system of a TOML file with `kind` and its numbers in metres.
+    r"""Return the system of a TOML file with `kind` and its parameters [m].
 
-    Raises
-    ------
-    InputError : not such a file; with the reason
-
-    Examples
-    --------
     >>> import tempfile
     >>> text = 'kind = "venetian"\nslat_width = 0.08\nspacing = 0.072\n'
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""Materials of parametric systems in the visible, in colour, or in two bands."""
+"""Parameters of parametric systems: reflectances per channel, and lengths."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,21 +8,17 @@ from clerestory.array_types import Vector
 from clerestory.bsdfgen.channel_weights import VISIBLE, VISIBLE_AND_SOLAR, Weights
 from clerestory.errors import InputError
 
-# A share of light: one for grey, or three for red, green and blue.
+# Reflectance or transmittance: one for grey, or three for red, green and blue.
 Share = float | Sequence[float]
 
 
 def share(name: str, value: Share, solar: float | None = None) -> Vector:
-    """Return a share of light in the three channels that are traced.
+    """Return a reflectance or transmittance in the three traced channels.
 
     Parameters
     ----------
     name : for messages
-    solar : share in the solar band; the channels are then visible, solar, solar
-
-    Raises
-    ------
-    InputError : not shares, or colour and a solar band at once
+    solar : value in the solar band; the channels are then visible, solar, solar
 
     Examples
     --------
@@ -45,29 +41,19 @@ def share(name: str, value: Share, solar: float | None = None) -> Vector:
 
 
 def bands(*, solar: bool) -> Mapping[str, Weights]:
-    """Return the bands that the channels of `share` make."""
+    """Return the bands of the channels of `share`."""
     return dict(VISIBLE_AND_SOLAR if solar else VISIBLE)
 
 
 def positive(**lengths: float) -> None:
-    """Refuse lengths that are not above zero.
-
-    Raises
-    ------
-    InputError : one of them is zero, negative or not finite
-    """
+    """Refuse lengths that are not above zero."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0):
             raise InputError(f"{name} = {value}; a length above 0 m expected")
 
 
 def not_negative(**lengths: float) -> None:
-    """Refuse lengths below zero.
-
-    Raises
-    ------
-    InputError : one of them is negative or not finite
-    """
+    """Refuse negative lengths."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value >= 0):
             raise InputError(f"{name} = {value}; a length of 0 m or more expected")

@@ -1,4 +1,4 @@
-"""Matrices of a traced system on the patches of a partition."""
+"""Scattering matrices of a shading system by ray tracing."""
 
 from typing import Any
 
@@ -15,18 +15,18 @@ from clerestory.engine.sample_area_jobs import SlabJob
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
 
-# Independent estimates of each value. A batch is a low-discrepancy sequence, which is
-# the calmer the longer it is: 8 batches in place of 16 take 1.7 times less work (time
-# × variance) for a blind, and leave their spread enough to tell an error.
+# Independent batches. Longer low-discrepancy sequences converge faster: 8 batches in
+# place of 16 take 1.7 times less work (time × variance) for a blind and still give a
+# standard error.
 _BATCHES = 8
 
 
 def trace_matrices(
     scene: Scene, partition: RingPartition, request: TraceRequest
 ) -> Traced:
-    """Return matrices of transmission and reflection for light from some sides.
+    """Return matrices of transmission and reflection for some incident sides.
 
-    Light is traced from one of the patches that the system's own mirrors make alike.
+    Only one of several mirror-symmetric patches is traced.
     """
     flips = mirrors(scene, request.area) if request.symmetry else NO_MIRROR
     orbits = Orbits.of(partition, flips)
@@ -74,7 +74,7 @@ def _matrix(
     components: Float[np.ndarray, "component incident exit"],
     partition: RingPartition,
 ) -> ScatteringMatrix:
-    # The share of light that leaves through a patch, over its projected solid angle
+    # Flux fraction of an exit patch over its projected solid angle
     measure = partition.projected_solid_angles()[:, None]
     error = np.sqrt(np.square(components.astype(float)).sum(axis=0)).T
     value = np.ascontiguousarray(share.T / measure)

@@ -1,4 +1,4 @@
-"""What is asked of a trace, and what comes back, be it matrices or trees."""
+"""Request and result of tracing a BSDF, for matrices and trees."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ Functions = dict[tuple[str, Function], ScatteringFunction]
 
 @dataclass(frozen=True, eq=False)
 class TraceRequest:
-    """What is asked for.
+    """Request of tracing a BSDF.
 
     Attributes
     ----------
-    area : the piece of the system
-    backs : for each side that light comes from, whether it is that of the room
+    area : sample area
+    backs : for each incident side, whether it is that of the room
     bands : of the result, with weights of the three channels
-    colour : whether to add colour to them
-    effort : how long to trace
-    symmetry : whether light is traced from one of two directions that are alike
+    colour : whether to add colour
+    effort : sampling effort
+    symmetry : whether only one of two mirror-symmetric patches is traced
     """
 
     area: SampleArea
@@ -35,13 +35,13 @@ class TraceRequest:
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """What was traced.
+    """Result of tracing a BSDF.
 
     Attributes
     ----------
     functions : by band and function, with their standard errors
-    paths : traced in all
-    reached : whether the relative error aimed at was reached everywhere
+    paths : number of traced paths
+    reached : whether the target error was reached everywhere
     """
 
     functions: Functions

@@ -1,4 +1,4 @@
-"""Tensor trees of a traced system, counted block by block, then cut as a whole."""
+"""Tensor trees of a shading system by ray tracing, block by block."""
 
 from typing import Any
 
@@ -22,19 +22,19 @@ from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
 from clerestory.bsdfgen.tree_pruning import Cells, Light, chosen_cells, climbed
 from clerestory.scene.model import Scene
 
-# Most finest cells in a block of a rank 4 tree, for both functions and all channels.
+# Most finest cells in a block of a rank 4 tree, over functions and channels.
 _MOST_SUMS = 1 << 24
 
 
 def trace_trees(
     engine: Any, scene: Scene, request: TraceRequest, *, rank: int, depth: int
 ) -> Traced:
-    """Return trees of transmission and reflection for light from some sides.
+    """Return trees of transmission and reflection for some incident sides.
 
     Parameters
     ----------
     engine : module `engine.sample_area_tree`
-    rank : 3 if every azimuth is alike, 4 otherwise
+    rank : 3 for isotropic systems, 4 otherwise
     depth : halvings of each coordinate down to the finest cells
     """
     area, effort = request.area, request.effort
@@ -59,7 +59,7 @@ def trace_trees(
         }
         del found
         for kind in list(parts):
-            # What was counted takes memory, and is not needed any more
+            # Estimates are released as soon as their trees are made
             made = _trees(*_pieces(parts.pop(kind), weights, grid), grid, request)
             name: Any = f"{kind}_{side}"
             functions |= {(band, name): tree for band, tree in made.items()}
@@ -69,7 +69,7 @@ def trace_trees(
 
 
 def _block(rank: int, depth: int, channels: int) -> int:
-    # Halvings within a block: as many as fit the memory, all of them for rank 3
+    # Halvings within a block that fit the memory; all of them for rank 3
     if rank == 3:
         return depth
     within = depth
@@ -81,7 +81,7 @@ def _block(rank: int, depth: int, channels: int) -> int:
 def _pieces(
     blocks: list[Part], weights: Values, grid: Any
 ) -> tuple[Cells, list[Pieces]]:
-    # Cells of the whole tree, of which blocks have counted their parts, and their cuts
+    # Cells of the whole tree from the estimates of all blocks, and their subcells
     rank, depth = grid.rank, grid.depth
     levels = climbed(_whole(blocks, grid), weights, rank=rank, levels=depth)
     cells = chosen_cells(levels, rank=rank)
@@ -103,7 +103,7 @@ def _pieces(
 
 
 def _whole(blocks: list[Part], grid: Any) -> Light:
-    # Give the finest cells their places in the whole tree
+    # Morton codes of the finest cells in the whole tree
     if len(blocks) == 1:
         return blocks[0].finest
     inner = grid.rank * grid.block
@@ -123,14 +123,11 @@ def _whole(blocks: list[Part], grid: Any) -> Light:
 def _trees(
     cells: Cells, pieces: list[Pieces], grid: Any, request: TraceRequest
 ) -> dict[str, ScatteringTree]:
-    # Values of each band on the same cells; errors are those of the luminous value
+    # Values of each band on the same cells; relative errors are those of luminance
     channels = cells.value.T
     luminous = weighted_sum(channels, RGB.shares, axis=0)
     relative = np.divide(
-        np.sqrt(cells.noise),
-        luminous,
-        out=np.zeros_like(luminous),
-        where=luminous > 0,
+        np.sqrt(cells.noise), luminous, out=np.zeros_like(luminous), where=luminous > 0
     )
     slots = slots_of(pieces, rank=grid.rank)
     ends = slots >= 0

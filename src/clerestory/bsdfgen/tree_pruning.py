@@ -1,19 +1,17 @@
-"""Cells of a tensor tree that are as small as the light that was counted can tell.
+"""Selection of tree cells by cost-complexity pruning.
 
-Small cells resolve peaks, large ones are calm. Whether a block of cells stays apart
-is decided by the risk: the expected square of what its values are off. One cell in
-place of many is off by their differences, as far as these are more than noise;
-many cells are off by their own noise. The noise is known from the sum of the squared
-weights of the light in the finest cells.
+Small cells resolve peaks; large cells have less noise. A block of cells is merged if
+this lowers the expected squared error: one cell in place of many has the error of their
+differences, as far as these exceed the noise; many cells have the error of their own
+noise. The noise is known from the sums of squared path weights in the finest cells.
 
-Of all ways to cut a block, the one of least cost is taken: the sum over its cells of
-2λ times the noise of their mean less the square of the mean, both times the number of
-finest cells. With λ = 1 this is the risk, without bias, but for a constant (Mallows'
-Cp); a larger λ guards against cells that only chance has made bright.
+The tree of least cost is chosen, with the cost as the sum over its cells of 2λ times
+the noise of their mean minus the square of the mean, both times the number of finest
+cells. For λ = 1 this is an unbiased estimate of the squared error up to a constant
+(Mallows' Cp); a larger λ suppresses cells that are bright by chance.
 
-References: C. L. Mallows, "Some comments on Cp", Technometrics 15 (4), 1973;
-D. L. Donoho, "CART and best-ortho-basis: a connection", Annals of Statistics 25 (5),
-1997.
+References: C. L. Mallows, "Some comments on Cp", Technometrics 15 (4), 1973; D. L.
+Donoho, "CART and best-ortho-basis: a connection", Annals of Statistics 25 (5), 1997.
 """
 
 from dataclasses import dataclass
@@ -23,21 +21,20 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Indices, Mask, Values
 
-# The λ above. For a blind at 2,000 paths a cell, errors were least from 1 to 2, with a
-# third of the cells at 2.
+# λ of the cost. For a blind at 2,000 paths per cell errors were least from 1 to 2, with
+# a third of the cells at 2.
 _CAUTION = 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class Light:
-    """Values of the nodes of one level that some light reached; all others are dark.
+    """Values of the nodes of one level that received light; all others are zero.
 
     Attributes
     ----------
-    place : number of each node among all of its level, in the order of the branches,
-        ascending
+    place : Morton code of each node, ascending
     mean : of each channel over the finest cells below [1/sr]
-    noise : sum of the variances of the finest cells' luminous values
+    noise : sum of the variances of the luminance of the finest cells
     """
 
     place: Int[np.ndarray, " node"]
@@ -47,12 +44,12 @@ class Light:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """Nodes of one level, and whether their branches stay apart.
+    """Nodes of one level, and whether their branches are kept.
 
     Attributes
     ----------
     light : of the nodes
-    split : whether the branches of each stay apart
+    split : whether the branches of each are kept
     """
 
     light: Light
@@ -60,12 +57,12 @@ class Level:
 
 
 def climbed(finest: Light, weights: Values, *, rank: int, levels: int) -> list[Level]:
-    """Return the levels from the roots to the finest cells, with decisions to split.
+    """Return the levels from the roots to the finest cells, with the nodes to split.
 
     Parameters
     ----------
-    finest : of the finest cells, which do not split
-    weights : share of each channel in the luminous value
+    finest : values of the finest cells
+    weights : of each channel in the luminance
     """
     cost = _cost(finest.mean @ weights, finest.noise, 1)
     found = [Level(finest, np.zeros(len(cost), dtype=bool))]
@@ -75,7 +72,7 @@ def climbed(finest: Light, weights: Values, *, rank: int, levels: int) -> list[L
         found.append(Level(light, apart < together))
         cost = np.minimum(apart, together)
     if rank == 3 and levels > 0:
-        # The upper half of the root is never looked up: its mean says nothing
+        # The upper half of the root is unused, so that its mean is meaningless
         found[-1].split[:] = True
     return found[::-1]
 
@@ -83,7 +80,7 @@ def climbed(finest: Light, weights: Values, *, rank: int, levels: int) -> list[L
 def _coarser(
     below: Light, cost: Float[np.ndarray, " node"], *, rank: int
 ) -> tuple[Light, Float[np.ndarray, " above"]]:
-    # The level above a level, and what the cells below cost
+    # The parent level, and the cost of the branches
     above = below.place >> rank
     first = np.flatnonzero(np.diff(above, prepend=-1))
     mean, noise, apart = (
@@ -107,8 +104,8 @@ class Cells:
     Attributes
     ----------
     value : of each cell and channel [1/sr]
-    noise : variance of each cell's luminous value
-    place : number of each cell among the nodes of its level
+    noise : variance of the luminance of each cell
+    place : Morton code of each cell on its level
     height : of each cell above the finest cells
     """
 
@@ -138,7 +135,7 @@ def chosen_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
 
 
 def _nodes(light: Light, place: Indices) -> tuple[Indices, Mask]:
-    # Where nodes stand in a level, and whether they do
+    # Index of nodes in a level, and whether they exist
     if not len(light.place):
         return np.zeros_like(place), np.zeros(len(place), dtype=bool)
     at = np.searchsorted(light.place, place)

@@ -1,8 +1,8 @@
-"""Venetian blinds: flat or curved slats, horizontal or vertical.
+"""Geometry of venetian blinds: flat or curved slats, horizontal or vertical.
 
-The tilt is 0 for slats across the window. With a positive one the outer edge of
-horizontal slats is the lower one, which keeps out the sun; that of vertical slats is
-the left one, seen from the room.
+At tilt 0 slats are perpendicular to the window. Positive tilts lower the outer edge of
+horizontal slats, which blocks the sun, and turn that of vertical slats to the left,
+seen from the room.
 """
 
 import math
@@ -25,12 +25,10 @@ from clerestory.bsdfgen.system_parameters import (
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Polygon, Scene
 
-# Slats whose sides differ have two faces, this share of their width apart if no
-# thickness is given.
+# Thickness over width of slats with different sides if none is given.
 _THIN = 1e-3
 
-# A cell of a blind is this many times as wide and as high as it is deep, so that few
-# paths pass its sides.
+# Width and height of the unit cell over its depth, so that few paths cross its sides.
 _SLENDER = 8.0
 
 _MOST_SLATS = 100_000
@@ -53,27 +51,24 @@ def venetian(
     slats: int | None = None,
     length: float | None = None,
 ) -> System:
-    """Return a blind as the cell of an endless one, or as a finite sample.
+    """Return a blind as the unit cell of an endless one, or as a finite sample.
 
     Parameters
     ----------
-    slat_width : of the chord of a slat [m]
-    spacing : from slat to slat [m]
-    tilt_deg : see the head of this module; -90 to 90
-    rise : of the middle of a curved slat above its chord [m]; below 0 it sags
+    slat_width : chord of a slat [m]
+    spacing : distance of the slats [m]
+    tilt_deg : see the module; -90 to 90
+    rise : of the middle of a curved slat above its chord [m]; negative if it sags
     thickness : of a slat [m]
-    reflectance : of the upper side of slats at tilt 0; of vertical ones, of the side
-        to the right
+    reflectance : of the upper side of slats at tilt 0; of the right side of vertical
+        ones
     reflectance_below : of the other side; the same if None
-    solar_reflectance, solar_reflectance_below : in the solar band, if it is wanted
+    solar_reflectance, solar_reflectance_below : in the solar band; None for the visible
+        band only
     specularity, roughness : of both sides, as of Radiance's plastic
-    vertical : whether the slats stand upright
-    slats : how many a finite sample has; None for the cell of an endless blind
-    length : of the slats of a finite sample [m]; as high as the blind if None
-
-    Raises
-    ------
-    InputError : a number out of range
+    vertical : whether the slats are vertical
+    slats : number of slats of a finite sample; None for an endless blind
+    length : of the slats of a finite sample [m]; the height of the blind if None
 
     Examples
     --------
@@ -141,8 +136,8 @@ def venetian(
 
 
 class _Layout(NamedTuple):
-    # How many slats lie in the area, and beyond it on either side that reach into it;
-    # the width of the area, and where slats begin and end
+    # Slats in the area, and slats beyond it on either side that extend into it; width
+    # of the area, and range of the slats
     slats: int
     beyond: int
     across: float

@@ -1,7 +1,13 @@
-"""Rules of one's own: a function from what is known to a state per step."""
+"""User-defined control rules: functions that return a state per step.
 
+A rule may be a function in a Python file that a study names. The file is imported, so
+it runs with all rights of the program.
+"""
+
+import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import final
 
 import numpy as np
@@ -13,19 +19,19 @@ from clerestory.errors import InputError
 @final
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """What a rule may look at, one value per step or per state and step.
+    """Inputs of a rule, per step or per state and step.
 
     Attributes
     ----------
-    times : middles of the steps, local standard time
+    times : centres of the steps, local standard time
     states : number of states of the window group
-    occupied : whether somebody is there
-    signals : over time: "irradiance" [W/m²], "profile" [rad], whatever was measured
-    by_state : over (state, time): "illuminance" [lux], "dgp", whatever was computed
+    occupied : whether the room is occupied
+    signals : over time, such as "irradiance" [W/m²] and "profile" [rad]
+    by_state : over (state, time), such as "illuminance" [lux] and "dgp"
 
     Raises
     ------
-    InputError : arrays that do not fit the steps and states
+    InputError : arrays of another shape
     """
 
     times: np.ndarray
@@ -52,11 +58,11 @@ Rule = Callable[[Situation], Int[np.ndarray, " time"]]
 
 
 def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
-    """Return the states that a rule gives, checked.
+    """Return the states of a rule, after a check.
 
     Raises
     ------
-    InputError : the rule gives another number of steps, or states that do not exist
+    InputError : another number of steps, or an unknown state
 
     Examples
     --------
@@ -81,3 +87,42 @@ def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
             f" {situation.states - 1} expected"
         )
     return states
+
+
+def load_rule(path: str | Path, name: str) -> Rule:
+    r"""Return a function from a Python file.
+
+    Raises
+    ------
+    InputError : the file raises an error, or has no function of this name
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "rules.py")
+    ...     _ = file.write_text("def closed(situation):\n    return 1")
+    ...     rule = load_rule(file, "closed")
+    >>> rule(None)
+    1
+    """
+    path = Path(path)
+    spec = importlib.util.spec_from_file_location(f"rules_of_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise InputError("is not a Python file; one expected", file=path)
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:  # whatever the user's file does
+        raise InputError(
+            f"{_message(error)}; a file that runs expected", file=path
+        ) from (error)
+    found = getattr(module, name, None)
+    if not callable(found):
+        raise InputError(f'has no function "{name}"; one expected', file=path)
+    return found  # type: ignore[no-any-return]
+
+
+def _message(error: BaseException) -> str:
+    text = " ".join(str(error).split())[:200]
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

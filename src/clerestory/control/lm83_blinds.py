@@ -1,8 +1,8 @@
-"""LM-83's rule: close blinds when more than 2 % of the sensors get direct sun.
+"""Blind operation of IES LM-83: at most 2 % of the sensors in direct sunlight.
 
-Direct sun is 1000 lux or more of light that comes straight from the sun. Groups of
-windows are operated one by one; at each step the least closed combination of states
-that keeps the rule is taken.
+Direct sunlight is 1000 lux or more from the sun without reflections. Window groups are
+operated independently; at each step the least closed combination of states that meets
+the criterion is chosen.
 
 Reference: IES LM-83-12 and LM-83-23, Approved Method: spatial daylight autonomy and
 annual sunlight exposure (blinds operation).
@@ -20,17 +20,17 @@ from clerestory.errors import InputError
 SUN_LUX = 1000.0
 MOST_SENSORS = 0.02
 
-# More combinations of states than this are not tried one by one.
+# Largest number of combinations of states that are all tried
 _MOST_COMBINATIONS = 256
 
 
 class Operation(NamedTuple):
-    """Blinds operated by the rule.
+    """Blind operation over time.
 
     Attributes
     ----------
     states : per group, over time
-    kept : whether the rule is kept at each step; false where even all closed breaks it
+    kept : whether the criterion is met at each step
     """
 
     states: dict[str, Int[np.ndarray, " time"]]
@@ -44,24 +44,24 @@ def operate_by_direct_sun(
     sun_lux: float = SUN_LUX,
     most_sensors: float = MOST_SENSORS,
 ) -> Operation:
-    """Return the states that LM-83's rule asks for.
+    """Return the blind states of LM-83.
 
     Parameters
     ----------
     direct : per group, direct illuminance in every state from the most open on [lux],
         over (state, sensor, time)
     static : direct illuminance through windows without blinds [lux]
-    sun_lux, most_sensors : the rule's numbers
+    sun_lux, most_sensors : limits of the criterion
 
     Raises
     ------
-    InputError : no groups, or arrays that do not fit
+    InputError : no groups, or arrays of different shapes
 
     Notes
     -----
-    Of combinations with the same sum of state numbers the first is taken, groups in
-    their order. Beyond 256 combinations groups are closed one after another, the one
-    that puts most sensors in the sun first.
+    Of combinations with the same sum of state numbers the first is chosen, in the order
+    of the groups. Beyond 256 combinations groups are closed successively, the one with
+    most sensors in direct sunlight first.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""Slats driven by the sun: the most open tilt that stops its direct light.
+"""Profile angle of the sun and cut-off tilt of slats.
 
-The profile angle is the sun's altitude in the section of the window, seen along the
-slats. Slats of width w at distance s, tilted by β with the edge at the sky down, pass
-the share 1 − (w/s)|sin(β + ψ)|/cos ψ of light at the profile angle ψ.
+The profile angle ψ is the solar altitude projected to the plane across the slats. Slats
+of width w at distance s, tilted by β with the outer edge down, transmit the fraction
+1 − (w/s)|sin(β + ψ)|/cos ψ of direct light.
 
 Reference: ISO 15099:2003, 7.3 (direct transmittance of flat slats), solved for β.
 """
@@ -43,10 +43,10 @@ def profile_angle(
 def cut_off_tilt(
     profile: Float[np.ndarray, " time"], *, width: float, spacing: float
 ) -> Float[np.ndarray, " time"]:
-    """Smallest tilt that stops direct light, 0 to π/2 [rad].
+    """Cut-off tilt: smallest tilt that blocks direct light, 0 to π/2 [rad].
 
-    Flat slats are level at 0 and turn the edge at the sky down. Where even closed slats
-    let light through, the tilt is that which stops most. NaN stays NaN.
+    Slats are horizontal at 0; positive tilts turn the outer edge down. Where even
+    closed slats transmit, the tilt is that of the smallest transmission. NaN stays NaN.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def direct_share(
     width: float,
     spacing: float,
 ) -> Float[np.ndarray, "*batch"]:
-    """Share of direct light that passes between flat slats; 0 if the sun is behind."""
+    """Direct-direct transmittance of flat slats; 0 with the sun behind the window."""
     hidden = width / spacing * np.abs(np.sin(tilt + profile)) / np.cos(profile)
     return np.asarray(np.nan_to_num(np.maximum(1 - hidden, 0)))
 
@@ -82,13 +82,13 @@ def blocking_states(
     spacing: float,
     sunny: Bool[np.ndarray, " time"] | None = None,
 ) -> Int[np.ndarray, " time"]:
-    """Most open state that stops the sun, the last one where none does.
+    """Most open state that blocks direct light, the last one where none does.
 
     Parameters
     ----------
-    profile : NaN where the sun is behind the window: then state 0
+    profile : profile angle, NaN where the sun is behind the window: then state 0
     tilts : of the states, from the most open [rad]
-    sunny : where there is any direct light; None for always
+    sunny : steps with direct light; None for all
 
     Examples
     --------

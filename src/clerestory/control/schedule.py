@@ -1,8 +1,7 @@
-"""State schedules: which state each window group is in at each step.
+"""State schedules: shading state of each window group over time.
 
-States of a group are numbered from the most open, 0, to the most closed. Rules make
-schedules from arrays over (state, time); a schedule then picks from results that
-were computed for every state, so nothing is traced again.
+States of a group are numbered from the most open, 0, to the most closed. A schedule
+selects from results that are computed once for every state.
 """
 
 from collections.abc import Mapping
@@ -24,7 +23,7 @@ class StateSchedule:
 
     Attributes
     ----------
-    times : middles of the steps, local standard time
+    times : centres of the steps, local standard time
     states : number of the state per group
 
     Raises
@@ -65,12 +64,12 @@ class StateSchedule:
         *,
         static: Float[np.ndarray, "sensor time"] | None = None,
     ) -> Float[np.ndarray, "sensor time"]:
-        """Sum of what all groups give in the states they are in [as given].
+        """Sum of the results of all groups in their states.
 
         Parameters
         ----------
         by_state : per group, results in every state, over (state, sensor, time)
-        static : what windows without states give
+        static : results of windows without states
 
         Raises
         ------
@@ -80,25 +79,25 @@ class StateSchedule:
         for group, state in self.states.items():
             if group not in by_state:
                 raise InputError(f"group {group!r} has no results in its states")
-            parts.append(picked(by_state[group], state))
+            parts.append(select_states(by_state[group], state))
         if not parts:
-            raise InputError("a schedule without groups picks nothing")
+            raise InputError("a schedule without groups; at least one expected")
         return np.asarray(np.sum(parts, axis=0))
 
 
-def picked(
+def select_states(
     by_state: Float[np.ndarray, "state *rest time"], state: Int[np.ndarray, " time"]
 ) -> Float[np.ndarray, "*rest time"]:
-    """Take, at each step, the values of the state that rules then.
+    """Return the values of the state of each step.
 
     Raises
     ------
-    InputError : a state beyond those given, or another number of steps
+    InputError : an unknown state, or another number of steps
 
     Examples
     --------
     >>> values = np.array([[10.0, 20.0], [1.0, 2.0]])
-    >>> picked(values, np.array([0, 1])).tolist()
+    >>> select_states(values, np.array([0, 1])).tolist()
     [10.0, 2.0]
     """
     steps = by_state.shape[-1]
@@ -112,20 +111,19 @@ def picked(
     return np.asarray(np.moveaxis(by_time, 0, -1))
 
 
-def held(
+def states_at(
     schedule: StateSchedule, times: np.ndarray
 ) -> dict[str, Int[np.ndarray, " time"]]:
-    """States at some times, each line of a schedule holding until the next.
+    """States at some times, each line of a schedule being valid until the next.
 
-    The year does not matter. Before the first line the last one holds, as in a year
-    that comes again.
+    Years are ignored: the last line is valid until the first one.
 
     Examples
     --------
     >>> lines = np.array(["2001-01-01T08:00", "2001-01-01T18:00"], "datetime64[s]")
     >>> schedule = StateSchedule(lines, {"south": np.array([1, 0])})
     >>> day = np.array(["2023-01-01T07:30", "2023-01-01T09:30"], "datetime64[s]")
-    >>> held(schedule, day)["south"].tolist()
+    >>> states_at(schedule, day)["south"].tolist()
     [0, 1]
     """
     if len(schedule.times) == 0:
@@ -137,16 +135,16 @@ def held(
 
 
 def read_schedule(path: str | Path) -> StateSchedule:
-    """Read a CSV: a line of heads `time,GROUP…`, then a moment and states a line.
+    """Read a CSV file: a header `time,GROUP…`, then lines of a time and states.
 
     Raises
     ------
-    InputError : the line of a fault, and what was expected
+    InputError : a malformed line
     """
     lines = read_text(path).splitlines()
     groups = [word.strip() for word in lines[0].split(",")][1:] if lines else []
     if not groups:
-        raise InputError("no heads time,GROUP… in the first line", file=path, line=1)
+        raise InputError("no header time,GROUP… in the first line", file=path, line=1)
     times, rows = [], []
     for number, line in enumerate(lines[1:], start=2):
         if not line.strip():
@@ -159,13 +157,13 @@ def read_schedule(path: str | Path) -> StateSchedule:
             )
         except ValueError as error:
             raise InputError(
-                f"{line.strip()[:60]!r}; a moment and whole numbers expected",
+                f"{line.strip()[:60]!r}; a time and integers expected",
                 file=path,
                 line=number,
             ) from error
         if len(row) != len(groups) or min(row) < 0 or np.isnat(moment):
             raise InputError(
-                f"{len(row)} states for {len(groups)} groups; one of 0 or more each"
+                f"{len(row)} states for {len(groups)} groups; one of 0 or more for each"
                 " expected",
                 file=path,
                 line=number,
@@ -182,7 +180,7 @@ def read_schedule(path: str | Path) -> StateSchedule:
 
 
 def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
-    """Write a CSV that `read_schedule` reads."""
+    """Write a CSV file for `read_schedule`."""
     rows = [",".join(["time", *schedule.states])]
     for step, moment in enumerate(schedule.times.astype("datetime64[s]")):
         states = (str(int(state[step])) for state in schedule.states.values())
@@ -191,7 +189,7 @@ def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
 
 
 def _of_the_year(times: np.ndarray) -> np.ndarray:
-    # Month, day and time as one growing number: minutes of a leap year
+    # Minutes since the beginning of a leap year
     moments = times.astype("datetime64[m]")
     months = moments.astype("datetime64[M]")
     month = months.astype(int) % 12

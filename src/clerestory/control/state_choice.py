@@ -1,4 +1,4 @@
-"""Choose a state per step from what every state would do: glare, targets, occupancy."""
+"""Choice of shading states by limits on glare or illuminance in every state."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from clerestory.errors import InputError
 @final
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """A bound on something that is known for every state and step.
+    """Limit of a quantity that is known for every state and step.
 
     Attributes
     ----------
     values : over (state, time)
-    bound : what they are held against
-    side : "below" or "above": where values are good; the bound itself is good
+    bound : the limit, which is permitted itself
+    side : "below" or "above", the permitted side
 
     Raises
     ------
@@ -37,16 +37,15 @@ class Limit:
             )
 
     def excess(self) -> Float[np.ndarray, "state time"]:
-        """By how much values miss the bound; 0 where they are good."""
+        """Amount by which values exceed the limit; 0 where they are permitted."""
         over = self.values - self.bound
         return np.asarray(np.maximum(over if self.side == "below" else -over, 0))
 
 
 def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
-    """Most open state that keeps all limits; where none does, the least bad one.
+    """Most open state within all limits; where there is none, the smallest excess.
 
-    With one limit on DGP this is control by glare: the least closed state whose DGP
-    is below the limit.
+    With one limit on DGP this is glare control.
 
     Examples
     --------
@@ -63,13 +62,14 @@ def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
 def best_states(
     score: Float[np.ndarray, "state time"], limits: Sequence[Limit] = ()
 ) -> Int[np.ndarray, " time"]:
-    """State of the highest score among those that keep all limits.
+    """State of the highest score within all limits.
 
-    Where none keeps them, the least bad one; equal scores go to the more open state.
+    Where there is none, that of the smallest excess; of equal scores, the more open
+    one.
 
     Parameters
     ----------
-    score : what to have most of, such as daylight at the desk or view out
+    score : quantity to be maximised, such as daylight at the desk or view out
 
     Examples
     --------
@@ -98,7 +98,7 @@ def when_occupied(
     *,
     otherwise: int,
 ) -> Int[np.ndarray, " time"]:
-    """States while somebody is there, and one state for all other steps.
+    """States in occupied steps, and one state for all others.
 
     >>> when_occupied(np.array([1, 1]), np.array([True, False]), otherwise=0).tolist()
     [1, 0]
@@ -107,7 +107,7 @@ def when_occupied(
 
 
 def _worst(limits: Sequence[Limit]) -> Float[np.ndarray, "state time"]:
-    # Excess as a share of its bound, so that limits of different units compare
+    # Largest relative excess
     if not limits:
         raise InputError("no limits; at least one expected")
     if len({limit.values.shape for limit in limits}) > 1:

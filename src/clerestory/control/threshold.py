@@ -1,8 +1,8 @@
-"""Shades driven by a measured quantity: thresholds with hysteresis and delay.
+"""Threshold control of shades with hysteresis and delay.
 
-A motor that follows a threshold at once wears out under broken clouds. It closes
-when the quantity has been above the upper threshold for a while, and opens when it
-has been below the lower one for a while.
+A shade closes when the quantity has been above the upper threshold for a number of
+steps, and opens when it has been below the lower one. Delays limit the movements under
+broken clouds.
 """
 
 import numpy as np
@@ -24,10 +24,10 @@ def threshold_states(
 
     Parameters
     ----------
-    quantity : irradiance [W/m²], illuminance [lux] or what else drives the shade;
-        NaN counts as no news
-    close_above, open_below : thresholds; the lower one is the upper one if not given
-    close_after, open_after : steps in a row beyond the threshold before it moves
+    quantity : irradiance [W/m²], illuminance [lux] or another quantity; NaN keeps the
+        state
+    close_above, open_below : thresholds; one for both if the lower is not given
+    close_after, open_after : consecutive steps beyond the threshold before a movement
     start : state before the first step
 
     Raises
@@ -45,8 +45,8 @@ def threshold_states(
     low = close_above if open_below is None else open_below
     if low > close_above:
         raise InputError(
-            f"opens below {low:g} and closes above {close_above:g}; the lower threshold"
-            " below the upper one expected"
+            f"thresholds {low:g} (open below) and {close_above:g} (close above); the"
+            " first at most as large as the second expected"
         )
     if min(close_after, open_after) < 1 or start not in (0, 1):
         raise InputError(
@@ -57,8 +57,8 @@ def threshold_states(
     closed, run = bool(start), 0
     above, below = quantity > close_above, quantity < low
     for step in range(len(quantity)):
-        wants = below[step] if closed else above[step]
-        run = run + 1 if wants else 0
+        beyond = below[step] if closed else above[step]
+        run = run + 1 if beyond else 0
         if run >= (open_after if closed else close_after):
             closed, run = not closed, 0
         states[step] = closed
@@ -75,8 +75,8 @@ def staged_states(
 ) -> Int[np.ndarray, " time"]:
     """Return state 0 … n of a shade that closes in n stages.
 
-    Each stage has its own thresholds, growing; the state is the number of stages that
-    are closed.
+    Each stage has its own thresholds, in increasing order; the state is the number of
+    closed stages.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def staged_states(
     low = close_above if open_below is None else open_below
     if len(low) != len(close_above) or np.any(np.diff(close_above) <= 0):
         raise InputError(
-            f"thresholds {close_above} and {low}; growing ones, two per stage, expected"
+            f"thresholds {close_above} and {low}; increasing, two per stage, expected"
         )
     stages = [
         threshold_states(

@@ -1,9 +1,10 @@
-"""Jobs of direct sun through a window: to sensors, and to the pixels of a view.
+"""Jobs of direct light: of suns through a window, and of what glass transmits.
 
-Coefficients are floating-point; every unit has rows and suns of its own, so that the
+Coefficients are floating-point; every unit has rows and columns of its own, so that the
 order of units changes nothing.
 """
 
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
@@ -12,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine.channels import channels_of
 from clerestory.engine.controller import EstimatedJob, trace_units
 from clerestory.engine.effort import Effort
 from clerestory.engine.sums import Sums
@@ -25,15 +27,9 @@ _LANES = 1 << 21
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _SunJob(Job):
-    # Suns through one of the windows, `number`. `peak`: whether light that its BSDF
-    # transmits without scattering stays as sharp as the sun; `samples`: paths per
-    # receiver and sun
-    windows: tuple[Window, ...]
-    number: int
-    bsdf: Bsdf
-    suns: Float[np.ndarray, "sun 3"]
-    peak: bool
+class _DirectJob(Job):
+    # A given number of paths per receiver and column, `samples`
+
     samples: int
 
     @property
@@ -43,41 +39,29 @@ class _SunJob(Job):
 
     @property
     def receivers(self) -> int:
-        """Pairs of a row and a sun."""
+        """Pairs of a row and a column."""
         return self.shape[0] * self.shape[2]
 
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of consecutive rows and some suns of the whole year."""
-        rows, _, suns, _ = self.shape
+        """Return a unit of consecutive rows and some columns spread over all."""
+        rows, _, columns, _ = self.shape
         pairs = max(1, paths // (self.batches * self.points))
-        few = evenly_spaced(suns, max(1, min(8, pairs)))
+        few = evenly_spaced(columns, max(1, min(8, pairs)))
         block = max(1, min(rows, pairs // max(1, len(few))))
         first = (rows - block) // 2
         return Unit(np.arange(first, first + block), 0, self.points, few)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SunJob(_SunJob, EstimatedJob):
-    """Irradiance of sensors per direct normal irradiance of suns behind a window.
-
-    Attributes
-    ----------
-    number : of the window that light comes through, among all
-    peak : whether light that its BSDF transmits without scattering stays as sharp as
-        the sun
-    samples : paths per sensor and sun
-    """
-
-    tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_sun")
+class _DirectSensorJob(_DirectJob, EstimatedJob):
     together: ClassVar[bool] = False
 
     sensors: Sensors
 
     @property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Sensors, batches, suns and channels."""
-        channels = 3 if self.bsdf.in_colour("transmission_front") else 1
-        return len(self.sensors), self.batches, len(self.suns), channels
+    @abstractmethod
+    def lanes(self) -> int:
+        """Lanes of a sensor and a column."""
 
     def empty_sums(self, rows: int) -> Sums:
         """Return sums of batch means."""
@@ -90,41 +74,104 @@ class SunJob(_SunJob, EstimatedJob):
     def units(
         self, rows: Int[np.ndarray, " row"], first: int, end: int, size: UnitSize
     ) -> Iterator[Unit]:
-        """Cut rows and suns into units."""
-        del size  # a lane follows all paths of a batch
-        block = max(1, min(len(rows), _LANES // self.batches))
-        every = max(1, _LANES // (self.batches * block))
-        suns = np.arange(len(self.suns))
-        for row, sun in _places(len(rows), len(suns), block, every):
-            yield Unit(rows[row], first, end - first, suns[sun])
+        """Cut rows and columns into units."""
+        del size
+        columns = np.arange(self.shape[2])
+        block = max(1, min(len(rows), _LANES // self.lanes))
+        every = max(1, _LANES // (self.lanes * block))
+        for row, column in _places(len(rows), len(columns), block, every):
+            yield Unit(rows[row], first, end - first, columns[column])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PixelSunJob(_SunJob):
+class SunJob(_DirectSensorJob):
+    """Irradiance of sensors per direct normal irradiance of suns behind a window.
+
+    Attributes
+    ----------
+    number : of the window that light comes through, among all
+    peak : whether light that its BSDF transmits without scattering stays as sharp as
+        the sun
+    samples : paths per sensor and sun
+    """
+
+    tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_sun")
+
+    windows: tuple[Window, ...]
+    number: int
+    bsdf: Bsdf
+    suns: Float[np.ndarray, "sun 3"]
+    peak: bool
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Sensors, batches, suns and channels: one for a grey BSDF."""
+        channels = 3 if self.bsdf.in_colour("transmission_front") else 1
+        return len(self.sensors), self.batches, len(self.suns), channels
+
+    @property
+    def lanes(self) -> int:
+        """One for each batch, which takes all of its points."""
+        return self.batches
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UnscatteredJob(_DirectSensorJob):
+    """Irradiance of sensors from far away that at most glass transmits.
+
+    Attributes
+    ----------
+    directions : sample points of each column, batch by batch, towards the source
+    """
+
+    tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
+
+    directions: Float[np.ndarray, "column point 3"]
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Sensors, batches, columns and channels."""
+        rows, columns = len(self.sensors), len(self.directions)
+        return rows, self.batches, columns, channels_of(self.scene)
+
+    @property
+    def lanes(self) -> int:
+        """One for each ray."""
+        return self.samples
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PixelSunJob(_DirectJob):
     """Radiance of a view's pixels per direct normal irradiance of suns.
 
     Attributes
     ----------
+    number : of the window that light comes through, among all
     columns, rows : size of the picture
+    peak : see `SunJob`
     samples : paths per pixel and sun
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_sun_pixels", "prepare_pixel_sun")
 
+    windows: tuple[Window, ...]
+    number: int
+    bsdf: Bsdf
+    suns: Float[np.ndarray, "sun 3"]
+    peak: bool
     view: View
     columns: int
     rows: int
-    batches: int = 1
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Pixels, one batch, suns and RGB."""
-        return self.columns * self.rows, 1, len(self.suns), 3
+        """Pixels, one batch, suns and bands."""
+        return self.columns * self.rows, 1, len(self.suns), len(self.scene.bands)
 
 
 def trace_pixel_sun(
     job: PixelSunJob, numbers: Int[np.ndarray, " sun"], effort: Effort
-) -> Float[np.ndarray, "channel pixel sun"]:
+) -> Float[np.ndarray, "band pixel sun"]:
     """Radiance of pixels per direct normal irradiance of each sun [1/sr].
 
     Parameters
@@ -133,8 +180,9 @@ def trace_pixel_sun(
     effort : with the same executor for all calls with one job, so that its scene is
         built once
     """
-    pixels, count = job.shape[0], len(numbers)
-    values = np.zeros((3, pixels, count), np.float32)
+    pixels, _, _, bands = job.shape
+    count = len(numbers)
+    values = np.zeros((bands, pixels, count), np.float32)
     every = max(1, min(count, _LANES // job.samples))
     block = max(1, _LANES // (job.samples * every))
     places = _places(pixels, count, block, every)
@@ -146,16 +194,18 @@ def trace_pixel_sun(
 
     def add(_unit: Unit, part: np.ndarray) -> None:
         row, sun = next(remaining)
-        values[:, row, sun] = part
+        values[:, row, sun] = np.moveaxis(part, -1, 0)
 
     trace_units(job, units, effort, add, f"{count} suns")
     return values
 
 
-def _places(rows: int, suns: int, block: int, every: int) -> list[tuple[slice, slice]]:
-    # Some rows and some suns each, all together the whole
+def _places(
+    rows: int, columns: int, block: int, every: int
+) -> list[tuple[slice, slice]]:
+    # Some rows and some columns each, all together the whole
     return [
-        (slice(at, min(at + block, rows)), slice(first, min(first + every, suns)))
-        for first in range(0, suns, every)
+        (slice(at, min(at + block, rows)), slice(first, min(first + every, columns)))
+        for first in range(0, columns, every)
         for at in range(0, rows, block)
     ]

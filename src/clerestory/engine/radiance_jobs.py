@@ -29,21 +29,21 @@ class RadianceEstimate:
 
     Attributes
     ----------
-    value : RGB radiance of pixels or irradiance of sensors
+    value : radiance of pixels or irradiance of sensors
     error : standard error of each
     paths : traced in all
     reached : whether the relative error aimed at was reached
     """
 
-    value: Float[np.ndarray, "row 3"]
-    error: Float[np.ndarray, "row 3"]
+    value: Float[np.ndarray, "row band"]
+    error: Float[np.ndarray, "row band"]
     paths: int
     reached: bool
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RadianceJob(EstimatedJob):
-    """A job whose rows are RGB radiances or irradiances."""
+    """A job whose rows are radiances or irradiances in the bands of the scene."""
 
     together: ClassVar[bool] = True
     growth: ClassVar[Growth] = Growth(pilot=8, longest=1 << 20, most=16)
@@ -87,8 +87,8 @@ class PictureJob(RadianceJob):
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Pixels, batches, one column, RGB."""
-        return self.columns * self.rows, self.batches, 1, 3
+        """Pixels, batches, one column, bands."""
+        return self.columns * self.rows, self.batches, 1, len(self.scene.bands)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -101,8 +101,8 @@ class IrradianceJob(RadianceJob):
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Sensors, batches, one column, RGB."""
-        return len(self.sensors), self.batches, 1, 3
+        """Sensors, batches, one column, bands."""
+        return len(self.sensors), self.batches, 1, len(self.scene.bands)
 
     def error(self, sums: Sums) -> float:
         """Relative error of the worst sensor."""
@@ -142,16 +142,17 @@ class ExitingRadianceJob(RadianceJob):
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Directions of all patches, batches, one column, RGB."""
+        """Directions of all patches, batches, one column, bands."""
         directions = len(self.patches.frame) * self.rings * self.sectors
-        return directions, self.batches, 1, 3
+        return directions, self.batches, 1, len(self.scene.bands)
 
 
 def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
     """Estimate radiance or irradiance until its samples or its error are reached."""
-    rows = job.shape[0]
+    rows, _, _, bands = job.shape
     if not effort.executor.accepts(job, effort.goal):
-        return RadianceEstimate(np.zeros((rows, 3)), np.zeros((rows, 3)), 0, True)
+        nothing = np.zeros((rows, bands))
+        return RadianceEstimate(nothing, nothing, 0, True)
     sums, reached = sum_rows(job, slice(0, rows), effort)
     batches, count = sums.total[:, :, 0], sums.count[:, None]
     error = batches.std(axis=1, ddof=1) / (count * math.sqrt(job.batches))

@@ -1,28 +1,26 @@
-"""How panes pass on light at other angles than those they were measured at.
+"""Angular dependence of the transmittance and reflectance of panes.
 
-Files hold transmittance and reflectance along the normal. For uncoated glass the
-refractive index and the absorption follow from the two, and Fresnel's equations
-give the rest. For coated glass the angular course of clear or of bronze glass is
-borrowed, whichever the transmittance is nearer to; that is a regression, good to a
-few hundredths for common coatings.
+Files give values at normal incidence. For uncoated glass the refractive index and the
+absorption follow from these, and Fresnel's equations give other angles. For coated
+glass the angular dependence of clear or bronze glass is used, whichever has the closer
+transmittance: a regression, accurate to a few hundredths for common coatings.
 
-References: R. A. Furler, ASHRAE Transactions 97 (2), 1991 (uncoated glass);
-E. U. Finlayson, D. K. Arasteh, C. Huizenga, M. D. Rubin, M. S. Reilly, WINDOW 4.0:
-Documentation of Calculation Procedures, LBL-33943, 1993 (coefficients for coated
-glass).
+References: R. A. Furler, ASHRAE Transactions 97 (2), 1991 (uncoated glass); E. U.
+Finlayson, D. K. Arasteh, C. Huizenga, M. D. Rubin, M. S. Reilly, WINDOW 4.0:
+Documentation of Calculation Procedures, LBL-33943, 1993 (coated glass).
 """
 
 import numpy as np
 from jaxtyping import Float
 
-# Polynomials in the cosine, lowest power first (LBL-33943): transmittance
-# over that at the normal, and reflectance likewise.
+# Polynomials in the cosine, lowest power first (LBL-33943): transmittance over that at
+# normal incidence, and reflectance likewise.
 _CLEAR_T = (-0.0015, 3.355, -3.84, 1.46, 0.0288)
 _CLEAR_R = (0.999, -0.563, 2.043, -2.532, 1.054)
 _BRONZE_T = (-0.002, 2.813, -2.341, -0.05725, 0.599)
 _BRONZE_R = (0.997, -1.868, 6.513, -7.862, 3.225)
 
-# Coated panes that pass more than this behave like clear glass (LBL-33943).
+# Transmittance above which coated panes follow clear glass (LBL-33943).
 _CLEAR_ABOVE = 0.645
 
 
@@ -32,12 +30,12 @@ def uncoated(
     transmittance: Float[np.ndarray, "*#batch"],
     reflectance: Float[np.ndarray, "*#batch"],
 ) -> tuple[Float[np.ndarray, "*both"], Float[np.ndarray, "*both"]]:
-    """Transmittance and reflectance of unpolarised light by a homogeneous pane.
+    """Transmittance and reflectance of a homogeneous pane for unpolarised light.
 
     Parameters
     ----------
-    cosine : of the angle between light and normal
-    transmittance, reflectance : of the same pane along the normal
+    cosine : of the angle of incidence
+    transmittance, reflectance : at normal incidence
 
     Examples
     --------
@@ -48,13 +46,13 @@ def uncoated(
     """
     t0, r0, cosine = np.broadcast_arrays(transmittance, reflectance, cosine)
 
-    # Reflectance of one face along the normal, from both measured shares
+    # Reflectance of one face at normal incidence, and refractive index
     beta = t0**2 - r0**2 + 2 * r0 + 1
     root = np.sqrt(np.maximum(beta**2 - 4 * (2 - r0) * r0, 0))
     face = (beta - root) / (2 * (2 - r0))
     index = (1 + np.sqrt(face)) / (1 - np.sqrt(face))
 
-    # What is left after one passage, longer where light is oblique
+    # Internal transmittance of the oblique path
     passes = (t0 > 0) & (face > 0) & (r0 > face)
     ratio = (r0 - face) / np.where(passes, t0 * face, 1)
     inner = np.sqrt(1 - (1 - cosine**2) / index**2)
@@ -78,12 +76,12 @@ def coated(
     transmittance: Float[np.ndarray, "*#batch"],
     reflectance: Float[np.ndarray, "*#batch"],
 ) -> tuple[Float[np.ndarray, "*both"], Float[np.ndarray, "*both"]]:
-    """Transmittance and reflectance of a coated pane, by the course of clear or bronze.
+    """Transmittance and reflectance of a coated pane.
 
     Parameters
     ----------
-    cosine : of the angle between light and normal
-    transmittance, reflectance : of the same pane along the normal
+    cosine : of the angle of incidence
+    transmittance, reflectance : at normal incidence
 
     Examples
     --------
@@ -104,7 +102,7 @@ def coated(
 def _slab(
     rho: Float[np.ndarray, "*#batch"], left: Float[np.ndarray, "*#batch"]
 ) -> tuple[Float[np.ndarray, "*both"], Float[np.ndarray, "*both"]]:
-    # Geometric series of inter-reflections between the two faces of a slab
+    # Geometric series of interreflections between the faces of a slab
     series = 1 - (left * rho) ** 2
     t = np.where(series > 0, left * (1 - rho) ** 2 / np.where(series > 0, series, 1), 0)
     return t, np.asarray((1 + left * t) * rho)
@@ -119,6 +117,6 @@ def _polynomial(
 def _bounded(
     t: Float[np.ndarray, "*#batch"], r: Float[np.ndarray, "*#batch"]
 ) -> tuple[Float[np.ndarray, "*both"], Float[np.ndarray, "*both"]]:
-    # Regressions and noisy measurements may make light: the larger share gives way
+    # Conserve energy: the larger value is reduced
     excess = np.maximum(t + r - 1, 0)
     return np.where(t >= r, t - excess, t), np.where(t >= r, r, r - excess)

@@ -1,8 +1,7 @@
-"""A BSDF file as a layer: visible and solar matrices, and what they leave in between.
+"""BSDF layers in glazing systems, from visible and solar matrices.
 
-A file knows two averages. Light that is visible follows the visible matrix; all
-other light the one that makes the solar average right, with 49 % of the sun's
-energy visible, as WINDOW splits them.
+Visible wavelengths use the visible matrix, all others the matrix that gives the solar
+average, with 49 % of solar energy in the visible range as in WINDOW.
 """
 
 import warnings
@@ -41,14 +40,14 @@ _OPPOSITE: dict[Function, Function] = {
 @final
 @dataclass(frozen=True, eq=False)
 class BsdfLayer(Layer):
-    """A shade of which BSDFs are known, from a file, from tracing or from a stack.
+    """A layer with known BSDF.
 
     Attributes
     ----------
-    bsdf : with matrices or trees; the front faces the sky
-    conductivity : of heat [W/(m K)]
+    bsdf : matrices or trees; the front faces the sky
+    conductivity : thermal [W/(m K)]
     infrared_transmittance : in the far infrared
-    permeability : share of the area that air passes through
+    permeability : area fraction that is permeable to air
     """
 
     bsdf: Bsdf
@@ -87,24 +86,24 @@ class BsdfLayer(Layer):
 
     @property
     def wavelength_nm(self) -> Values:
-        """Ends of the solar range, and steps at the ends of the visible one."""
+        """Ends of the solar range, and steps at the ends of the visible range."""
         return two_band_wavelengths()
 
     @property
     def thickness(self) -> float:
-        """Thickness in the file, 1 mm if it does not say [m]."""
+        """Thickness in the file, 1 mm if not given [m]."""
         return self.bsdf.product.thickness or _UNKNOWN_THICKNESS
 
     @property
     def emissivities(self) -> tuple[float, float]:
-        """Emissivities in the file, 0.84 where it does not say."""
+        """Emissivities in the file, 0.84 if not given."""
         product = self.bsdf.product
         known = (product.emissivity_front, product.emissivity_back)
         front, back = (GLASS_EMISSIVITY if e is None else e for e in known)
         return front, back
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
         visible, solar = (self.band(channel, partition) for channel in _BANDS)
         inside = is_visible(wavelength_nm).astype(bool)[:, None, None]
         return Optics.gather(
@@ -114,7 +113,7 @@ class BsdfLayer(Layer):
         )
 
     def band(self, channel: Channel, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] of one band, over (exit, incident)."""
+        """BSDFs [1/sr] of one band over (exit, incident)."""
         given = self.channel(channel)
 
         def table(name: Function) -> ExitIncident:
@@ -147,7 +146,7 @@ class BsdfLayer(Layer):
         )
 
     def own_partition(self) -> RingPartition:
-        """Patches of the data; the 145 of Klems for trees."""
+        """Patches of the data; Klems full for trees."""
         part = self.bsdf.scattering(
             "transmission_front", channel=self.channel("visible")
         )
@@ -155,7 +154,7 @@ class BsdfLayer(Layer):
         return own[0] if own else klems("full")
 
     def channel(self, wanted: Channel) -> Channel:
-        """Return the channel that stands for the wanted one."""
+        """Return the channel that is used for the wanted one."""
         other: Channel = "solar" if wanted == "visible" else "visible"
         return wanted if self.bsdf.has("transmission_front", channel=wanted) else other
 

@@ -1,4 +1,4 @@
-"""Layers that scatter all light evenly: opal film, cloth without openings."""
+"""Lambertian layers: opal film, fabric without openings."""
 
 from dataclasses import dataclass
 from typing import final
@@ -15,11 +15,11 @@ from clerestory.hemisphere.partition import RingPartition
 @final
 @dataclass(frozen=True, eq=False)
 class Diffuser(Layer):
-    """A sheet that scatters what it passes on as Lambert's law has it.
+    """A Lambertian sheet.
 
     Attributes
     ----------
-    material : its shares of light, at every angle
+    material : transmittances and reflectances at every angle
     """
 
     material: Pane
@@ -45,7 +45,7 @@ class Diffuser(Layer):
         return self.material.emissivity_front, self.material.emissivity_back
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
         covered = np.ones(len(partition))
         return scattered_evenly(self.material.at(wavelength_nm), covered)
 
@@ -55,12 +55,12 @@ class Diffuser(Layer):
 
 
 def scattered_evenly(shares: Optics, covered: Values) -> Optics:
-    """BSDFs [1/sr] of a material that covers some of the area and scatters evenly.
+    """BSDFs [1/sr] of a Lambertian material that covers part of the area.
 
     Parameters
     ----------
     shares : of the material, over wavelength
-    covered : share of the area it covers, seen from each incident patch
+    covered : covered area fraction, seen from each incident patch
     """
     even = covered / np.pi * np.ones((len(covered), 1))
     return shares.map(lambda share: share[:, None, None] * even)

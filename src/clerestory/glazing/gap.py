@@ -1,4 +1,4 @@
-"""Gaps between the layers of a glazing system, filled with gas."""
+"""Gas-filled gaps between the layers of a glazing system."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,12 +20,12 @@ class Gap:
     Attributes
     ----------
     thickness : [m]
-    gases : shares of the gases, 1 together
+    gases : fractions of the gases, with a sum of 1
     pressure : [Pa]
 
     Raises
     ------
-    InputError : no thickness, unknown gases, or shares that are not 1 together
+    InputError : no thickness, unknown gases, or another sum
 
     Examples
     --------

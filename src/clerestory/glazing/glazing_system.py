@@ -52,13 +52,13 @@ class GlazingSystem:
 
     Attributes
     ----------
-    name : what reports call it
+    name : in reports
     layers : at least one
     gaps : between them, one fewer
 
     Raises
     ------
-    InputError : no layers, or a number of gaps that does not fit
+    InputError : no layers, or a wrong number of gaps
     """
 
     name: str
@@ -78,7 +78,7 @@ class GlazingSystem:
 def system_of(
     layers: list[Layer], *, gap: Gap | None = None, name: str = ""
 ) -> GlazingSystem:
-    """Return a system with equal gaps, 12.7 mm of air unless told otherwise."""
+    """Return a system with equal gaps, 12.7 mm of air by default."""
     between = gap or Gap(_DEFAULT_GAP)
     title = name or " | ".join(layer.name for layer in layers)
     return GlazingSystem(title, tuple(layers), (between,) * (len(layers) - 1))

@@ -1,8 +1,8 @@
-"""Products of the International Glazing and Shading Database (IGSDB), as JSON.
+"""Reader of products of the International Glazing and Shading Database (IGSDB).
 
-Version 1 has "measured_data" and "spectral_data" (or "composition" for shades made
-of a material and a geometry); version 2 has "physical_properties". Lengths are in
-millimetres, wavelengths in micrometres.
+Version 1 of the JSON format has "measured_data" and "spectral_data" (or "composition"
+for shades made of a material and a geometry); version 2 has "physical_properties".
+Lengths are in millimetres, wavelengths in micrometres.
 
 Format: LBNL, https://igsdb.lbl.gov; the same files as pywincalc reads.
 """
@@ -20,7 +20,7 @@ from clerestory.files import read_text
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import GLASS_CONDUCTIVITY, GLASS_EMISSIVITY, Pane
 
-# Sheets whose angular behaviour is that of coated glass, as in WINDOW.
+# Types with the angular dependence of coated glass, as in WINDOW.
 _COATED = {"coated", "coated-glass", "applied-film", "applied film", "laminate", "film"}
 _COATED |= {"electrochromic", "thermochromic", "chromogenic"}
 
@@ -28,12 +28,7 @@ _MILLIMETRE, _MICROMETRE_NM = 1e-3, 1e3
 
 
 def read_igsdb(path: str | Path) -> Pane:
-    """Return the pane, or the material, of a JSON file of either version.
-
-    Raises
-    ------
-    InputError : not JSON, no spectral data, or data that cannot be
-    """
+    """Return the pane, or the material, of a JSON file of either version."""
     product = load_product(path)
     if product.get("composition"):
         raise InputError(
@@ -45,12 +40,7 @@ def read_igsdb(path: str | Path) -> Pane:
 
 
 def load_product(path: str | Path) -> dict[str, Any]:
-    """Return the JSON object in a file.
-
-    Raises
-    ------
-    InputError : the file is not JSON, or holds something else than one product
-    """
+    """Return the JSON object in a file."""
     try:
         product = json.loads(read_text(path))
     except (json.JSONDecodeError, RecursionError) as error:
@@ -65,12 +55,7 @@ def load_product(path: str | Path) -> dict[str, Any]:
 
 
 def pane_of(product: dict[str, Any], path: str | Path) -> Pane:
-    """Return the sheet that a product describes.
-
-    Raises
-    ------
-    InputError : no spectral data, or data that cannot be
-    """
+    """Return the pane that a product describes."""
     physical = product.get("physical_properties") or product.get("measured_data") or {}
     if not isinstance(physical, dict):
         raise InputError("measured data are not a JSON object", file=path)
@@ -103,12 +88,7 @@ def pane_of(product: dict[str, Any], path: str | Path) -> Pane:
 
 
 def warn_of_excess(pane: Pane) -> None:
-    """Warn where a pane passes on more light than arrives.
-
-    Warns
-    -----
-    ClerestoryWarning : with the largest excess, if above 1 %
-    """
+    """Warn of a pane whose transmittance plus reflectance exceeds 1.01."""
     passed = pane.at(pane.wavelength_nm)
     most = np.maximum(
         passed.transmission_front + passed.reflection_front,
@@ -125,7 +105,7 @@ def warn_of_excess(pane: Pane) -> None:
 
 
 def _rows(product: dict[str, Any], path: str | Path) -> list[dict[str, Any]]:
-    # Either version's table as rows of wavelength, specular and diffuse shares
+    # Table of either version as rows of wavelength, specular and diffuse values
     try:
         if "physical_properties" in product:
             optical = product["physical_properties"]["optical_properties"]
@@ -198,7 +178,7 @@ def _number(
 def _either(
     physical: dict[str, Any], key: str, default: float, path: str | Path
 ) -> float:
-    # Version 2 marks values that were not measured as predefined
+    # Version 2 marks unmeasured values as predefined
     predefined = _number(physical, f"predefined_{key}", default, path)
     return _number(physical, key, predefined, path)
 

@@ -1,9 +1,8 @@
-"""Layers behind each other: the light between them, summed to the last bounce.
+"""Interreflection between parallel layers, with all orders summed.
 
-All matrices here are shares of flux: entry (i, j) is the share of the light that
-arrives through patch j which leaves into patch i, the BSDF times the projected
-solid angle of patch i. Columns sum to what is passed on in all, and matrices of
-layers behind each other multiply.
+Matrices are flux fractions: entry (i, j) is the fraction of the flux through incident
+patch j that leaves through patch i, the BSDF times the projected solid angle of patch
+i. Matrices of successive layers multiply.
 
 Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994: I. Optical properties,
 1065–1072; II. Detailed equations, 1073–1086.
@@ -19,13 +18,13 @@ from clerestory.glazing.optics import Optics, Side
 
 
 class Passage(NamedTuple):
-    """Light through a stack of layers.
+    """Optical properties of a stack of layers.
 
     Attributes
     ----------
     system : flux matrices of the whole stack, (…, n, n)
-    absorbed_front, absorbed_back : share of the light from each incident patch of
-        either side that each layer keeps, (layer, …, n)
+    absorbed_front, absorbed_back : absorptance of each layer for light from each
+        incident patch of either side, (layer, …, n)
     """
 
     system: Optics
@@ -34,7 +33,7 @@ class Passage(NamedTuple):
 
 
 def pass_through(layers: Sequence[Optics]) -> Passage:
-    """Return what a stack does to light, from flux matrices of its layers.
+    """Return the optical properties of a stack from flux matrices of its layers.
 
     Parameters
     ----------
@@ -77,19 +76,19 @@ def between(
     ahead: Float[np.ndarray, "*batch n n"],
     arriving: Float[np.ndarray, "*batch n n"],
 ) -> Float[np.ndarray, "*batch n n"]:
-    """Flux that falls on what is ahead, after all bounces in the space between.
+    """Flux on the surface ahead after all interreflections in a gap.
 
     Parameters
     ----------
-    behind, ahead : reflections of the two sides of the space
-    arriving : flux that enters the space through what is behind
+    behind, ahead : reflections of the two sides of the gap
+    arriving : flux that enters the gap from behind
     """
     loop = np.eye(behind.shape[-1]) - behind @ ahead
     return np.asarray(np.linalg.solve(loop, arriving))
 
 
 def _accumulate(layers: Sequence[Optics]) -> list[Optics]:
-    # The first layer, the first two, the first three …
+    # Stacks of the first one, two, three … layers
     stacks = [layers[0]]
     for layer in layers[1:]:
         stacks.append(combine(stacks[-1], layer))
@@ -99,8 +98,8 @@ def _accumulate(layers: Sequence[Optics]) -> list[Optics]:
 def _absorbed(
     layers: Sequence[Optics], outer: Sequence[Optics], inner: Sequence[Optics]
 ) -> list[Float[np.ndarray, "*batch n"]]:
-    # What each layer keeps of light on its front and on its back; all light enters
-    # through layer 0. The stack behind layer k, seen from behind, is in `inner`.
+    # Absorptance of each layer on its front and back for light that enters through
+    # layer 0. `inner` holds the stacks behind each layer, seen from behind.
     kept = []
     for k, layer in enumerate(layers):
         behind = len(layers) - 1 - k
@@ -124,6 +123,6 @@ def _absorbed(
 
 
 def _row(layer: Optics, side: Side) -> Float[np.ndarray, "*batch 1 n"]:
-    # Share of the flux from each patch that a layer keeps, as a row to multiply
+    # Absorptance per incident patch, as a row vector
     passed = layer.map(lambda flux: flux.sum(axis=-2, keepdims=True))
     return passed.absorption(side)

@@ -1,8 +1,8 @@
-"""Layers of a glazing system, seen by light: four BSDF matrices per wavelength.
+"""Layers of a glazing system: four BSDF matrices per wavelength.
 
 A matrix holds BSDF values from incident patches (columns) to exit patches (rows).
-Light that goes straight on, and light that a mirror sends back, keeps its number,
-so the matrices of layers behind each other can be multiplied as they are.
+Undeviated and specularly reflected light keep their patch number, so that matrices of
+successive layers multiply.
 
 Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994, 1065–1072 and 1073–1086.
 """
@@ -22,50 +22,52 @@ from clerestory.hemisphere.partition import RingPartition
 
 
 class Layer(ABC):
-    """Something flat that light passes: a pane, a blind, a cloth, a file."""
+    """A pane, blind, fabric or BSDF in a glazing system."""
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """What reports call it."""
+        """Name in reports."""
 
     @property
     @abstractmethod
     def wavelength_nm(self) -> Values:
-        """Where the layer is known."""
+        """Wavelengths of the data."""
 
     @property
     @abstractmethod
     def thickness(self) -> float:
-        """From its side of the sky to that of the room [m]."""
+        """Thickness from the outer to the inner side [m]."""
 
     @property
     @abstractmethod
     def emissivities(self) -> tuple[float, float]:
-        """In the far infrared, of its sides to the sky and to the room, 0…1."""
+        """Far-infrared emissivities of the outer and the inner side, 0…1."""
 
     @abstractmethod
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
 
     @abstractmethod
     def flipped(self) -> "Layer":
-        """Return the layer turned about its vertical axis: outside becomes inside."""
+        """Return the layer turned about its vertical axis, inside out."""
 
     def specular(
         self,
         wavelength_nm: Float[np.ndarray, " wavelength"],
         cosine: Float[np.ndarray, " angle"],
     ) -> Optics | None:
-        """Shares passed on, over (wavelength, angle); None if light is scattered."""
+        """Transmittances and reflectances over (wavelength, angle); None
+        if scattering.
+        """
         return None
 
     def openness(self, direction: Directions) -> Values:
-        """Share of light along each direction that meets nothing at all.
+        """Fraction of light along each direction that passes without scattering.
 
         Parameters
         ----------
-        direction : of travel, into the room; opposite ways are alike
+        direction : of travel, into the room; opposite directions are equal
         """
         return np.zeros(len(direction))
 
@@ -75,11 +77,9 @@ class Layer(ABC):
 class Glass(Layer):
     """A pane of glass in the system.
 
-    What it scatters, if anything, it scatters evenly over all patches but the one
-    that light goes straight on into, as WINDOW does.
+    Scattered light is distributed uniformly over all patches but the undeviated one, as
+    in WINDOW.
 
-    Examples
-    --------
     >>> from clerestory.hemisphere.klems import klems
     >>> air = Pane("nothing", np.array([300.0, 2500.0]),
     ...            Optics(np.ones(2), np.ones(2), np.zeros(2), np.zeros(2)))
@@ -111,7 +111,7 @@ class Glass(Layer):
         return self.pane.emissivity_front, self.pane.emissivity_back
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
         measure = partition.projected_solid_angles()
         total = self.pane.angular(wavelength_nm, partition.centres()[:, 2])
         if self.pane.diffuse is None:
@@ -133,13 +133,15 @@ class Glass(Layer):
         wavelength_nm: Float[np.ndarray, " wavelength"],
         cosine: Float[np.ndarray, " angle"],
     ) -> Optics | None:
-        """Shares passed on, over (wavelength, angle); None if light is scattered."""
+        """Transmittances and reflectances over (wavelength, angle); None
+        if scattering.
+        """
         if self.pane.diffuse is not None:
             return None
         return self.pane.angular(wavelength_nm, cosine)
 
     def flipped(self) -> "Glass":
-        """Return the pane built in the other way round."""
+        """Return the pane reversed."""
         return Glass(self.pane.flipped())
 
 
@@ -155,5 +157,5 @@ def diagonal(
 
 
 def mirrored_patches(partition: RingPartition) -> Indices:
-    """Patch that each one becomes when left and right change places."""
+    """Patch at the left–right mirror image of each one."""
     return partition.find(partition.centres() * [-1, 1, 1])

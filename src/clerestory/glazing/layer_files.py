@@ -1,4 +1,4 @@
-"""Layers from files: glass, shades of the IGSDB, BSDFs; and folders of them."""
+"""Readers of glazing and shading layers, and of folders of products."""
 
 import math
 import re
@@ -19,7 +19,7 @@ from clerestory.glazing.venetian import VenetianBlind
 
 _MILLIMETRE = 1e-3
 
-# Endings of makers' files in the format of LBNL's Optics.
+# File name extensions of LBNL Optics and of manufacturers.
 _OPTICS = re.compile(r"\.(dat|usr|txt|[a-z]{3})$", re.IGNORECASE)
 _IGNORED = {".csv", ".md", ".py", ".std", ".ssp", ".dsp", ".loc", ".wvl", ".epw"}
 
@@ -28,7 +28,7 @@ def read_layer(path: str | Path) -> Layer:
     """Return the layer that a file describes.
 
     `.json` is a product of the IGSDB (glass, or a venetian, perforated or woven shade
-    with its geometry), `.xml` a BSDF, all else glass in LBNL's Optics format.
+    with its geometry), `.xml` a BSDF, all else glass in the format of LBNL Optics.
 
     Raises
     ------
@@ -43,12 +43,7 @@ def read_layer(path: str | Path) -> Layer:
 
 
 def read_pane(path: str | Path) -> Pane:
-    """Return the glass, or the material, that a file describes.
-
-    Raises
-    ------
-    InputError : the file holds a shade or a BSDF, or is damaged
-    """
+    """Return the glass, or the material, that a file describes."""
     if Path(path).suffix.lower() == ".json":
         product = load_product(path)
         composition = product.get("composition")
@@ -63,7 +58,7 @@ class Entry:
 
     Attributes
     ----------
-    name, nfrc_id : as its file says
+    name, nfrc_id : as in its file
     path : the file
     problem : why it cannot be read; empty if it can
     """
@@ -75,12 +70,7 @@ class Entry:
 
 
 def read_catalogue(folder: str | Path) -> tuple[Entry, ...]:
-    """Return the products in a folder, by name; files that cannot be read say why.
-
-    Raises
-    ------
-    InputError : there is no such folder, or no product in it
-    """
+    """Return the products in a folder by name, with reasons for unreadable files."""
     folder = Path(folder)
     if not folder.is_dir():
         raise InputError("a folder of products expected", file=folder)
@@ -100,12 +90,7 @@ def read_catalogue(folder: str | Path) -> tuple[Entry, ...]:
 
 
 def find_layer(folder: str | Path, wanted: str) -> Layer:
-    """Return the layer of a catalogue by its name, its NFRC number or its file's name.
-
-    Raises
-    ------
-    InputError : no such product, or several
-    """
+    """Return the layer of a catalogue by name, NFRC number or file name."""
     word = wanted.strip().lower()
     found = [
         entry

@@ -1,10 +1,9 @@
-"""Stacks at the resolution of tensor trees, by a random walk between the layers.
+"""Stacks of layers as tensor trees, by random walks between the layers.
 
-Matrices blur: behind a Klems patch of ten degrees a blind, a film and the sun are
-one. A walker keeps its exact direction. It starts in a cell of the incident square,
-is passed on or sent back at each layer it meets, and is counted in the cell of the
-leaving square where it comes out. The walk is repeated in independent batches, whose
-spread is the standard error.
+Klems patches of ten degrees do not resolve the interaction of blinds and films with the
+sun. Here light starts in a cell of the incident square with an exact direction, is
+transmitted or reflected at each layer, and is scored in the exit cell. Independent
+batches give standard errors.
 
 Reference: L. O. Grobe, Buildings 7 (1), 22, 2017 (layers at high resolution).
 """
@@ -28,10 +27,10 @@ from clerestory.glazing.scatterer import Scatterer, scatterer
 from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
 from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
 
-# A tree of 2⁶ cells along each axis has 17 million cells before reduction.
+# Most halvings: 17 million cells before reduction.
 _FINEST = 6
 
-# Walkers that are under way together, and the weight below which some are dropped.
+# Simultaneous walks, and the weight below which Russian roulette applies.
 _TOGETHER = 1 << 18
 _FAINT = 0.05
 
@@ -41,13 +40,13 @@ Report = Callable[[float, str], None]
 @final
 @dataclass(frozen=True, eq=False)
 class WalkedLayers:
-    """A stack at tree resolution.
+    """A stack of layers at tree resolution.
 
     Attributes
     ----------
-    bsdf : with trees of rank 4 and their standard errors
-    diffuse : per channel and function, share of diffuse light passed on in all, and
-        its standard error
+    bsdf : trees of rank 4 with standard errors
+    diffuse : per channel and function, diffuse transmittance or reflectance and its
+        standard error
     """
 
     bsdf: Bsdf
@@ -66,20 +65,20 @@ def walk_layers(
     name: str = "",
     report: Report = lambda _share, _note: None,
 ) -> WalkedLayers:
-    """Return what layers behind each other do to light, as tensor trees.
+    """Return the optical properties of a stack of layers as tensor trees.
 
-    Bands are walked one by one, with the average of each layer over the band.
+    Bands are computed separately, from the average of each layer over the band.
 
     Parameters
     ----------
     layers : from the sky to the room, at least one
-    halvings : 2^halvings cells lie along each axis, 6 at most
-    walkers : from each incident cell, side and channel, in all batches together
+    halvings : 2^halvings cells along each axis, 6 at most
+    walkers : random walks per incident cell, side and channel, in all batches together
     batches : independent repetitions, 2 at least
-    seed : of the random numbers; the same seed gives the same result
+    seed : of the random numbers; results are bitwise reproducible
     channels : "solar", "visible" or both
     standard : spectral averages; None for NFRC's
-    report : is told the share done, and a note
+    report : called with the fraction done, and a note
 
     Raises
     ------
@@ -136,7 +135,7 @@ _NAMES: dict[bool, dict[bool, Function]] = {
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
-    # What all batches of one side and channel share
+    # Parameters of all batches of one side and channel
     met: list[Scatterer]
     halvings: int
     walkers: int
@@ -149,7 +148,7 @@ class _Plan:
 
 @dataclass(frozen=True, eq=False)
 class _Tally:
-    # Light that came out, per walker, over (incident cell, leaving cell)
+    # Exit flux per walk over (incident cell, exit cell)
     passed: Float[np.ndarray, "incident leaving"]
     sent: Float[np.ndarray, "incident leaving"]
 
@@ -172,7 +171,7 @@ class _Tally:
 
 
 def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
-    # Directions of travel, even over the cell, so like the cosine over the hemisphere
+    # Directions of travel, uniform in projected solid angle over the cell
     wide = 1 << plan.halvings
     inside = rng.random((2, len(cell)))
     x, y = disc_from_square(
@@ -184,18 +183,14 @@ def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
 
 def _walk(
     met: Sequence[Scatterer], travel: Directions, rng: np.random.Generator
-) -> tuple[
-    Directions,
-    Values,
-    Mask,
-]:
-    """Return direction and weight of walkers that came out, and whether across."""
+) -> tuple[Directions, Values, Mask]:
+    """Return direction and weight at exit, and whether the stack was crossed."""
     into_room = bool(travel[0, 2] > 0)
     weight = np.ones(len(travel))
     ahead = np.full(len(travel), 0 if into_room else len(met) - 1)
     active = np.ones(len(travel), bool)
     while np.any(active):
-        # Meet each layer from each side
+        # Scatter at each layer from each side
         for number, layer in enumerate(met):
             for forward in (True, False):
                 here = active & (ahead == number) & ((travel[:, 2] > 0) == forward)
@@ -210,7 +205,8 @@ def _walk(
                 ahead[some] = np.where(travel[some, 2] > 0, number + 1, number - 1)
                 active[some] = total > 0
 
-        # Those past the first or the last layer are out; faint ones are thinned
+        # Walks beyond the first or last layer are finished; Russian roulette for the
+        # others
         active &= (ahead >= 0) & (ahead < len(met))
         faint = active & (weight < _FAINT)
         survive = rng.random(int(faint.sum())) < 0.5

@@ -1,7 +1,7 @@
-"""Glass in the text format of LBNL's Optics: .dat, .usr and makers' own endings.
+"""Reader of glass in the text format of LBNL Optics: .dat, .usr and others.
 
-Lines in braces describe the product; the rest are rows of wavelength, transmittance,
-front and back reflectance, or nine columns with a diffuse one beside each direct.
+Lines in braces describe the product; others are rows of wavelength, transmittance,
+front and back reflectance, or nine columns with diffuse values beside direct ones.
 """
 
 import re
@@ -25,12 +25,7 @@ _MILLIMETRE = 1e-3
 
 
 def read_optics_file(path: str | Path) -> Pane:
-    """Return the pane of a file in LBNL's Optics format.
-
-    Raises
-    ------
-    InputError : rows that are not numbers, of unequal length, or data that cannot be
-    """
+    """Return the pane of a file in the format of LBNL Optics."""
     header: dict[str, str] = {}
     rows: list[list[float]] = []
     for number, line in enumerate(read_text(path).splitlines(), start=1):
@@ -51,7 +46,7 @@ def read_optics_file(path: str | Path) -> Pane:
 
 
 def _note(inside: str, after: str, header: dict[str, str]) -> None:
-    # "{ Product Name: Clear }" and "{ Thickness } 3.048" both name a value
+    # "{ Product Name: Clear }" and "{ Thickness } 3.048" are both used
     key, colon, value = inside.partition(":")
     header[key.strip().lower()] = value.strip() if colon else after
 

@@ -1,7 +1,7 @@
-"""Light and heat of a system in one call: genBSDF's file, then WINDOW, in one.
+"""Optical and thermal properties of a glazing system in one call.
 
-A shading system that was traced from its geometry is a layer among panes and gaps. What
-took an XML dressed as a shade, WINDOW, and a table typed over, is one function.
+Shading systems that were generated from geometry are layers like panes, which replaces
+the procedure of genBSDF followed by WINDOW.
 """
 
 from typing import NamedTuple
@@ -15,11 +15,11 @@ from clerestory.hemisphere.klems import klems
 
 
 class LightAndHeat(NamedTuple):
-    """What a glazing system does.
+    """Optical and thermal properties of a glazing system.
 
     Attributes
     ----------
-    light : its BSDF, and what each layer keeps
+    light : BSDF, and absorptances of the layers
     heat : U, SHGC and temperatures
     """
 
@@ -34,18 +34,13 @@ def light_and_heat(
     standard: Standard | None = None,
     wavelengths: Wavelengths = "condensed",
 ) -> LightAndHeat:
-    """Return the BSDF of a system and its thermal figures.
+    """Return the BSDF of a glazing system and its thermal properties.
 
     Parameters
     ----------
     basis : Klems basis of the BSDF
     standard : spectral averages of the BSDF; None for NFRC's
-    wavelengths : of the thermal engine, see `thermal_figures`
-
-    Raises
-    ------
-    InputError : layers that cannot be stacked
-    ClerestoryError : pywincalc is not installed
+    wavelengths : of the thermal calculation, see `thermal_figures`
     """
     light = stack_layers(
         system.layers,

@@ -1,4 +1,4 @@
-"""The four shares of light that a sheet or a stack passes on, from both sides."""
+"""Transmittances and reflectances of both sides of a sheet or a stack."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,8 +21,8 @@ class Optics:
 
     Attributes
     ----------
-    transmission_front, transmission_back, reflection_front, reflection_back : shares
-        of the light that arrives from that side; front is the side of the sky
+    transmission_front, transmission_back, reflection_front, reflection_back : fractions
+        of the light incident on that side; front is the side of the sky
 
     Examples
     --------
@@ -37,13 +37,13 @@ class Optics:
 
     @classmethod
     def alike(cls, transmission: float, reflection: float) -> "Optics":
-        """Return what treats light from both sides alike."""
+        """Return equal values for both sides."""
         t, r = np.array(float(transmission)), np.array(float(reflection))
         return cls(t, t, r, r)
 
     @classmethod
     def gather(cls, part: Callable[[Function], Values]) -> "Optics":
-        """Return the values that a function gives for each of the four names."""
+        """Return the values of a function of the four names."""
         return cls(**{name: part(name) for name in FUNCTIONS})
 
     def of(self, name: Function) -> Values:
@@ -54,7 +54,7 @@ class Optics:
     def map(
         self, change: Callable[[Float[np.ndarray, "*batch"]], Float[np.ndarray, "*new"]]
     ) -> "Optics":
-        """Return all four changed by the same function."""
+        """Return all four transformed by the same function."""
         return Optics.gather(lambda name: change(self.of(name)))
 
     def swapped(self) -> "Optics":
@@ -67,7 +67,7 @@ class Optics:
         )
 
     def absorption(self, side: Side) -> Values:
-        """Share of the light from one side that is neither passed nor reflected."""
+        """Absorptance: fraction that is neither transmitted nor reflected."""
         if side == "front":
             return np.asarray(1 - self.transmission_front - self.reflection_front)
         return np.asarray(1 - self.transmission_back - self.reflection_back)

@@ -1,7 +1,7 @@
-"""Panes: sheets of glass, or of the material of a shade, known over wavelength.
+"""Panes: spectral properties of glass, or of the material of a shade.
 
-Measurements are taken along the normal. Front is the side towards the sky, surface
-1 of the pane; a pane that is built in the other way round is `flipped`.
+Measurements are at normal incidence. Front is surface 1, towards the sky; a reversed
+pane is `flipped`.
 """
 
 from dataclasses import dataclass, replace
@@ -16,43 +16,43 @@ from clerestory.glazing.angular_dependence import coated, uncoated
 from clerestory.glazing.optics import Optics
 from clerestory.spectra import check_wavelengths
 
-# Ordinary soda-lime glass.
+# Emissivity and conductivity [W/(m K)] of soda-lime glass.
 GLASS_EMISSIVITY = 0.84
 GLASS_CONDUCTIVITY = 1.0
 
-# Limits of the visible range, and how closely the edges of a step stand [nm].
+# Visible range, width of a step, and solar range [nm].
 _VISIBLE_NM = (380.0, 780.0)
 _STEP_NM = 1e-3
 _SOLAR_NM = (300.0, 2500.0)
 
-# Share of the sun's energy that is visible, as WINDOW splits bands.
+# Visible fraction of solar energy, as in WINDOW.
 VISIBLE_SHARE = 0.49
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Pane:
-    """A sheet, its spectral properties along the normal, and what heat needs.
+    """Spectral and thermal properties of a sheet.
 
     Attributes
     ----------
     name : of the product
-    wavelength_nm : where the properties are known
-    direct : shares of light passed on without scattering, over wavelength
-    diffuse : shares that are scattered evenly; None for clear sheets
+    wavelength_nm : wavelengths of the data
+    direct : specular transmittances and reflectances over wavelength
+    diffuse : diffuse ones; None for clear sheets
     coated : whether angles follow the regression for coatings (also films and
         laminates) or Fresnel's equations
     thickness : [m]
-    conductivity : of heat [W/(m K)]
+    conductivity : thermal [W/(m K)]
     emissivity_front, emissivity_back : hemispherical, in the far infrared
     infrared_transmittance : in the far infrared
-    coated_side : "front", "back", "both" or "neither", as the file says
-    manufacturer, nfrc_id : as the file says
-    source : the file it came from, for messages
+    coated_side : "front", "back", "both" or "neither", as in the file
+    manufacturer, nfrc_id : as in the file
+    source : file, for messages
 
     Raises
     ------
-    InputError : arrays of unequal length, or shares that are negative or not finite
+    InputError : different lengths, or values that are negative or not finite
     """
 
     name: str
@@ -96,7 +96,7 @@ class Pane:
             )
 
     def at(self, wavelength_nm: Values) -> Optics:
-        """All light passed on along the normal, direct and diffuse together."""
+        """Total (direct and diffuse) values at normal incidence."""
         total = self.direct.map(lambda share: self._at(share, wavelength_nm))
         if self.diffuse is None:
             return total
@@ -104,7 +104,7 @@ class Pane:
         return Optics.gather(lambda name: total.of(name) + scattered.of(name))
 
     def haze(self, wavelength_nm: Values) -> Optics:
-        """Scattered share of the light passed on, 0…1; 0 where none is passed on."""
+        """Diffuse over total values, 0…1; 0 where the total is 0."""
         total = self.at(wavelength_nm)
         if self.diffuse is None:
             return total.map(np.zeros_like)
@@ -120,11 +120,11 @@ class Pane:
         wavelength_nm: Float[np.ndarray, " wanted"],
         cosine: Float[np.ndarray, " angle"],
     ) -> Optics:
-        """All light passed on at other angles, over (wavelength, angle).
+        """Total values at other angles over (wavelength, angle).
 
         Parameters
         ----------
-        cosine : of the angle between light and normal
+        cosine : of the angle of incidence
         """
         course = coated if self.coated else uncoated
         normal = self.at(wavelength_nm).map(lambda share: share[:, None])
@@ -142,7 +142,7 @@ class Pane:
         )
 
     def flipped(self) -> "Pane":
-        """Return the pane built in the other way round."""
+        """Return the pane reversed."""
         sides = {"front": "back", "back": "front"}
         return replace(
             self,
@@ -162,13 +162,11 @@ class Pane:
 
 
 def two_band_pane(name: str, *, solar: Optics, visible: Optics) -> Pane:
-    """Return a sheet of which only the solar and the visible averages are known.
+    """Return a sheet of which only solar and visible averages are known.
 
-    Light that is not visible gets what is left of the sun's energy, with the share
-    of the visible range that WINDOW assumes, 49 %.
+    Invisible wavelengths get the remaining solar energy, with 49 % of it in the visible
+    range as in WINDOW.
 
-    Examples
-    --------
     >>> grey = two_band_pane("cloth", solar=Optics.alike(0.3, 0.2),
     ...                      visible=Optics.alike(0.1, 0.2))
     >>> grey.at(np.array([550.0, 1000.0])).transmission_front.round(3).tolist()
@@ -186,7 +184,7 @@ def two_band_pane(name: str, *, solar: Optics, visible: Optics) -> Pane:
 
 
 def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -> Pane:
-    """Return a sheet with the same shares at all wavelengths and from both sides.
+    """Return a sheet with equal values at all wavelengths and on both sides.
 
     >>> float(grey_pane(0.2, 0.5).at(np.array([550.0])).reflection_back[0])
     0.5
@@ -196,16 +194,16 @@ def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -
 
 
 def invisible(visible: Values, solar: Values) -> Values:
-    """Property outside the visible range that makes the solar average right.
+    """Property outside the visible range that gives the solar average.
 
-    It is zero where that would take a negative one.
+    It is zero where it would be negative.
     """
     rest = (solar - VISIBLE_SHARE * visible) / (1 - VISIBLE_SHARE)
     return np.asarray(np.maximum(rest, 0))
 
 
 def two_band_wavelengths() -> Values:
-    """Ends of the solar range, and steps at the ends of the visible one [nm]."""
+    """Ends of the solar range, and steps at the ends of the visible range [nm]."""
     low, high = _VISIBLE_NM
     return np.array(
         [_SOLAR_NM[0], low - _STEP_NM, low, high, high + _STEP_NM, _SOLAR_NM[1]]
@@ -213,6 +211,6 @@ def two_band_wavelengths() -> Values:
 
 
 def is_visible(wavelength_nm: Values) -> Values:
-    """One where a wavelength is visible, 380 to 780 nm, else zero."""
+    """One for visible wavelengths, 380 to 780 nm, else zero."""
     low, high = _VISIBLE_NM
     return ((wavelength_nm >= low) & (wavelength_nm <= high)).astype(float)

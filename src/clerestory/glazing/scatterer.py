@@ -1,8 +1,7 @@
-"""A layer as a walker meets it: how much goes on, and where to.
+"""Sampling of a layer in one band, for random walks between layers.
 
-Light of one band. Panes pass it straight on or mirror it, by tables over the angle;
-openings pass it untouched; the rest is scattered as a BSDF says, at the BSDF's own
-resolution, tree or matrix.
+Panes transmit or reflect specularly, by tables over the angle of incidence; openings
+transmit undeviated light; all else is scattered by a BSDF at its own resolution.
 """
 
 from dataclasses import dataclass
@@ -21,10 +20,10 @@ from clerestory.glazing.optics import Optics
 from clerestory.glazing.standard import Band, Channel
 from clerestory.hemisphere.klems import klems
 
-# Cosines at which panes are tabulated.
+# Number of cosines in the tables of panes.
 _TABLE = 513
 
-# The way into the room that is opposite to, or along, each exit patch.
+# Factors from exit patches to directions of travel into the room.
 _TURN = {
     "transmission_front": np.array([1.0, 1.0, 1.0]),
     "transmission_back": np.array([-1.0, -1.0, 1.0]),
@@ -40,10 +39,9 @@ class Scatterer:
 
     Attributes
     ----------
-    layer : whose openings let light pass untouched
-    mirror : shares passed straight on and mirrored, over the table's cosines; None if
-        light is scattered
-    bsdf : of what is scattered, in the channel "visible"; None for panes
+    layer : whose openings transmit undeviated light
+    mirror : specular values over the table's cosines; None if light is scattered
+    bsdf : of the scattered light, in the channel "visible"; None for panes
     """
 
     layer: Layer
@@ -51,7 +49,7 @@ class Scatterer:
     bsdf: Bsdf | None
 
     def shares(self, travel: _Directions) -> tuple[Values, Values]:
-        """Shares of light on one side that are passed on and sent back.
+        """Transmittance and reflectance for each direction.
 
         Parameters
         ----------
@@ -75,7 +73,7 @@ class Scatterer:
         Parameters
         ----------
         travel : before, all with the same sign of z
-        passed : which light is passed on; the rest is sent back
+        passed : which light is transmitted; the rest is reflected
         """
         leaving = np.where(passed[:, None], travel, travel * [1, 1, -1])
         if self.mirror is not None:
@@ -101,7 +99,7 @@ class Scatterer:
 
 
 def scatterer(layer: Layer, band: Band, channel: Channel) -> Scatterer:
-    """Return what a walker in one band meets at a layer."""
+    """Return the sampling of a layer in one band."""
     known = layer.wavelength_nm
     weights = band.weights(known)
     cosine = np.linspace(0, 1, _TABLE)
@@ -117,7 +115,7 @@ def scatterer(layer: Layer, band: Band, channel: Channel) -> Scatterer:
                 )
         return Scatterer(layer, None, Bsdf(functions))
 
-    # What the openings do not pass, on the patches of Klems
+    # Scattering of the layer without its openings, on Klems full
     partition = klems("full")
     counts = np.flatnonzero(weights)
     shares = layer.matrices(known[counts], partition).map(

@@ -1,11 +1,11 @@
-"""Sheets with openings: perforated metal and woven cloth.
+"""Perforated screens and woven fabrics, by the models of WINDOW.
 
-What passes an opening goes straight on; the rest meets the material, which scatters
-evenly. Both models are those of WINDOW: openings by geometry, and for cloth an
-empirical term for light that threads scatter forwards.
+Light passes openings undeviated; the remaining light is scattered by the Lambertian
+material. Openness follows from geometry, and forward scattering by threads from an
+empirical formula.
 
-References: W. R. McCluney, L. Mills, ASHRAE Transactions 99 (2), 1993 (woven);
-LBNL, WINDOW 7 technical documentation (perforated screens).
+References: W. R. McCluney, L. Mills, ASHRAE Transactions 99 (2), 1993 (woven); LBNL,
+WINDOW 7 technical documentation (perforated screens).
 """
 
 from dataclasses import dataclass, replace
@@ -33,7 +33,7 @@ class PerforatedScreen(Layer):
 
     Attributes
     ----------
-    material : the sheet; its thickness limits what slips through at an angle
+    material : of the sheet, whose thickness limits oblique transmission
     shape : of the holes
     spacing : distance of their centres, to the right and upwards [m]
     size : radius of circular holes (the first number), or width and height [m]
@@ -91,7 +91,7 @@ class PerforatedScreen(Layer):
         return self.material.emissivity_front, self.material.emissivity_back
 
     def openness(self, direction: Directions) -> Values:
-        """Share of light along each direction that passes through the holes."""
+        """Fraction of light along each direction that passes through the holes."""
         x, y, z = direction.T
         deep = self.material.thickness
         if self.shape == "rectangular":
@@ -108,7 +108,7 @@ class PerforatedScreen(Layer):
         return np.where(slope * deep <= 2 * radius, np.maximum(hole, 0) / area, 0)
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
         free = self.openness(partition.centres())
         even = scattered_evenly(self.material.at(wavelength_nm), 1 - free)
         return _with_openings(even, free, partition)
@@ -121,7 +121,7 @@ class PerforatedScreen(Layer):
 @final
 @dataclass(frozen=True, eq=False)
 class WovenShade(Layer):
-    """A cloth of threads that cross at right angles.
+    """A fabric of threads that cross at right angles.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ class WovenShade(Layer):
         return self.material.emissivity_front, self.material.emissivity_back
 
     def openness(self, direction: Directions) -> Values:
-        """Share of light along each direction that passes between the threads."""
+        """Fraction of light along each direction that passes between the threads."""
         altitude, azimuth = _altitude_azimuth(direction)
         profile = np.arctan(np.tan(altitude) / np.cos(altitude))
         gamma = self.thread_diameter / self.thread_spacing
@@ -182,7 +182,7 @@ class WovenShade(Layer):
         return np.asarray(free[0] * free[1])
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
         shares = self.material.at(wavelength_nm)
         free = self.openness(partition.centres())
         even = scattered_evenly(shares, 1 - free)
@@ -193,7 +193,7 @@ class WovenShade(Layer):
                 ("back", shares.reflection_front),
             )
         }
-        # Threads turn some of what they would reflect into transmission
+        # Forward scattering by threads increases transmission and lowers reflection
         gain = {"transmission": 1, "reflection": -1}
 
         def total(name: Function) -> Float[np.ndarray, "wavelength exit incident"]:
@@ -203,7 +203,7 @@ class WovenShade(Layer):
         return _with_openings(Optics.gather(total), free, partition)
 
     def flipped(self) -> "WovenShade":
-        """Return the cloth turned round."""
+        """Return the fabric turned round."""
         return replace(self, material=self.material.flipped())
 
     def _scattered_forwards(
@@ -211,7 +211,7 @@ class WovenShade(Layer):
         reflectance: Float[np.ndarray, " wavelength"],
         direction: Float[np.ndarray, "direction 3"],
     ) -> Float[np.ndarray, "wavelength direction"]:
-        # Regression over measured cloths; angles in degrees
+        # Regression over measured fabrics; angles in degrees
         gamma = self.thread_diameter / self.thread_spacing
         if gamma >= 1:
             return np.zeros((len(reflectance), len(direction)))
@@ -236,7 +236,7 @@ class WovenShade(Layer):
 
 
 def _with_openings(even: Optics, free: Values, partition: RingPartition) -> Optics:
-    # What passes the openings goes straight on, from either side
+    # Undeviated transmission of the openings on both sides
     straight = diagonal((free / partition.projected_solid_angles())[None])
     return Optics(
         even.transmission_front + straight,
@@ -247,6 +247,6 @@ def _with_openings(even: Optics, free: Values, partition: RingPartition) -> Opti
 
 
 def _altitude_azimuth(direction: Directions) -> tuple[Values, Values]:
-    # Angles above and beside the normal, without their signs
+    # Absolute altitude and azimuth relative to the normal
     x, y, z = direction.T
     return np.arcsin(np.clip(np.abs(y), 0, 1)), np.arctan2(np.abs(x), z)

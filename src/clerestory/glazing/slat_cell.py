@@ -1,10 +1,9 @@
-"""The space between two slats in section, and where straight lines lead in it.
+"""Section of the space between two slats, with view factors by ray counting.
 
-The section is a plane: the first coordinate runs from the sky into the room, the
-second upwards. Above stands the lower face of one slat, below the upper face of the
-next, to the left and right are the openings to the sky and to the room. All lines
-end on one of them: so view factors, sunlit parts and what is seen from outside are
-counts of lines, and no light is lost.
+The first coordinate runs from the sky into the room, the second upwards. The space is
+bounded by the lower face of one slat, the upper face of the next, and the openings to
+the sky and to the room. Rays are intersected with these faces for view factors, sunlit
+fractions and visible fractions, so that flux is conserved.
 """
 
 from dataclasses import dataclass
@@ -16,28 +15,28 @@ from jaxtyping import Float
 from clerestory.array_types import Indices, Points2, Values
 from clerestory.errors import InputError
 
-# Lines per segment and per angle when view factors are counted, and per opening.
+# Rays per segment and per angle for view factors, and per opening.
 _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
 
 
 @final
 @dataclass(frozen=True)
 class SlatGeometry:
-    """A venetian blind in section.
+    """Section of a venetian blind.
 
     Attributes
     ----------
-    width : of a slat, along its chord [m]
+    width : chord of a slat [m]
     spacing : distance of two slats [m]
-    tilt : turns the edge at the sky down when positive [rad]
+    tilt : positive if the outer edge is lowered [rad]
     curvature_radius : of the slats [m]; 0 for flat ones, positive if the middle is
         above the edges at no tilt
-    segments : into which a slat is cut
+    segments : per slat
 
     Raises
     ------
-    InputError : lengths that are not positive, slats bent beyond half a circle, or
-        slats that touch
+    InputError : lengths that are not positive, slats bent beyond half a circle, or a
+        tilt beyond 90°
     """
 
     width: float
@@ -66,7 +65,9 @@ class SlatGeometry:
             raise InputError(f"{self.segments} segments; 1 to 100 expected")
 
     def polyline(self) -> Points2:
-        """Points of a slat from the sky to the room, its chord's middle at 0 [m]."""
+        """Points of a slat from the sky to the room, the middle of its
+        chord at 0 [m].
+        """
         if self.curvature_radius:
             radius = self.curvature_radius
             half = np.arcsin(self.width / 2 / abs(radius))
@@ -85,9 +86,8 @@ class SlatGeometry:
 class SlatCell:
     """Faces of the space between two slats.
 
-    Faces are numbered: the upper faces of the lower slat's segments, from the sky to
-    the room, then the lower faces of the upper slat's, then the openings to the sky
-    and to the room.
+    Faces are the upper faces of the lower slat's segments, from the sky to the room,
+    the lower faces of the upper slat's, and the openings to the sky and to the room.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class SlatCell:
         return np.asarray(np.linalg.norm(self.end - self.start, axis=1))
 
     def view_factors(self) -> Float[np.ndarray, "face face"]:
-        """Share of the light that each face sends evenly to each other one."""
+        """View factors between all faces."""
         part = (np.arange(_POINTS) + 0.5) / _POINTS
         sine = (np.arange(_ANGLES) + 0.5) / _ANGLES * 2 - 1
         factors = np.zeros((len(self.start), len(self.start)))
@@ -151,7 +151,7 @@ class SlatCell:
     def beam(
         self, direction: Float[np.ndarray, "direction 2"], *, opening: int
     ) -> Float[np.ndarray, "direction face"]:
-        """Share of parallel light that enters by an opening which meets each face.
+        """Fraction of parallel light through an opening that meets each face.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class SlatCell:
         return shares
 
     def _hits(self, origin: Points2, direction: Points2, leaving: int) -> Indices:
-        # Number of the face that each line meets first
+        # Number of the face that each ray meets first
         along = self.end - self.start
         away = self.start - origin[:, None]
         cross = _cross(direction[:, None], along)
@@ -180,14 +180,14 @@ class SlatCell:
         met[:, leaving] = False
         hit = np.argmin(np.where(met, distance, np.inf), axis=1)
         lost = ~met.any(axis=1)
-        # Lines along an edge may miss all faces: they leave at the far opening
+        # Rays along an edge may miss all faces: they leave through the far opening
         hit[lost] = np.where(direction[lost, 0] > 0, self.room, self.sky)
         return np.asarray(hit)
 
     def _reciprocal(
         self, factors: Float[np.ndarray, "face face"]
     ) -> Float[np.ndarray, "face face"]:
-        # Counted factors miss L_i F_ij = L_j F_ji slightly; mend, and keep the sums
+        # Enforce L_i F_ij = L_j F_ji while keeping the row sums
         length = self.lengths[:, None]
         flux = length * factors
         for _ in range(50):

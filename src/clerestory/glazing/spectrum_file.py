@@ -1,4 +1,4 @@
-"""Spectra in files of two columns: sources, detectors, whatever was measured."""
+"""Reader of spectra in two columns: sources, detectors and measurements."""
 
 from pathlib import Path
 
@@ -13,12 +13,8 @@ def read_spectrum(path: str | Path) -> Spectrum:
     """Read a table of two columns, wavelength and value.
 
     Lines with other text are comments. A comment "Wavelength Units: microns" (as in
-    LBNL's .ssp and .dsp files) names the unit; without it, wavelengths are taken as
-    nanometres, and as micrometres if all of them are below 100.
-
-    Raises
-    ------
-    InputError : no rows, or wavelengths that do not grow
+    LBNL's .ssp and .dsp files) gives the unit; without it wavelengths are nanometres,
+    or micrometres if all of them are below 100.
     """
     rows: list[tuple[float, float]] = []
     unit = None

@@ -1,8 +1,8 @@
-"""A stack of layers becomes one BSDF, with what each layer keeps of the light.
+"""BSDF and absorptances of a stack of layers.
 
-Wavelength by wavelength each layer gives four matrices, the stack is combined, and
-the result counts with its weight in the solar and in the visible average. This is
-exact where bands are not: a blue pane behind a red one is dark in every wavelength.
+At each wavelength the matrices of the layers are combined, and the result is weighted
+into the solar and the visible average. Unlike the combination of band averages this is
+exact for spectrally selective layers.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.spectra import common_wavelengths
 
-# Matrices of this many numbers are worked on together: 100 MB for four of them.
+# Numbers per chunk of matrices: 100 MB for four of them.
 _TOGETHER = 3_000_000
 
 Method = Literal["wavelengths", "bands"]
@@ -37,13 +37,13 @@ Report = Callable[[float, str], None]
 @final
 @dataclass(frozen=True, eq=False)
 class StackedLayers:
-    """What a stack of layers does to light.
+    """Optical properties of a stack of layers.
 
     Attributes
     ----------
     bsdf : of the whole stack, with visible and solar channels
-    absorptance : per channel and side, share of the light from each incident patch
-        that each layer keeps, over (layer, incident)
+    absorptance : per channel and side, of each layer for light from each incident
+        patch, over (layer, incident)
     layers : names, from the sky to the room
     standard : name of the averages
     """
@@ -57,17 +57,17 @@ class StackedLayers:
     def direct_hemispherical(
         self, function: Function, *, channel: Channel = "visible"
     ) -> Values:
-        """Share of the light from each incident patch that is passed on in all."""
+        """Directional-hemispherical value per incident patch."""
         return self.bsdf.direct_hemispherical(function, channel=channel)
 
     def diffuse(self, function: Function, *, channel: Channel = "visible") -> float:
-        """Share of light from a uniform hemisphere that is passed on in all."""
+        """Diffuse transmittance or reflectance."""
         return self.bsdf.diffuse(function, channel=channel)
 
     def diffuse_absorptance(
         self, *, channel: Channel = "solar", side: Side = "front"
     ) -> Values:
-        """Share of light from a uniform hemisphere that each layer keeps."""
+        """Absorptance of each layer for light from a uniform hemisphere."""
         measure = self.partition.projected_solid_angles()
         return np.asarray(self.absorptance[channel, side] @ measure / np.pi)
 
@@ -82,23 +82,23 @@ def stack_layers(
     gap_thickness: float = 0.0,
     report: Report = lambda _share, _note: None,
 ) -> StackedLayers:
-    """Return what layers behind each other do to light.
+    """Return the optical properties of a stack of layers.
 
     Parameters
     ----------
     layers : from the sky to the room, at least one
-    partition : patches on both sides; None for the 145 of Klems
+    partition : patches on both sides; None for Klems full
     standard : spectral averages; None for NFRC's
-    method : "wavelengths" combines the layers at each wavelength that one of them is
-        known at; "bands" combines the solar and the visible averages of the layers,
-        which is quicker. A single BSDF keeps its own averages.
+    method : "wavelengths" combines the layers at all of their wavelengths; "bands"
+        combines their solar and visible averages, which is faster. A single BSDF keeps
+        its own averages.
     name : of the system
-    gap_thickness : of all gaps together, for the file that is written of it [m]
-    report : is told the share done, and a note
+    gap_thickness : total, for the file of the stack [m]
+    report : called with the fraction done, and a note
 
     Raises
     ------
-    InputError : no layer, or layers that no wavelength is common to
+    InputError : no layer, or no common wavelengths
 
     Examples
     --------
@@ -139,7 +139,7 @@ def stack_layers(
 
 
 def _product(layers: Sequence[Layer], gap_thickness: float, name: str) -> Product:
-    # WINDOW and pywincalc refuse files without a maker or a thickness
+    # WINDOW and pywincalc require a manufacturer and a thickness
     return Product(
         name=name or " | ".join(layer.name for layer in layers),
         manufacturer="stack of layers",
@@ -184,7 +184,7 @@ def _band_by_band(
 def _layer_band(
     layer: Layer, band: Band, channel: Channel, partition: RingPartition
 ) -> Optics:
-    # The average of a layer on its own
+    # Average of a single layer
     if isinstance(layer, BsdfLayer):
         return layer.band(channel, partition)
     weights = band.weights(layer.wavelength_nm)
@@ -216,7 +216,7 @@ def _passage(
         ]
         return pass_through(flux)
 
-    # Panes alone: every patch is a world of its own, with matrices of one number
+    # Specular panes: patches are independent, with 1 × 1 matrices
     single = pass_through([p.map(lambda share: share[..., None, None]) for p in panes])
     return Passage(
         single.system.map(lambda share: diagonal(share[..., 0, 0])),
@@ -250,5 +250,5 @@ def _add(one: Optics, other: Optics) -> Optics:
 
 
 def _bsdf(flux: ExitIncident, partition: RingPartition) -> ExitIncident:
-    # Rounding may leave zeros slightly negative
+    # Clip rounding errors
     return np.asarray(np.maximum(flux, 0) / partition.projected_solid_angles()[:, None])

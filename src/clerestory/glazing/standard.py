@@ -1,12 +1,12 @@
-"""Standards: how spectral properties are averaged into solar and visible ones.
+"""Standards for solar and visible averages of spectral properties.
 
-A band is a fixed set of weights at fixed wavelengths. The average over the band of
-anything that is known at other wavelengths is a weighted sum of what is known, so a
-stack of layers can be summed while its wavelengths are computed one after another.
+A band is a set of weights at fixed wavelengths. Averages of properties at other
+wavelengths are weighted sums of these, so that stacks can be summed wavelength by
+wavelength.
 
-References: NFRC 300 (source ASTM E891 direct, AM 1.5; visible D65 and CIE 1931 Y);
-EN 410 (tables of weights). The sums end at the last interval that lies wholly in
-the range, as in LBNL's WINDOW.
+References: NFRC 300 (source ASTM E891 direct, AM 1.5; visible D65 and CIE 1931 Y); EN
+410 (tables of weights). The sums end at the last interval within the range, as in
+WINDOW.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from clerestory.spectra import Spectrum, interpolation_matrix
 Channel = Literal["solar", "visible"]
 CHANNELS: tuple[Channel, ...] = ("solar", "visible")
 
-# Rounding of wavelengths in files [nm].
+# Tolerance of wavelengths in files [nm].
 _ROUNDING_NM = 1e-3
 
 
@@ -34,8 +34,8 @@ class Band:
 
     Attributes
     ----------
-    wavelength_nm : where the average looks
-    weight : what each wavelength counts; they sum to 1
+    wavelength_nm : wavelengths of the weights
+    weight : with a sum of 1
 
     Examples
     --------
@@ -58,7 +58,7 @@ class Band:
         return float(self.weight @ spectrum.at(self.wavelength_nm))
 
     def weights(self, known_nm: Values) -> Values:
-        """What values at other wavelengths count, with straight lines between them."""
+        """Weights of values at other wavelengths, by linear interpolation."""
         return np.asarray(
             self.weight @ interpolation_matrix(known_nm, self.wavelength_nm)
         )
@@ -71,7 +71,7 @@ class Standard:
 
     Attributes
     ----------
-    name : what reports call it
+    name : in reports
     solar, visible : the bands
     """
 
@@ -85,7 +85,7 @@ class Standard:
 
 
 def nfrc() -> Standard:
-    """Return the averages of NFRC 300: direct sun of AM 1.5, and D65 with the eye.
+    """Return the averages of NFRC 300: direct solar AM 1.5, and D65 with CIE 1931 Y.
 
     >>> flat = Spectrum(np.array([300.0, 2500.0]), np.array([0.4, 0.4]))
     >>> round(nfrc().solar.average(flat), 12)
@@ -98,7 +98,7 @@ def nfrc() -> Standard:
 
 
 def en410() -> Standard:
-    """Return the averages of EN 410, as weights in tables."""
+    """Return the averages of EN 410, from its tables of weights."""
     tables = [_table(name) for name in ("en410_solar", "en410_visible")]
     solar, visible = (
         Band(table.wavelength_nm, table.value / table.value.sum()) for table in tables
@@ -107,12 +107,7 @@ def en410() -> Standard:
 
 
 def standard(name: str) -> Standard:
-    """Return a standard by its name, "nfrc" or "en410".
-
-    Raises
-    ------
-    InputError : another name
-    """
+    """Return a standard by its name, "nfrc" or "en410"."""
     known = {"nfrc": nfrc, "en410": en410}
     word = name.lower().replace(" ", "")
     if word not in known:
@@ -121,12 +116,7 @@ def standard(name: str) -> Standard:
 
 
 def trapezoidal_band(source: Spectrum, *, low_nm: float, high_nm: float) -> Band:
-    """Return the weights of a trapezoidal sum over the intervals within a range.
-
-    Raises
-    ------
-    InputError : no interval lies in the range, or there is no power in it
-    """
+    """Return the weights of the trapezoidal rule over intervals within a range."""
     inside = (source.wavelength_nm >= low_nm - _ROUNDING_NM) & (
         source.wavelength_nm <= high_nm + _ROUNDING_NM
     )

@@ -1,9 +1,9 @@
-"""Heat through a stack: U, SHGC and temperatures, by LBNL's WINDOW engine.
+"""Thermal properties of a glazing system by LBNL's WINDOW engine.
 
-Light is ours, heat is pywincalc's, LBNL's own binding of the engine in WINDOW
-(ISO 15099). It comes with the extra `thermal`. Layers go to it as what they are: panes
-with their spectra, venetian, woven and perforated shades with their geometry, BSDFs
-as two-band matrices.
+Optical properties are computed by this package, thermal ones by pywincalc (extra
+`thermal`), LBNL's binding of the engine of WINDOW (ISO 15099). Panes are passed with
+their spectra, venetian, woven and perforated shades with their geometry, BSDFs as
+two-band matrices.
 """
 
 from collections.abc import Sequence
@@ -35,15 +35,15 @@ Wavelengths = Literal["full", "condensed"]
 @final
 @dataclass(frozen=True, eq=False)
 class ThermalFigures:
-    """What a stack lets through of heat and sun, from LBNL's engine.
+    """Thermal properties of a glazing system.
 
     Attributes
     ----------
     u : thermal transmittance, NFRC winter conditions [W/(m² K)]
-    shgc : solar heat gain coefficient, NFRC summer conditions, sun along the normal
-    solar_transmittance, visible_transmittance : along the normal, in all
-    temperatures_winter, temperatures_summer : of each layer's two faces, from the
-        sky to the room, with no sun and with the sun of SHGC [K]
+    shgc : solar heat gain coefficient, NFRC summer conditions, normal incidence
+    solar_transmittance, visible_transmittance : at normal incidence
+    temperatures_winter, temperatures_summer : of each layer's two faces, from the sky
+        to the room, without sun and with that of SHGC [K]
     relative_heat_gain : [W/m²]
     """
 
@@ -66,19 +66,18 @@ def thermal_figures(
     height: float = 1.0,
     tilt_deg: float = 90.0,
 ) -> ThermalFigures:
-    """Return U, SHGC and temperatures of a stack.
+    """Return U, SHGC and temperatures of a glazing system.
 
     Parameters
     ----------
     layers : from the sky to the room
     gaps : between them, one fewer
-    basis : Klems basis that shades are computed on; panes alone need none. BSDF
-        files are always taken on the 145 patches, the only ones pywincalc knows.
-    wavelengths : "full" takes all that the layers are known at, as pywincalc does
-        unless told; "condensed" takes twenty, which is good to 0.005 and several
-        times quicker where light is scattered
+    basis : Klems basis for shades; BSDF files always use Klems full, the only one that
+        pywincalc supports
+    wavelengths : "full" for all wavelengths of the layers; "condensed" for twenty,
+        which is accurate to 0.005 and several times faster for scattering layers
     width, height : of the window [m]
-    tilt_deg : of the window; 90 is upright
+    tilt_deg : of the window; 90 is vertical
 
     Raises
     ------

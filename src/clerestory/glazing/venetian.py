@@ -1,14 +1,13 @@
-"""Venetian blinds by radiosity: slats that scatter evenly, bounced to the last.
+"""Venetian blinds by radiosity between Lambertian slats.
 
-In section the light on each face of a slat is known from geometry, what it sends on
-from a balance of all faces, and what leaves into a direction from how much of each
-face is seen from there. Because the slats are long, a direction counts by its
-projection on the section, its profile angle.
+In section, the irradiance of each face follows from geometry, its radiosity from the
+balance of all faces, and the exit radiance from the visible fraction of each face. As
+slats are long, directions are projected onto the section (profile angle).
 
-References: ISO 15099:2003, 7.2 and 7.3; D. Carli, Calculation of optical properties
-for a venetian blind type of shading device, Carli Inc., 2006 (the model of WINDOW);
-J. H. Klems, Solar heat gain through fenestration systems containing shading, LBNL
-46682, 2000.
+References: ISO 15099:2003, 7.2 and 7.3; D. Carli, Calculation of optical properties for
+a venetian blind type of shading device, Carli Inc., 2006 (the model of WINDOW); J. H.
+Klems, Solar heat gain through fenestration systems containing shading, LBNL 46682,
+2000.
 """
 
 from dataclasses import dataclass, replace
@@ -29,7 +28,9 @@ Distribution = Literal["directional", "uniform"]
 
 
 class _Beams(NamedTuple):
-    """Shares of the light along each direction that meet each face of the slats."""
+    """Fractions of the light along each direction that meet each face,
+    and that pass.
+    """
 
     entering: Float[np.ndarray, "direction face"]
     straight: Float[np.ndarray, " direction"]
@@ -42,12 +43,12 @@ class VenetianBlind(Layer):
 
     Attributes
     ----------
-    material : of the slats; their upper face is its front
+    material : of the slats, with its front on their upper face
     slats : section
-    distribution : "directional" looks at the slats from each exit patch; "uniform"
-        spreads what is scattered evenly
-    vertical : whether the slats stand upright; positive tilt then turns the edge at
-        the sky to the left, seen from the room
+    distribution : "directional" uses the visible fraction of faces from each exit
+        patch; "uniform" is Lambertian
+    vertical : whether slats are vertical; positive tilt then turns the outer edge to
+        the left, seen from the room
 
     Examples
     --------
@@ -78,7 +79,7 @@ class VenetianBlind(Layer):
 
     @property
     def thickness(self) -> float:
-        """Room that the slats take up [m]."""
+        """Depth of the slats [m]."""
         return float(np.ptp(self.slats.polyline()[:, 0])) + self.material.thickness
 
     @property
@@ -87,7 +88,7 @@ class VenetianBlind(Layer):
         return self.material.emissivity_front, self.material.emissivity_back
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr], over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
         section = self._section(partition)
         measure = partition.projected_solid_angles()
         front, back = (
@@ -96,7 +97,7 @@ class VenetianBlind(Layer):
         )
         sent = [self._sent(beams.entering, wavelength_nm) for beams in (front, back)]
 
-        # Light leaves as it would come in along the opposite direction
+        # By reciprocity faces are seen from a direction like they are lit from it
         to_room, to_sky = (
             self._beams(section * [-1, -1], self._cell.room).entering,
             self._beams(section * [1, -1], self._cell.sky).entering,
@@ -120,7 +121,7 @@ class VenetianBlind(Layer):
         )
 
     def openness(self, direction: Directions) -> Values:
-        """Share of light along each direction that passes between the slats."""
+        """Fraction of light along each direction that passes between the slats."""
         x, y, z = direction.T
         profile = np.arctan2(x if self.vertical else y, z)
         angle, share = self._passing
@@ -143,7 +144,7 @@ class VenetianBlind(Layer):
 
     @cached_property
     def _passing(self) -> tuple[Values, Values]:
-        # Share that passes, at profile angles every quarter of a degree
+        # Direct transmittance at profile angles in steps of a quarter degree
         angle = np.radians(np.linspace(-89.75, 89.75, 719))
         section = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         return angle, self._beams(section, self._cell.sky).straight
@@ -163,7 +164,7 @@ class VenetianBlind(Layer):
         entering: Float[np.ndarray, "direction face"],
         wavelength_nm: Float[np.ndarray, " wavelength"],
     ) -> Float[np.ndarray, "wavelength face direction"]:
-        # Exitance of each face per irradiance of the blind, after all bounces
+        # Radiosity of each face per irradiance of the blind, after all reflections
         count = self.slats.segments
         spacing, length = self.slats.spacing, self._cell.lengths[: 2 * count]
         passes = self._material_matrix(wavelength_nm)
@@ -175,7 +176,7 @@ class VenetianBlind(Layer):
     def _material_matrix(
         self, wavelength_nm: Float[np.ndarray, " wavelength"]
     ) -> Float[np.ndarray, "wavelength face face"]:
-        # Each face sends what it reflects, and what passes from the other face
+        # Each face reflects, and transmits from the other face
         shares = self.material.at(wavelength_nm)
         count = self.slats.segments
         same, across = np.eye(count), np.eye(count)
@@ -190,6 +191,6 @@ class VenetianBlind(Layer):
         return np.concatenate(rows, axis=1)
 
     def _mean_view(self) -> tuple[Values, Values]:
-        # Share of each opening's view that each face takes
+        # View factors from each opening to the faces
         count = 2 * self.slats.segments
         return self._view[self._cell.room, :count], self._view[self._cell.sky, :count]

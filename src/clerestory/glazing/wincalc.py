@@ -1,4 +1,4 @@
-"""Layers and gaps as objects of pywincalc, the binding of LBNL's WINDOW engine."""
+"""Layers and gaps as objects of pywincalc, LBNL's binding of the WINDOW engine."""
 
 import importlib
 from types import ModuleType
@@ -22,12 +22,7 @@ Basis = Literal["full", "half", "quarter"]
 
 
 def load_engine() -> ModuleType:
-    """Return pywincalc.
-
-    Raises
-    ------
-    ClerestoryError : it is not installed
-    """
+    """Return pywincalc, or raise ClerestoryError if it is not installed."""
     try:
         return importlib.import_module("pywincalc")
     except ImportError as error:
@@ -62,11 +57,7 @@ def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> 
 
     Parameters
     ----------
-    partition : the 145 patches of Klems if the layer is a matrix
-
-    Raises
-    ------
-    InputError : a kind of layer that the engine does not know
+    partition : Klems full for layers that are passed as matrices
     """
     if isinstance(layer, Glass):
         return _sheet(engine, layer.pane)
@@ -106,7 +97,7 @@ def _optical(engine: ModuleType, pane: Pane) -> Any:
 
 
 def _components(engine: ModuleType, pane: Pane, row: int) -> list[Any]:
-    # Front transmittance, back transmittance, front reflectance, back reflectance
+    # Front and back transmittance, front and back reflectance
     parts = [pane.direct] if pane.diffuse is None else [pane.direct, pane.diffuse]
     return [
         engine.OpticalMeasurementComponent(
@@ -172,7 +163,7 @@ def _matrices(engine: ModuleType, layer: BsdfLayer, partition: RingPartition) ->
 
 
 def _even(engine: ModuleType, layer: Diffuser, partition: RingPartition) -> Any:
-    # A two-band matrix stands for cloth without openings
+    # Passed as a two-band matrix
     pane = layer.material
     bands = [
         layer.matrices(np.array([wavelength]), partition).map(lambda f: f[0])

@@ -1,20 +1,19 @@
-"""Directions from the angles of goniophotometers."""
+"""Directions from goniophotometer angles, and angles between directions."""
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, Points2, Values
 
-# Farthest from the normal that light is moved, in the disc below the hemisphere.
+# Largest distance from the centre of the disc.
 _RIM = 0.9999
 
 
 def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directions:
-    """Unit vectors at an angle to the normal and an azimuth [°].
+    """Unit vectors at a polar angle and an azimuth [°].
 
-    The azimuth counts from the right towards up. A negative angle to the normal lies
-    on the other side of it; beyond 90° the vector points to the other side of the
-    layer.
+    The azimuth runs from the right upwards. Negative polar angles are on the opposite
+    azimuth; beyond 90° the vector points to the other side of the layer.
 
     >>> from_degrees(90.0, 90.0).round(6).tolist()  # up
     [0.0, 1.0, 0.0]
@@ -27,14 +26,14 @@ def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directio
 
 
 def upright(direction: Directions) -> Directions:
-    """Directions mirrored to the side where z is not negative."""
+    """Directions mirrored to z ≥ 0."""
     return np.concatenate([direction[..., :2], np.abs(direction[..., 2:])], axis=-1)
 
 
 def angle_between(
     one: Float[np.ndarray, "*one 3"], other: Float[np.ndarray, "*other 3"]
 ) -> Float[np.ndarray, "*pair"]:
-    """Angle between unit vectors [rad], exact also where it is small."""
+    """Angle between unit vectors [rad], accurate for small angles."""
     chord = np.linalg.norm(one - other, axis=-1)
     return np.asarray(2 * np.arcsin(np.minimum(chord / 2, 1)))
 
@@ -42,7 +41,7 @@ def angle_between(
 def angle_table(
     one: Float[np.ndarray, "one 3"], other: Float[np.ndarray, "other 3"]
 ) -> Float[np.ndarray, "one other"]:
-    """Angles between all pairs of unit vectors [rad], to 1e-7 where they are small.
+    """Angles between all pairs of unit vectors [rad], accurate to 1e-7 near 0.
 
     >>> up = np.array([[0, 0, 1.0], [0, 0.6, 0.8]])
     >>> angle_table(up, up[:1]).round(4).tolist()
@@ -53,7 +52,8 @@ def angle_table(
 
 
 def above(disc: Points2) -> Directions:
-    """Unit vectors above places in the disc; beyond its rim those just within it.
+    """Unit vectors over points of the unit disc; points beyond the rim are moved
+    inside.
 
     >>> above(np.array([[0.6, 0.0], [0.0, 3.0]])).round(2).tolist()
     [[0.6, 0.0, 0.8], [0.0, 1.0, 0.01]]
@@ -65,5 +65,5 @@ def above(disc: Points2) -> Directions:
 
 
 def straight_on(incident: Directions) -> Directions:
-    """Where light goes straight on, or where a mirror sends it: both have this x, y."""
+    """Direction of undeviated transmission or of mirror reflection, equal in x, y."""
     return np.asarray(incident * [-1.0, -1.0, 1.0])

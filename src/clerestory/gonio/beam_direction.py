@@ -1,7 +1,7 @@
-"""Where the beam of a distribution points: the middle of its brightest part.
+"""Direction of the main beam of a scattered distribution.
 
-The single brightest direction of a wide, flat beam is a matter of noise. The middle of
-what is at least half as bright about it is not.
+The beam direction is the centroid of all directions near the peak with at least half of
+its BSDF, which is less sensitive to noise than the peak itself.
 """
 
 import numpy as np
@@ -11,16 +11,15 @@ from clerestory.gonio.angles import angle_between
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 
-# What is farther from the peak belongs to another beam [rad].
+# Largest distance from the peak of directions of the same beam [rad].
 _REACH = np.radians(20.0)
 
-# Cells of the grid on which the middle is found; fewer than these say no more than
-# the peak itself.
+# Resolution of the grid, and fewest cells for a centroid.
 _HALVINGS, _FEWEST = 6, 8
 
 
 def beam_direction(lobes: Lobes, *, near: Vector | None = None) -> Vector:
-    """Direction of the brightest beam, or of the one uphill of a direction.
+    """Direction of the strongest beam, or of the local maximum near a direction.
 
     >>> centre = np.array([[0, 0.6, 0.8]])
     >>> spot = Lobes(centre, np.array([0.2]), np.array([0.5]))

@@ -1,4 +1,4 @@
-"""Fitted layers as BSDFs on Klems patches or as tensor trees, for XML files."""
+"""Export of fitted layers as Klems matrices or tensor trees."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -26,17 +26,13 @@ def export_bsdf(
     processes: int = 1,
     progress: Callable[[str], Report] = lambda _name: silent,
 ) -> Bsdf:
-    """Return a layer of fitted functions on patches, or as tensor trees.
+    """Return a layer of fitted functions as matrices or tensor trees.
 
     Parameters
     ----------
     target : Klems basis, or "tree": rank 3 for isotropic layers, else rank 4
-    halvings, tolerance, processes : of trees, as of `to_tree`
+    halvings, tolerance, processes : of trees, as in `to_tree`
     progress : called with the name of each phase
-
-    Raises
-    ------
-    InputError : trees of different ranks, or too many halvings
     """
     bsdf = measured_bsdf(fits)
     if target != "tree":

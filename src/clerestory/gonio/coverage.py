@@ -1,4 +1,4 @@
-"""What a measurement covers: angles, gaps, doubtful values, symmetry, flux by scan."""
+"""Angular coverage, gaps, noise, symmetry and flux of a measurement."""
 
 from dataclasses import dataclass
 
@@ -13,45 +13,41 @@ from clerestory.gonio.lobe_fitting import condense, total_flux
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
-from clerestory.gonio.symmetry import (
-    SYMMETRIES,
-    Symmetry,
-    deduce_symmetry,
-    images,
-)
+from clerestory.gonio.symmetry import SYMMETRIES, Symmetry, deduce_symmetry, images
 
-# Directions farther than this from any point are a gap, unless the scan is coarser.
+# Distance from the nearest point that counts as a gap, at least this many degrees and
+# this many point spacings.
 _GAP_DEG = 6.0
 _GAP_PER_SPACING = 3.0
 
-# Points within this of the plane of incidence lie in it [°].
+# Largest distance from the plane of incidence of in-plane points [°].
 _IN_PLANE_DEG = 2.0
 
-# Points through which a quadratic is laid to see noise, and most places where.
+# Neighbours for a quadratic fit of the noise, and most places where it is made.
 _NEIGHBOURS, _MOST_SAMPLED = 16, 300
 
-# Grid of directions on which gaps are counted.
+# Halvings of the grid on which gaps are counted.
 _HALVINGS = 5
 
-# Mirror images whose light differs by less than this share are taken as alike.
+# Largest asymmetry of a layer that is taken as symmetric.
 _ALIKE = 0.1
 
 
 @dataclass(frozen=True)
 class ScanReport:
-    """What one scan covers.
+    """Coverage of one scan.
 
     Attributes
     ----------
     theta_deg, phi_deg : incident direction [°]
     points : measured directions
-    reach_deg : largest angle to the normal [°]
-    gap : share of the projected hemisphere that is far from any point
-    gap_deg : angle from the direction most remote from any point to the nearest [°]
-    negative : share of values below zero
-    noise : difference of neighbouring values, relative to them
+    reach_deg : largest polar angle [°]
+    gap : fraction of the projected hemisphere without nearby points
+    gap_deg : largest distance of a direction from the nearest point [°]
+    negative : fraction of negative values
+    noise : relative deviation of neighbouring values
     in_plane : whether only the plane of incidence was measured
-    flux : share of the light that is scattered in all
+    flux : directional-hemispherical value
     peak : largest BSDF [1/sr]
     """
 
@@ -70,15 +66,15 @@ class ScanReport:
 
 @dataclass(frozen=True)
 class Coverage:
-    """What a measurement covers.
+    """Coverage of a measurement.
 
     Attributes
     ----------
-    scans : one report a scan, in their order
+    scans : one report per scan
     implied : symmetry that the incident directions imply; None if they imply none
-    claimed : symmetry of the file, if it names one
-    asymmetry : share of the light by which scans differ from their images, for each
-        symmetry that pairs or planes of incident directions allow to see
+    claimed : symmetry in the file; None if it has none
+    asymmetry : mean fraction of the flux by which scans differ from their mirror
+        images, for each symmetry that the incident directions allow to test
     """
 
     scans: tuple[ScanReport, ...]
@@ -87,7 +83,7 @@ class Coverage:
     asymmetry: dict[Symmetry, float]
 
     def doubts(self) -> tuple[str, ...]:
-        """Return what may make results wrong, a line each."""
+        """Return warnings about the measurement, one line each."""
         lines: list[str] = []
         for report in self.scans:
             place = f"(θ {report.theta_deg:.1f}°, φ {report.phi_deg:.1f}°)"
@@ -117,7 +113,7 @@ class Coverage:
 
 
 def survey(measurement: Measurement) -> Coverage:
-    """Return what a measurement covers."""
+    """Return the coverage of a measurement."""
     try:
         implied: Symmetry | None = deduce_symmetry(measurement.incidents)
     except InputError:
@@ -150,13 +146,13 @@ def _report(scan: Scan) -> ScanReport:
 
 
 def _spacing(tree: cKDTree, scan: Scan) -> float:
-    # Root of the solid angle per point, where points lie as usual
+    # Median root of the solid angle per point
     distance, _ = tree.query(scan.leaving, k=[5])
     return float(np.median(distance)) / 2
 
 
 def _noise(tree: cKDTree, scan: Scan) -> float:
-    # Deviation of the neighbours of bright points from the quadratic that fits best
+    # Deviation of neighbouring values from a local quadratic, at bright points
     bright = np.flatnonzero(scan.values >= np.abs(scan.values).mean())
     if len(scan.values) < _NEIGHBOURS or not len(bright):
         return 0.0
@@ -185,7 +181,7 @@ def _in_plane(scan: Scan) -> bool:
 
 
 def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
-    # Compare each scan with the images of the scans whose images have its direction
+    # Compare scans with the images of others of the same incident direction
     found: dict[Symmetry, float] = {}
     incidents = measurement.incidents
     lights = [_light(scan) for scan in measurement.scans]
@@ -203,7 +199,7 @@ def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
 
 
 def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
-    # Light on a coarse grid of the square, on which images are flips
+    # Flux on a coarse grid of the unit square, on which images are flips
     points = condense(scan)
     flux = np.maximum(points.value * points.weight, 0)
     spread = np.full(len(flux), np.sqrt(2 * np.pi) / (1 << _HALVINGS))

@@ -1,9 +1,8 @@
-"""How far an interpolant can be trusted: leave one incident direction out, predict it.
+"""Leave-one-out cross-validation of interpolated measurements.
 
-Each scan is left out in turn, the others are joined without it, and what they say
-about its direction is compared with what was measured there. The neighbours are then
-twice as far as they are in use, so the errors are on the safe side; where a scan stood
-at the rim, they are those of extrapolation.
+Each scan is predicted from all others and compared with its measurement. As the
+neighbours are twice as far apart as in use, errors are conservative; scans at the rim
+are extrapolated.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,26 +34,23 @@ from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.transport_network import Network
 from clerestory.gonio.transport_refinement import replan
 
-# Fewest scans of which one can be left out.
+# Fewest scans for cross-validation.
 _FEWEST = 3
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What the other scans say about one that was left out.
+    """Prediction of one scan from the others.
 
     Attributes
     ----------
     theta_deg, phi_deg : incident direction [°]
-    inside : whether it lies among the others, or beyond the outermost
-    measured, predicted : share of the light that is scattered in all
-    peak_deg : angle from the measured to the predicted beam, the middle of what is
-        at least half as bright as the peak [°]
-    earth_mover_deg : mean angle by which light has to be moved [°]; not a number where
-        none is predicted
-    misplaced : share of the light that is not where it was measured; noise of the
-        measurement counts too
-    fitted : the same for the scan's own fit, the least that can be reached
+    inside : whether it is interpolated, not extrapolated
+    measured, predicted : directional-hemispherical value
+    peak_deg : angle between the measured and the predicted beam direction [°]
+    earth_mover_deg : earth mover's distance [°]; NaN without predicted flux
+    misplaced : fraction of the flux in wrong directions, including measurement noise
+    fitted : the same for the fit of the scan itself, a lower limit
     """
 
     theta_deg: float
@@ -69,17 +65,17 @@ class LeftOut:
 
     @property
     def flux_error(self) -> float:
-        """Predicted minus measured share of the light."""
+        """Predicted minus measured directional-hemispherical value."""
         return self.predicted - self.measured
 
 
 @dataclass(frozen=True)
 class CrossValidation:
-    """Errors of all scans left out one by one.
+    """Errors of all scans.
 
     Attributes
     ----------
-    scans : one a scan
+    scans : one per scan
     smoothing : of the fits
     """
 
@@ -87,7 +83,7 @@ class CrossValidation:
     smoothing: float
 
     def median(self, name: str, *, inside: bool = True) -> float:
-        """Median size of an error over the scans among the others, or beyond them.
+        """Median absolute error over interpolated, or extrapolated, scans.
 
         >>> one = LeftOut(30, 0, True, 0.5, 0.49, 1.0, 2.0, 0.1, 0.02)
         >>> round(CrossValidation((one,), 1.0).median("flux_error"), 3)
@@ -110,7 +106,7 @@ def cross_validate(
 
     Parameters
     ----------
-    symmetry, options, processes, progress : as of `fit_measurement`
+    symmetry, options, processes, progress : as in `fit_measurement`
 
     Raises
     ------
@@ -124,10 +120,7 @@ def cross_validate(
     if symmetry is None:
         symmetry = measurement.symmetry
     fits = fit_scans(
-        scans,
-        options=options,
-        processes=processes,
-        report=progress("fit lobes"),
+        scans, options=options, processes=processes, report=progress("fit lobes")
     )
     network = join(
         measurement.incidents,
@@ -153,12 +146,7 @@ def smoothing_study(
     processes: int = 1,
     progress: Callable[[str], Report] = lambda _name: silent,
 ) -> tuple[CrossValidation, ...]:
-    """Return the errors for several smoothing factors: which suits the measurement.
-
-    Raises
-    ------
-    InputError : as for `cross_validate`
-    """
+    """Return the errors for several smoothing factors."""
     return tuple(
         cross_validate(
             measurement,
@@ -199,7 +187,7 @@ def _left_out(
 
 
 def _about(network: Network, symmetry: Symmetry, scan: Scan) -> Indices:
-    # Edges that the light from a direction depends on: those of the corners about it
+    # Edges that affect the prediction: those of the corners around a direction
     mesh = network.mesh
     place = locate(mesh, _folded(network, symmetry, scan))
     simplex = mesh.edges if place.on_edge[0] else mesh.triangles

@@ -1,19 +1,16 @@
-"""Partial displacement: the lobes between measured directions, light under way.
+"""Displacement interpolation of lobes between measured incident directions.
 
-Each unit of light of a plan travels from its lobe at the start to its lobe at the end,
-its flux and its squared radius changing evenly; what has no partner fades in its place.
-Where the total flux is known it asks for more or less light than that, and what changes
-between the corners gives or takes the difference: half-way to a cut-off light is that
-of the open side, as much of it as passes, and beside a mirror's beam that grows
-towards grazing incidence scattered light stays what it is.
+Each unit of flux of a transport plan moves from its lobe at the start to its lobe at
+the end; flux and squared radius are interpolated linearly, and flux without a partner
+fades in place. If the total flux is known, all flux is scaled to it, mostly the flux
+that differs between the corners.
 
-It travels in the disc below the hemisphere, in which what a flat face, a prism or a
-grating does to light is nearly a shift: a beam between the corners of a triangle
-stands between its beams there by the same weights as the incident direction between
-the corners.
+Interpolation is linear in the disc below the hemisphere, in which the effect of a flat
+surface, a prism or a grating is nearly a translation: a beam has the same barycentric
+coordinates as the incident direction.
 
-References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward,
-M. Kurt, N. Bonneel, MAM 2014, for the step into triangles.
+References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward, M.
+Kurt, N. Bonneel, MAM 2014, for triangles.
 """
 
 import numpy as np
@@ -24,10 +21,10 @@ from clerestory.gonio.angles import above
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.particles import Particles
 
-# Limit of the exponent by which light changes, and the steps in its search.
+# Limit of the exponent, and steps and tolerance of its search.
 _STEEPEST, _STEPS, _STEP_ENDS = 60.0, 20, 1e-9
 
-# Weights that sum to less say nothing.
+# Smallest sum of weights.
 _NOTHING = 1e-9
 
 
@@ -40,15 +37,14 @@ def displace(
     weights: Vector | None = None,
     total: float | None = None,
 ) -> Lobes:
-    """Return the lobes at a place of a triangle or an edge.
+    """Return the lobes at a point of a triangle or an edge.
 
     Parameters
     ----------
-    corners : lobes of A, B, C; of an edge C is not looked at
-    s, t : shares of the way from A to B and from there to C
-    weights : of the places of A, B and C, if these are not to follow the way
-    total : flux of all lobes, if it is not to follow the way; finite or not a number,
-        which says nothing
+    corners : lobes of A, B, C; C of an edge is ignored
+    s, t : fractions of the way from A to B, and from there to C
+    weights : barycentric coordinates of the lobe positions; those of s and t if None
+    total : flux of all lobes; None or not finite for that of the interpolation
 
     Examples
     --------
@@ -85,17 +81,17 @@ def displace(
 
 
 def with_total(flux: Values, change: Values, total: float) -> Values:
-    """Fluxes that sum to a total, changed most where light differs between corners.
+    """Fluxes with a given sum, changed most where they differ between corners.
 
-    Each is multiplied by the exponential of its own relative change times a number
-    that all share, so none becomes negative, and where all change alike, as by
-    Fresnel's formulas, all are scaled alike. The number is found by Newton's method.
+    Each flux is multiplied by exp(power · change), with a common power found by
+    Newton's method, so that none becomes negative.
 
     Parameters
     ----------
-    change : mean deviation of the fluxes of the corners from that between them, as a
-        share of it
+    change : mean relative deviation of the corner fluxes from the interpolated one
 
+    Examples
+    --------
     >>> with_total(np.array([0.3, 0.2]), np.array([1.0, 0.0]), 0.4).round(6).tolist()
     [0.2, 0.2]
     >>> with_total(np.array([0.3, 0.2]), np.ones(2), 0.25).round(6).tolist()
@@ -120,7 +116,7 @@ def with_total(flux: Values, change: Values, total: float) -> Values:
 def _among(
     present: Bool[np.ndarray, "particles 3"], weights: Vector
 ) -> Float[np.ndarray, "particles 3"]:
-    # Weights of the corners at which a particle has a lobe, 1 in all
+    # Normalized weights of the corners at which a particle has a lobe
     own = present * weights
     total = own.sum(axis=1, keepdims=True)
     even = present / present.sum(axis=1, keepdims=True)

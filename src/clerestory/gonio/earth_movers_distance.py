@@ -1,4 +1,4 @@
-"""Earth mover's distance: how far light has to be moved to make one lobe of another."""
+"""Earth mover's distance between two scattered distributions."""
 
 import functools
 
@@ -12,18 +12,19 @@ from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 from clerestory.hemisphere.shirley_chiu import disc_from_square
 
-# Halvings of the cells between which light is moved, and of those it is drawn on.
+# Halvings of the cells of the distance, and of those that lobes are rasterized on.
 _HALVINGS, _DRAWN = 4, 6
 
-# Light of a cell that is not moved, as a share.
+# Smallest fraction of the flux of a cell.
 _LEAST = 1e-6
 
 
 def earth_mover(one: Lobes, other: Lobes) -> float:
-    """Mean angle that light travels from one distribution to another [rad].
+    """Mean angle by which flux must be moved to turn one distribution into another
+    [rad].
 
-    Both are taken per unit of their flux. Light moves between cells of equal
-    projected solid angle, 7° wide at the normal. Not a number if one is dark.
+    Distributions are normalized, on cells of equal projected solid angle that are 7°
+    wide at the normal. NaN if one has no flux.
 
     >>> a = Lobes(np.array([[0, 0, 1.0]]), np.array([0.1]), np.array([0.5]))
     >>> b = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.1]), np.array([0.2]))

@@ -1,4 +1,4 @@
-"""Energy of fitted layers: no side may scatter more light than it meets."""
+"""Energy conservation of fitted layers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -22,13 +22,13 @@ _SIDES: tuple[tuple[Function, Function], ...] = (
 
 @dataclass(frozen=True, eq=False)
 class Conserved:
-    """Fits that scatter no more light than they meet, and what that took.
+    """Fits whose transmittance plus reflectance is at most 1.
 
     Attributes
     ----------
-    fits : in their order
-    largest : share of the light that one incident direction scattered before
-    changed : incident directions whose light was dimmed
+    fits : in the given order
+    largest : largest sum before the correction
+    changed : number of incident directions that were scaled
     """
 
     fits: tuple[Fitted, ...]
@@ -37,9 +37,9 @@ class Conserved:
 
 
 def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
-    """Dim the light of measured directions where both functions of a side exceed 1.
+    """Scale measured directions whose transmittance plus reflectance exceeds 1.
 
-    Only the visible channel is looked at; its factors serve the others.
+    Factors are those of the visible channel, for all channels.
     """
     visible = {
         fit.function: fit.interpolant for fit in fits if fit.channel == "visible"
@@ -59,7 +59,7 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
 
 
 def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
-    # Light scattered by both functions of the side, from each vertex
+    # Transmittance plus reflectance at each vertex
     vertices = fit.interpolant.network.mesh.vertices
     side = next(pair for pair in _SIDES if fit.function in pair)
     known = [visible[name] for name in side if name in visible]

@@ -1,8 +1,8 @@
-"""Fitted measurements in NetCDF, so that a fit is made once.
+"""Storage of fitted measurements in NetCDF.
 
-The file is NetCDF-4: a group a function, with the vertices of the mesh, the lobes of
-all vertices end to end and the moves of all plans end to end. It carries the same
-SHA-256 sum behind its data as files of transfer matrices.
+The file is NetCDF-4 with a group per function: vertices of the mesh, and the
+concatenated lobes of all vertices and moves of all plans. A SHA-256 sum follows the
+data, as in files of transfer matrices.
 """
 
 import io
@@ -29,7 +29,7 @@ from clerestory.matrix.netcdf import SEAL_LENGTH, seal
 
 _FORMAT = "Clerestory scattering interpolant 1"
 
-# Names of the arrays that a group holds, with the dimensions of each.
+# Arrays of a group with their dimensions.
 _ARRAYS: dict[str, tuple[str, ...]] = {
     "vertices": ("vertex", "axis"),
     "triangles": ("triangle", "corner"),
@@ -51,12 +51,7 @@ _ARRAYS: dict[str, tuple[str, ...]] = {
 
 
 def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
-    """Write fitted functions to a file, whole or not at all.
-
-    Raises
-    ------
-    OutputError : the file cannot be written
-    """
+    """Write fitted functions to a file."""
     buffer = io.BytesIO()
     with h5netcdf.File(buffer, "w") as file:
         file.attrs["format"] = _FORMAT
@@ -75,12 +70,7 @@ def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
 
 
 def read_fits(path: str | Path) -> tuple[Fitted, ...]:
-    """Return the fitted functions that `write_fits` wrote.
-
-    Raises
-    ------
-    InputError : not such a file, or damaged
-    """
+    """Return the fitted functions of a file of `write_fits`."""
     data = read_bytes(path)
     if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
         raise InputError(

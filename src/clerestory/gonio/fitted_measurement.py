@@ -1,4 +1,4 @@
-"""From a measurement to its interpolant: fit every scan, mesh, plan transport."""
+"""Fit of a measurement: lobes of every scan, incident mesh, transport plans."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -22,9 +22,9 @@ class Fitted:
     Attributes
     ----------
     interpolant : the function
-    function, channel : which it is
+    function, channel : its name
     name : of the sample
-    options : how scans became lobes
+    options : of the lobe fits
     """
 
     interpolant: Interpolant
@@ -42,19 +42,19 @@ def fit_measurement(
     processes: int = 1,
     progress: Callable[[str], Report] = lambda _name: silent,
 ) -> Fitted:
-    """Return the function that interpolates a measurement.
+    """Return the scattering function that interpolates a measurement.
 
     Parameters
     ----------
-    symmetry : of the layer; None for what the file claims or else what the incident
-        directions imply
-    processes : that share the work
-    progress : called with the name of each phase; what it returns is told the share
-        done
+    symmetry : of the layer; None for that of the file or else of the incident
+        directions
+    processes : number of parallel processes
+    progress : called with the name of each phase; returns a function that receives the
+        fraction done
 
     Raises
     ------
-    InputError : too few directions, or a scan that scatters no light
+    InputError : too few directions, or a scan without flux
     """
     if symmetry is None:
         symmetry = measurement.symmetry
@@ -81,11 +81,11 @@ def fit_measurement(
 
 
 def measured_bsdf(fits: Sequence[Fitted], *, source: str | None = None) -> Bsdf:
-    """Return the layer of several fitted functions, to be evaluated and sampled.
+    """Return the BSDF of several fitted functions.
 
     Parameters
     ----------
-    source : file they came from, for messages
+    source : file, for messages
 
     Raises
     ------

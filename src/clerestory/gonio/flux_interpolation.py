@@ -1,18 +1,14 @@
-"""Total flux between measured directions: a smooth curve, or a Gaussian process.
+"""Interpolation of directional-hemispherical values between incident directions.
 
-Displacement alone would leave the flux straight between the corners of a triangle.
-That lies beneath Fresnel's curves by 5 % at 10° steps, and knows nothing of the edge
-of a cut-off that runs between directions.
+Displacement interpolation of lobes is linear in flux, which is up to 5 % below
+Fresnel's curves at 10° steps and does not resolve cut-offs between measured directions.
 
-Along an arc a curve without overshoot follows the measured values over 1 − cos θ, the
-variable of Schlick's approximation of Fresnel's formulas: flux is even about the normal
-and bends towards grazing incidence. Around the normal
-a Gaussian process does, in coordinates that suit windows: for bars along the width the
-flux depends on the profile angle across them and hardly on anything else, and then
-every measured direction says something about every other of its profile angle, so that
-a cut-off is found much finer than the steps between neighbours. Which coordinates
-suit, and how far values reach along each, is what makes the measured values most
-likely; the images that symmetry implies count as well.
+For isotropic layers a monotone cubic curve interpolates over 1 − cos θ, the variable of
+Schlick's approximation. For others a Gaussian process is used in coordinates that suit
+windows: for horizontal slats or prisms the flux depends mainly on the profile angle, so
+that all directions of one profile angle share information and cut-offs are resolved
+finer than the mesh. Coordinates and length scales maximize the marginal likelihood,
+with the images that symmetry implies.
 
 References: C. Schlick, "An inexpensive BRDF model for physically-based rendering",
 Computer Graphics Forum 13 (3), 1994; F. N. Fritsch, R. E. Carlson, "Monotone piecewise
@@ -34,41 +30,41 @@ from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import NO_LIGHT
 from clerestory.gonio.symmetry import Symmetry, fold, images
 
-# Beside the profile angle across bars along the width, or along the height, stands
-# what those leave unchanged: the cosine to the bars.
+# Profile angle across horizontal or vertical slats with the cosine along them, or the
+# disc.
 Coordinates = Literal["profile", "sideways", "disc"]
 _COORDINATES: tuple[Coordinates, ...] = ("profile", "sideways", "disc")
 
-# How far values reach along a coordinate: choices, and the first tried [rad or 1].
+# Length scales that are tried, and the initial one [rad or 1].
 _REACHES = (0.12, 0.25, 0.5, 1.0, 2.0, 8.0)
 _FIRST = 3
 
-# Variance of the noise of measured fluxes as a share of that of the process.
+# Variances of the noise over that of the process that are tried.
 _NOISES = (1e-6, 1e-4, 1e-3)
 
-# Profile angles near the horizon are limited by this least height.
+# Least z in profile angles.
 _LEAST_HEIGHT = 0.02
 
-# Sweeps over the choices; two or three suffice.
+# Most sweeps of the coordinate search.
 _SWEEPS = 4
 
-# 1 − cos θ of what counts as the normal.
+# Largest 1 − cos θ of normal incidence.
 _AT_NORMAL = 1e-9
 
-# Directions of the same place, as digits of the unit vector.
+# Digits of unit vectors of equal directions.
 _DIGITS = 7
 
 
 class Flux(Protocol):
-    """From incident direction to the share of light that is scattered in all."""
+    """Directional-hemispherical value as a function of the incident direction."""
 
     def at(self, direction: Directions) -> Values:
-        """Share at each direction; not a number where nothing is said."""
+        """Value at each direction; NaN outside the domain."""
 
 
 @dataclass(frozen=True, eq=False)
 class FluxCurve:
-    """Flux along the arc of an isotropic layer.
+    """Directional-hemispherical values of an isotropic layer.
 
     Attributes
     ----------
@@ -86,22 +82,22 @@ class FluxCurve:
     curve: PchipInterpolator
 
     def at(self, direction: Directions) -> Values:
-        """Share at each direction; not a number beyond the outermost ones."""
+        """Value at each direction; NaN beyond the outermost measured ones."""
         return np.asarray(self.curve(_fall(direction)))
 
 
 @dataclass(frozen=True, eq=False)
 class FluxProcess:
-    """Flux around the normal as a Gaussian process.
+    """Directional-hemispherical values as a Gaussian process.
 
     Attributes
     ----------
     known : measured directions
     images : factors of x, y, z that symmetry implies
-    coordinates : in which values reach
-    reach : how far along each [rad or 1]
-    weight : of the kernels about the known directions
-    mean, most : of the process, and the largest share that is believed
+    coordinates : of the kernel
+    reach : length scale of each coordinate [rad or 1]
+    weight : of the kernels at the measured directions
+    mean, most : of the process, and upper limit of its values
     """
 
     known: Float[np.ndarray, "known 3"]
@@ -113,7 +109,7 @@ class FluxProcess:
     most: float
 
     def at(self, direction: Directions) -> Values:
-        """Share at each direction."""
+        """Value at each direction."""
         kernel = _kernel(
             direction, self.known, self.images, self.coordinates, self.reach
         )
@@ -125,7 +121,7 @@ class FluxProcess:
 def flux_surface(
     mesh: Mesh, totals: Values, *, symmetry: Symmetry, quadrant: Vector2
 ) -> Flux:
-    """Return what follows the shares at the vertices of a mesh.
+    """Return the interpolation of the values at the vertices of a mesh.
 
     Parameters
     ----------
@@ -143,7 +139,7 @@ def _process(
     totals: Float[np.ndarray, " known"],
     factors: Float[np.ndarray, "images 3"],
 ) -> FluxProcess:
-    # The likeliest of all coordinates, each from its own search
+    # The most likely coordinates
     most = max(1.0, float(totals.max()))
     spread = float(np.ptp(totals))
     if spread < 1e-9:
@@ -164,12 +160,7 @@ def _likeliest(
     factors: Float[np.ndarray, "images 3"],
     name: Coordinates,
 ) -> tuple[float, Vector, float]:
-    """Search one coordinate's reach after the other, then the noise.
-
-    Returns
-    -------
-    negative logarithm of the likelihood, reaches, noise
-    """
+    """Return negative log likelihood, length scales and noise, by coordinate search."""
     seen: dict[tuple[int, ...], float] = {}
 
     def unlikely(choice: tuple[int, ...]) -> float:
@@ -196,7 +187,7 @@ def _unlikeliness(
     totals: Float[np.ndarray, " known"],
     noise: float,
 ) -> float:
-    # −log of the marginal likelihood, the scale of the process put in its best place
+    # −log of the marginal likelihood, at the optimal variance of the process
     count = len(totals)
     kernel = kernel * (count / np.trace(kernel))
     factor, inverse = _inverse(kernel, noise)
@@ -230,7 +221,7 @@ def _kernel(
     name: Coordinates,
     reach: Vector,
 ) -> Float[np.ndarray, "one other"]:
-    # Matérn's of order 3/2, whose curves may bend sharply, over all images
+    # Matérn kernel of order 3/2, summed over all images
     total = np.zeros((len(one), len(other)))
     place = _coordinates(one, name) / reach
     for factor in factors:
@@ -252,7 +243,7 @@ def _coordinates(direction: Directions, name: Coordinates) -> Directions:
 
 
 def _curve(vertices: Directions, totals: Values) -> FluxCurve:
-    # Beyond the normal the arc has a mirror image; up to the normal flux is even
+    # The curve is even about the normal; vertices beyond it are mirror images
     own = vertices[:, 0] >= 0
     fall, total = _fall(vertices[own]), totals[own]
     if fall[0] > _AT_NORMAL:

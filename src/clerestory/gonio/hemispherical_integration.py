@@ -1,9 +1,9 @@
-"""Integrals over scattered hemispheres that were measured at scattered points.
+"""Hemispherical integration of scattered data.
 
-Over the disc below the hemisphere equal areas are equal projected solid angles. The
-points are joined to triangles there, and each counts a third of the triangles about
-it: the integral of the surface that is straight between neighbours. Gaps are bridged
-by their edges; beyond the outermost points the nearest value goes on to the horizon.
+Areas of the disc below the hemisphere are projected solid angles. The points are
+triangulated there, and each gets a third of the adjacent triangles: the integral of the
+piecewise linear surface. Beyond the outermost points the nearest value is extended to
+the horizon.
 """
 
 import functools
@@ -14,25 +14,25 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from clerestory.array_types import Directions, Values
 
-# Points on the horizon that carry the nearest measured value.
+# Points on the horizon with the nearest measured value.
 _RIM = 240
 
-# Points alike to so many digits are one: all azimuths at the normal.
+# Digits of equal points, such as all azimuths at the normal.
 _DIGITS = 9
 
-# Points this near to the horizon make further ones unnecessary.
+# Distance from the centre of points on the horizon.
 _AT_RIM = 0.9995
 
 
 def integration_weights(direction: Directions) -> Values:
-    """Projected solid angle that each point stands for [sr]; the sum is π.
+    """Projected solid angle of each point [sr]; the sum is π.
 
     >>> ring = 2 * np.pi * np.arange(12) / 12
     >>> points = np.stack([0.7 * np.cos(ring), 0.7 * np.sin(ring), 0 * ring + 0.714], 1)
     >>> round(float(integration_weights(points).sum()), 6)
     3.141593
     """
-    # Instruments often scan the same pattern again, and its mesh takes long
+    # Cached, as instruments often repeat a pattern of directions
     return _weights_of(np.ascontiguousarray(direction[:, :2]).tobytes())
 
 
@@ -71,7 +71,7 @@ def _thirds(
     area = np.abs(ax * by - ay * bx) / 2
     share = np.bincount(mesh.simplices.ravel(), np.repeat(area / 3, 3), len(point))
 
-    # Points that coincide with a corner, which Delaunay leaves out, share with it
+    # Points that coincide with a corner are not in the triangulation
     mates = np.ones(len(point))
     if len(mesh.coplanar):
         left, kept = mesh.coplanar[:, 0], mesh.coplanar[:, 2]

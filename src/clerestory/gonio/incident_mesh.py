@@ -1,12 +1,10 @@
-"""Mesh of incident directions: Delaunay triangles on the hemisphere, or an arc.
+"""Triangulation of incident directions.
 
-A stereographic projection keeps circles, so triangles that are Delaunay in the plane
-are Delaunay on the sphere. A direction in a triangle (A, B, C) is reached along the
-edge from A to B by the share s and from there towards C by the share t. Directions
-beyond the outermost ones are those of the nearest point of the rim, and a turn.
+A stereographic projection preserves circles, so that a Delaunay triangulation in the
+plane is one on the sphere. A direction in a triangle (A, B, C) is given by the fraction
+s from A to B and t from there to C. Directions outside are projected onto the rim.
 
-Of an isotropic layer the directions lie on an arc from the normal, whose pieces are
-triangles without a third corner.
+Directions of isotropic layers are an arc of edges from the normal.
 """
 
 from dataclasses import dataclass
@@ -19,23 +17,23 @@ from clerestory.array_types import Directions, Indices, Mask, Values, Vector, Ve
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
 
-# Barycentric coordinates this far below zero are still inside.
+# Tolerance of barycentric coordinates.
 _INSIDE = -1e-9
 
-# Thinnest triangle that is kept, as the sine of the volume its corners span.
+# Least volume spanned by the corners of a triangle.
 _THINNEST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Incident directions and what joins them.
+    """Incident directions and their triangulation.
 
     Attributes
     ----------
     vertices : unit vectors with z ≥ 0
-    triangles : corners, numbers growing; on an arc the third is -1
-    edges : pairs of vertices, numbers growing
-    rim : which edges have a triangle on one side only, or all of an arc
+    triangles : corners in ascending order
+    edges : pairs of vertices in ascending order
+    rim : which edges have a triangle on one side only
 
     Examples
     --------
@@ -52,21 +50,21 @@ class Mesh:
 
     @property
     def arc(self) -> bool:
-        """Whether the directions lie on an arc."""
+        """Whether the directions are an arc."""
         return bool(len(self.triangles) == 0)
 
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where directions lie in a mesh.
+    """Places of directions in a mesh.
 
     Attributes
     ----------
     simplex : number of the triangle, or of an edge where `on_edge`
-    on_edge : nearest to an edge: on an arc, or beyond the rim
-    s : share of the way from the first corner to the second
-    t : share of the way from there to the third corner; 0 on edges
-    found : the direction itself, or the nearest one of the rim
+    on_edge : on an arc, or beyond the rim
+    s : fraction of the way from the first corner to the second
+    t : fraction of the way from there to the third corner; 0 on edges
+    found : the direction itself, or its projection onto the rim
     """
 
     simplex: Int[np.ndarray, " directions"]
@@ -77,12 +75,7 @@ class Place:
 
 
 def triangulate(vertices: Directions) -> Mesh:
-    """Return the Delaunay mesh of directions on the hemisphere.
-
-    Raises
-    ------
-    InputError : fewer than three directions, or all in one plane
-    """
+    """Return the Delaunay mesh of directions on the hemisphere."""
     flat = vertices[:, :2] / (1 + vertices[:, 2:])
     try:
         corners = np.sort(Delaunay(flat).simplices, axis=1)
@@ -99,7 +92,7 @@ def triangulate(vertices: Directions) -> Mesh:
 
 
 def string(theta: Values) -> Mesh:
-    """Return the mesh of an isotropic layer: an arc of growing polar angles [rad].
+    """Return the mesh of an isotropic layer: an arc of ascending polar angles [rad].
 
     >>> string(np.radians([0.0, 30.0, 60.0])).edges.tolist()
     [[0, 1], [1, 2]]
@@ -126,9 +119,9 @@ def locate(mesh: Mesh, direction: Directions) -> Place:
 
 
 def flat_weights(corners: Directions, direction: Vector) -> tuple[Vector, Vector2]:
-    """Weights of corners in the disc below the hemisphere, and the place they give.
+    """Weights of corners in the disc below the hemisphere, and the resulting place.
 
-    In a triangle that is the place of the direction itself; of an edge the nearest.
+    In a triangle that is the place of the direction; on an edge the nearest.
 
     >>> corners = from_degrees(np.array([0.0, 90]), np.array([0.0, 0]))
     >>> weights, place = flat_weights(corners, from_degrees(30.0, 0.0))
@@ -146,12 +139,7 @@ def flat_weights(corners: Directions, direction: Vector) -> tuple[Vector, Vector
 
 def _in_triangles(
     mesh: Mesh, direction: Directions
-) -> tuple[
-    Values,
-    Values,
-    Values,
-    Mask,
-]:
+) -> tuple[Values, Values, Values, Mask]:
     corner = mesh.vertices[mesh.triangles]
     inverse = np.linalg.inv(corner.transpose(0, 2, 1))
     simplex, least = np.zeros(len(direction), dtype=int), np.zeros(len(direction))
@@ -172,14 +160,8 @@ def _in_triangles(
     return simplex.astype(float), np.clip(s, 0, 1), np.clip(t, 0, 1), least < _INSIDE
 
 
-def _on_rim(
-    mesh: Mesh, direction: Directions
-) -> tuple[
-    Indices,
-    Values,
-    Directions,
-]:
-    # The nearest point of each rim edge: of its great circle, or an end of it
+def _on_rim(mesh: Mesh, direction: Directions) -> tuple[Indices, Values, Directions]:
+    # The nearest point of each rim edge on its great circle
     rim = np.flatnonzero(mesh.rim)
     a, b = mesh.vertices[mesh.edges[rim]].transpose(1, 0, 2)
     angle = angle_between(a, b)

@@ -1,8 +1,6 @@
-"""The interpolant: a scattering function between the directions that were measured.
+"""Interpolated scattering function of a goniophotometer measurement.
 
-It is a `ScatteringFunction` like matrices and trees, so it can be evaluated, sampled,
-averaged over patches and stand in a `Bsdf`. Its resolution has no cells: it is that of
-the lobes.
+A `ScatteringFunction` without cells: its resolution is that of the fitted lobes.
 """
 
 from collections.abc import Iterator
@@ -32,11 +30,7 @@ from clerestory.gonio.incident_mesh import Place, flat_weights, locate
 from clerestory.gonio.lobe_motion import followed
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network_assembly import about_normal, turned
-from clerestory.gonio.particles import (
-    Particles,
-    edge_particles,
-    triangle_particles,
-)
+from clerestory.gonio.particles import Particles, edge_particles, triangle_particles
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.transport_network import Network
@@ -44,15 +38,14 @@ from clerestory.gonio.tree_export import to_tree
 from clerestory.gonio.unmatched_lobes import with_continuations
 from clerestory.hemisphere.partition import RingPartition
 
-# Halvings of the grid on which light is gathered for patches; Klems' smallest patch
-# has forty of its cells.
+# Halvings of the grid for sampling and patch averages; the smallest Klems patch has
+# forty of its cells.
 _GATHER = 6
 
-# Incident directions over which a patch is averaged: rings by azimuths.
+# Rings and azimuths of the incident directions of a patch average.
 _PATCH_RINGS, _PATCH_AZIMUTHS = 2, 4
 
-# Halvings that stand for the resolution of an interpolant in its reverse and as a
-# table for kernels.
+# Halvings of the reciprocal and of the tabulated function.
 _HALVINGS = 6
 
 
@@ -63,7 +56,7 @@ class Interpolant(ScatteringFunction):
 
     Attributes
     ----------
-    network : lobes at the measured directions, and plans between them
+    network : lobes at the measured directions, and transport plans between them
     symmetry : of the layer
 
     Examples
@@ -85,10 +78,10 @@ class Interpolant(ScatteringFunction):
 
     @cached_property
     def follow(self) -> float:
-        """Share of the turn of the incident light that lobes follow on the whole.
+        """Mean rotation of lobes over that of the incident direction.
 
-        So they go on where nothing was measured, beyond the outermost directions: 1
-        for a clear pane, 0 for a diffuser.
+        Used for extrapolation beyond the outermost directions: 1 for a clear pane, 0
+        for a diffuser.
         """
         return followed(self.network)
 
@@ -149,7 +142,7 @@ class Interpolant(ScatteringFunction):
         return value.reshape(shape)
 
     def hemispherical(self, incident: Directions) -> Values:
-        """Share of the light from each direction that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance."""
         source = np.reshape(incident, (-1, 3))
         share = np.empty(len(source))
         for group, lobes in self._grouped(source):
@@ -157,10 +150,7 @@ class Interpolant(ScatteringFunction):
         return share.reshape(np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Directions into which light leaves, and their probability density [1/sr].
-
-        See `ScatteringFunction.sample`.
-        """
+        """Exit directions and their probability density [1/sr]."""
         source, u = np.reshape(incident, (-1, 3)), np.reshape(u, (-1, 2))
         leaving, density = np.empty((len(source), 3)), np.empty(len(source))
         raster = Raster.of(_GATHER)
@@ -171,7 +161,7 @@ class Interpolant(ScatteringFunction):
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the cell in which samples are alike [sr]."""
+        """Projected solid angle of the cells of the sampling grid [sr]."""
         shape = np.broadcast_shapes(np.shape(incident), np.shape(leaving))[:-1]
         return np.full(shape, np.pi * 0.25**_GATHER)
 
@@ -201,11 +191,11 @@ class Interpolant(ScatteringFunction):
         return ReversedFunction(self, halvings=_HALVINGS)
 
     def tabulated(self) -> ScatteringTree:
-        """Return a tree of 2^6 cells along each axis, made when it is first needed."""
+        """Return a cached tree of 2^6 cells along each axis."""
         return self._tree
 
     def own_partitions(self) -> None:
-        """None: an interpolant is not made of patches."""
+        """None: an interpolant has no patches."""
 
     def _at(self, place: Place, k: int, wanted: Vector, total: float) -> Lobes:
         mesh, lobes = self.network.mesh, self._moving.lobes
@@ -221,7 +211,7 @@ class Interpolant(ScatteringFunction):
         return found
 
     def _travelling(self, on_edge: bool, number: int) -> Particles:
-        # Particles of a triangle or an edge, made when they are first needed
+        # Cached particles of a triangle or an edge
         key = on_edge, number
         if key not in self._particles:
             self._particles[key] = (
@@ -234,7 +224,7 @@ class Interpolant(ScatteringFunction):
     def _grouped(
         self, source: Float[np.ndarray, "directions 3"]
     ) -> Iterator[tuple[Int[np.ndarray, " group"], Lobes]]:
-        # Directions that occur again share their lobes
+        # Group equal directions, which have the same lobes
         unique, which = np.unique(source, axis=0, return_inverse=True)
         order = np.argsort(which.ravel(), kind="stable")
         limits = np.searchsorted(which.ravel()[order], np.arange(len(unique) + 1))
@@ -243,7 +233,7 @@ class Interpolant(ScatteringFunction):
 
 
 def _stratified() -> Points2:
-    # Rings of equal flux, azimuths staggered from one to the next
+    # Rings of equal flux, with azimuths staggered between rings
     ring, turn = np.meshgrid(
         np.arange(_PATCH_RINGS), np.arange(_PATCH_AZIMUTHS), indexing="ij"
     )
@@ -253,7 +243,7 @@ def _stratified() -> Points2:
 
 
 def _shifted(lobes: Lobes, found: Vector2, wanted: Vector, follow: float) -> Lobes:
-    # Move the centres with the incident direction, in the disc, up to its rim
+    # Move the centres with the incident direction in the disc
     turn = (found - wanted[:2]) * follow
     if np.hypot(*turn) < 1e-9:
         return lobes

@@ -1,8 +1,7 @@
-"""A layer from a file, whether it was exported or is a fit of measurements itself.
+"""Reader of layers from BSDF files or from files of fitted measurements.
 
-Fits are evaluated as they are, at the resolution of their lobes; what needs patches
-averages them. Their reader is loaded when it is needed: it brings the solver of
-optimal transport along.
+Fits are used at the resolution of their lobes. Their reader is imported on demand, as
+it imports the solver of optimal transport.
 """
 
 import importlib
@@ -15,12 +14,7 @@ _SUFFIX = ".nc"
 
 
 def read_layer(path: str | Path) -> Bsdf:
-    """Return the layer of a BSDF file (.xml), or of fitted measurements (.nc).
-
-    Raises
-    ------
-    InputError : not such a file, or damaged
-    """
+    """Return the layer of a BSDF file (.xml), or of fitted measurements (.nc)."""
     if Path(path).suffix.lower() != _SUFFIX:
         return read_bsdf(path)
     storage = importlib.import_module("clerestory.gonio.fit_storage")

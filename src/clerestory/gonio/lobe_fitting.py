@@ -1,9 +1,9 @@
-"""Lobes for one scan: an adaptive grid, a lobe a cell, fluxes that explain the values.
+"""Fitting of Gaussian lobes to one scan.
 
-Centres and radii follow the cells of a quadtree; fluxes are those that are nowhere
-negative and come nearest to the measured values, each weighted like a count of
-photons. Where there are no data, as in the shadow of the detector, fluxes keep to what
-the mean of their cell says. At the end all fluxes are scaled to the measured total.
+Centres and radii follow the cells of an adaptive quadtree; fluxes are the non-negative
+least-squares solution, with each value weighted by its variance as a photon count.
+Where there are no data, as in the shadow of the detector, fluxes are regularized
+towards the mean of their cell. Finally all fluxes are scaled to the measured total.
 """
 
 import functools
@@ -22,45 +22,45 @@ from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.quadtree import Quadtree
 from clerestory.gonio.scattering_measurement import Scan
 
-# Means of neighbouring points that stand for the points themselves in a fit.
+# Most condensed points in a fit.
 _MOST_BINS = 2000
 
-# Least share of the mean weight that a point keeps, so that every bin has a mean.
+# Smallest weight of a point over the mean weight.
 _LEAST_WEIGHT = 1e-6
 
-# Halvings of the coarsest cells: of bins, a lobe's own cell and those about it.
+# Halvings of the coarsest cells of points and of lobes.
 _COARSEST_BIN, _COARSEST_LOBE = 5, 2
 
-# Radius of a lobe over the width of its cell, if smoothing is 1. Lobes at this
-# distance sum to an even plain.
+# Radius of a lobe over the width of its cell at smoothing 1, at which lobes sum to a
+# plateau.
 _RADIUS_OVER_WIDTH = 0.6
 
-# Fits that misplace more of the light than this get twice as many lobes.
+# Residual above which the number of lobes is doubled.
 _MISPLACED = 0.05
 
-# Scans that scatter less than this share of the brightest are dark.
+# Flux of dark scans over that of the brightest.
 _DARK = 1e-3
 
-# Weight of the mean of a cell against the values themselves.
+# Weight of the regularization.
 _PRIOR = 1e-2
 
-# Share of the values that may lie below what is taken to be everywhere.
+# Quantile of the values that gives the uniform background.
 _EVEN = 0.05
 
-# Share of the mean value below which differences count less.
+# Floor of values as a share of their mean.
 _FLOOR = 1e-2
 
 
 @dataclass(frozen=True)
 class FitOptions:
-    """How scans become lobes.
+    """Parameters of the fit.
 
     Attributes
     ----------
-    lobes : most lobes a scan; twice as many where these misplace more than a
-        twentieth of the light, as on plateaus with steep edges
-    smoothing : width of lobes against the distance between them; 1 is an even sum,
-        less is sharper and follows noise, more is softer
+    lobes : most lobes per scan; twice as many where the residual exceeds a twentieth of
+        the flux, as on plateaus with steep edges
+    smoothing : width of lobes over their distance; 1 sums to a smooth plateau, less is
+        sharper and more sensitive to noise, more is smoother
 
     Raises
     ------
@@ -83,13 +83,13 @@ DEFAULT = FitOptions()
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Values at directions, and the projected solid angle each stands for.
+    """Values at directions, and the projected solid angle of each.
 
     Attributes
     ----------
     direction : unit vectors
     value : BSDF [1/sr]
-    weight : projected solid angles [sr], π in all
+    weight : projected solid angles [sr], π in total
     """
 
     direction: Float[np.ndarray, "points 3"]
@@ -98,15 +98,14 @@ class Points:
 
     @property
     def flux(self) -> float:
-        """Share of the incident light that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance."""
         return float(self.value @ self.weight)
 
 
 def condense(scan: Scan, *, most: int = _MOST_BINS) -> Points:
     """Return a scan as at most `most` points, each the mean of its neighbours.
 
-    Every value counts by the projected solid angle it stands for, so that a bin half
-    of which was scanned finely has the mean of its area, and no flux is lost.
+    Values are weighted by projected solid angle, so that flux is conserved.
     """
     share = integration_weights(scan.leaving)
     if len(share) <= most:
@@ -122,7 +121,7 @@ def condense(scan: Scan, *, most: int = _MOST_BINS) -> Points:
 
 
 def total_flux(scan: Scan) -> float:
-    """Share of the incident light that a scan finds scattered in all."""
+    """Directional-hemispherical transmittance or reflectance of a scan."""
     return float(scan.values @ integration_weights(scan.leaving))
 
 
@@ -135,12 +134,7 @@ def fit_scans(
 ) -> list[Lobes]:
     """Return the lobes of every scan.
 
-    A scan that finds next to none of the light of the brightest is dark, as behind a
-    film that turns all light back.
-
-    Raises
-    ------
-    InputError : a scan, or all, scatter no light in all
+    Scans with almost no flux compared to the largest one are taken as dark.
     """
     most = max(total_flux(scan) for scan in scans)
     return map_in_order(
@@ -159,12 +153,7 @@ def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
 
 
 def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
-    """Return the lobes of a scan; their flux is that of the scan.
-
-    Raises
-    ------
-    InputError : the scan scatters no light in all
-    """
+    """Return the lobes of a scan; their flux is that of the scan."""
     points = condense(scan)
     if points.flux <= 0:
         raise InputError(
@@ -179,7 +168,7 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
 
 
 def misplaced_light(points: Points, predicted: Values) -> float:
-    """Share of measured light that a prediction puts elsewhere; 1 where it is dark.
+    """Fraction of the measured flux that a prediction puts elsewhere; 1 without flux.
 
     Parameters
     ----------
@@ -193,7 +182,7 @@ def misplaced_light(points: Points, predicted: Values) -> float:
 
 
 def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
-    # At most so many lobes, scaled to the flux of the points
+    # Lobes scaled to the flux of the points
     centre, radius, prior = _placed(points, options, most)
     basis = Lobes(centre, radius, prior).basis(points.direction)
     flux = _solve(basis, points, prior)
@@ -204,12 +193,8 @@ def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
 
 def _placed(
     points: Points, options: FitOptions, most: int
-) -> tuple[
-    Directions,
-    Values,
-    Values,
-]:
-    # A lobe a cell: at the centroid of its light, as wide as the cell, with its flux
+) -> tuple[Directions, Values, Values]:
+    # One lobe per cell: at its flux centroid, with its width and flux
     cells = Quadtree(points.direction, points.value).cut(
         most - 1, coarsest=_COARSEST_LOBE
     )
@@ -219,7 +204,7 @@ def _placed(
     radius = _RADIUS_OVER_WIDTH * options.smoothing * width
     radius = np.clip(radius, LEAST_RADIUS, MOST_RADIUS)
 
-    # What is everywhere is one lobe as wide as the hemisphere
+    # The uniform background is one lobe as wide as the hemisphere
     even = max(float(np.quantile(points.value, _EVEN)), 0.0)
     rest = np.maximum(cells.sum((points.value - even) * points.weight), 0)
     return (
@@ -234,13 +219,13 @@ def _solve(
     points: Points,
     prior: Float[np.ndarray, " lobes"],
 ) -> Float[np.ndarray, " lobes"]:
-    # Least squares with each value weighted by its variance, were it a count
+    # Least squares weighted by the variance of photon counts
     floor = _FLOOR * points.flux / np.pi
     weight = points.weight / (np.maximum(basis @ prior, 0) + floor)
     gram = basis.T @ (basis * weight[:, None])
     target = basis.T @ (points.value * weight)
 
-    # Hold each flux to its prior by a small share of its own weight
+    # Regularize each flux towards its prior
     hold = _PRIOR * np.diag(gram)
     gram[np.diag_indices_from(gram)] += hold
     target += hold * prior

@@ -1,8 +1,8 @@
-"""How lobes turn with the incident light, as the plans between them show.
+"""Motion of lobes with the incident direction, estimated from transport plans.
 
-How the light of a lobe turns shows where it has partners: along the edges of its
-vertex, and of lobes nearby. What these say together is a matrix from the turn of the
-incident light to that of the lobe, both in the disc below the hemisphere.
+The moves of a lobe along all edges of its vertex, and those of nearby lobes, give a 2 ×
+2 matrix from the displacement of the incident direction to that of the lobe, both in
+the disc below the hemisphere.
 """
 
 import numpy as np
@@ -13,26 +13,25 @@ from clerestory.gonio.angles import above, straight_on
 from clerestory.gonio.lobes import Lobes, angles_among
 from clerestory.gonio.transport_network import Network
 
-# Lobes within so many of their radii turn alike.
+# Distance in radii of lobes with similar motion.
 _ALIKE = 3.0
 
-# Weight of the mean turn of all lobes against that of the lobe's own moves, as a
-# share of the squared turn that its own moves would have if all its light had them.
+# Weight of the mean motion of all lobes, over the squared motion of the flux of a lobe.
 _PRIOR = 0.05
 
-# Lobes wider than this say nothing about where light turns [rad].
+# Largest radius of lobes with a significant motion [rad].
 _WIDE = 0.5
 
 
 def followed(network: Network) -> float:
-    """How far lobes follow where light goes straight on, over all plans; -1…1."""
+    """Mean motion of lobes over that of undeviated light, over all plans; -1…1."""
     along, squared = 0.0, 0.0
     for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
         ends = straight_on(network.mesh.vertices[[a, b]])
         turn = (ends[1] - ends[0])[:2]
         start, end = network.lobes[a], network.lobes[b]
         move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
-        # Sharp lobes show where light goes, wide ones are noise of the grid
+        # Narrow lobes show the motion; that of wide ones is noise of the grid
         flux = np.minimum(plan.sent, plan.received)
         weight = flux / (start.radius[plan.source] * end.radius[plan.target])
         along += float(weight @ (move @ turn))
@@ -41,17 +40,17 @@ def followed(network: Network) -> float:
 
 
 class Turns:
-    """How the lobes of a vertex turn with the incident light, in the disc.
+    """Motion of the lobes of a vertex in the disc.
 
     Parameters
     ----------
-    follow : share of the turn of the incident light that lobes follow on the whole
+    follow : mean motion of lobes over that of undeviated light
 
     Attributes
     ----------
     lobes : of the vertex
-    matrix : from the turn of the incident light to that of each lobe
-    sure : share of the squared moves of each lobe's light that the matrix explains
+    matrix : from the displacement of undeviated light to that of each lobe
+    sure : fraction of the squared moves of each lobe that the matrix explains
     """
 
     def __init__(self, network: Network, vertex: int, follow: float) -> None:
@@ -91,17 +90,17 @@ class Turns:
         self.sure = np.clip(1 - missed / np.maximum(moved, 1e-30), 0, 1)
 
     def expected(self, turn: Vector2) -> Points2:
-        """Places of the lobes in the disc after a turn, as far as it is sure."""
+        """Expected places of the lobes in the disc, weighted by `sure`."""
         shift = self.sure[:, None] * (self.matrix @ turn)
         return np.asarray(self.lobes.centre[:, :2] + shift)
 
     def moved(self, number: Indices, turn: Vector2) -> Lobes:
-        """Lobes without light where some would stand after a turn."""
+        """Lobes without flux at the expected places."""
         disc = self.lobes.centre[number, :2] + self.matrix[number] @ turn
         return Lobes(above(disc), self.lobes.radius[number], np.zeros(len(number)))
 
     def _alike(self) -> Float[np.ndarray, "lobes lobes"]:
-        # Lobes near to each other, sharp ones more than wide ones
+        # Weights of nearby lobes, larger for narrow ones
         radius = self.lobes.radius
         apart = angles_among(self.lobes)
         near = np.exp(-0.5 * (apart / (_ALIKE * np.minimum.outer(radius, radius))) ** 2)
@@ -111,13 +110,8 @@ class Turns:
 
 def _moves(
     network: Network, number: int, vertex: int
-) -> tuple[
-    Indices,
-    Points2,
-    Vector2,
-    Values,
-]:
-    # Own lobes, where their light moves in the disc, the turn of incidence, and flux
+) -> tuple[Indices, Points2, Vector2, Values]:
+    # Own lobes, their moves in the disc, displacement of undeviated light, and flux
     plan = network.plans[number]
     a, b = network.mesh.edges[number]
     move = (

@@ -1,10 +1,9 @@
-"""Gaussian lobes: a scattered distribution as a sum of round bumps on the hemisphere.
+"""Gaussian lobes: scattered distributions as sums of radial basis functions.
 
-A lobe has a centre, a radius and a flux. Its BSDF falls from the centre as
-exp((cos α − 1) / r²), the radial basis function of Ward, Kurt and Bonneel, and is
-scaled so that it carries its flux through the hemisphere, the part below the horizon
-cut off. So a sum of lobes scatters exactly the sum of their fluxes, wherever they are
-moved.
+A lobe has a centre, a radius and a flux. Its BSDF is proportional to exp((cos α − 1) /
+r²), the radial basis function of Ward, Kurt and Bonneel, normalized to its flux over
+the hemisphere without the part below the horizon, so that total flux is conserved when
+lobes move.
 
 Reference: G. Ward, M. Kurt, N. Bonneel, "Reducing anisotropic BSDF measurement to
 common practice", Workshop on Material Appearance Modeling, 2014.
@@ -25,21 +24,20 @@ from clerestory.gonio.angles import angle_table
 # Pairs of a direction and a lobe that are evaluated together.
 _TOGETHER = 1 << 20
 
-# Radii outside these are not told apart [rad]: 0.02° and 115°.
+# Range of radii [rad]: 0.02° to 115°.
 LEAST_RADIUS, MOST_RADIUS = 3e-4, 2.0
 
-# Share of the light of what is dark, so that it still has a shape.
+# Flux of dark distributions, so that their shape is defined.
 NO_LIGHT = 1e-9
 
-# Lobes among which the highest point is sought, and the steps uphill from there.
+# Candidate lobes for the peak, and steps and tolerance of mean shift.
 _CANDIDATES, _MOST_STEPS, _STEP_ENDS = 64, 200, 1e-5
 
-# Table of what curvature does to the flux of a lobe: nodes in elevation and radius.
+# Table of the curvature correction: nodes in elevation and radius.
 _ELEVATIONS, _RADII, _QUADRATURE = 65, 33, 200
 _FLAT_RADIUS = 0.02
 
-# Sets of lobes whose angles between each other are kept: those of a vertex and its
-# neighbours serve several plans.
+# Cached sets of lobes: those of a vertex are used by several plans.
 _KEPT = 32
 
 
@@ -51,11 +49,11 @@ class Lobes:
     ----------
     centre : unit vectors, z ≥ 0
     radius : of each lobe [rad]
-    flux : share of the incident light that each lobe carries
+    flux : of each lobe per incident flux
 
     Raises
     ------
-    InputError : shapes disagree or a number makes no lobe
+    InputError : different lengths, or values that define no lobe
 
     Examples
     --------
@@ -90,12 +88,12 @@ class Lobes:
 
     @property
     def total(self) -> float:
-        """Share of the incident light that is scattered in all."""
+        """Directional-hemispherical transmittance or reflectance."""
         return float(self.flux.sum())
 
     @property
     def half_maximum(self) -> Values:
-        """Angle from the centre at which a lobe has half its peak [rad]."""
+        """Angle from the centre at half of the peak [rad]."""
         return np.asarray(np.arccos(np.maximum(1 - self.radius**2 * np.log(2), -1)))
 
     @property
@@ -119,14 +117,14 @@ class Lobes:
         return np.asarray(self._shape(leaving) / norm(self.centre[:, 2], self.radius))
 
     def strongest(self) -> Vector:
-        """Direction in which the BSDF is largest."""
+        """Direction of the largest BSDF."""
         best = np.argsort(self.peak)[-_CANDIDATES:]
         return self.climb(
             self.centre[best[np.argmax(self.evaluate(self.centre[best]))]]
         )
 
     def climb(self, direction: Vector) -> Vector:
-        """Direction of the local maximum uphill of a direction.
+        """Direction of the local maximum uphill of a direction, by mean shift.
 
         Reference: D. Comaniciu, P. Meer, "Mean shift", IEEE Transactions on Pattern
         Analysis and Machine Intelligence 24 (5), 2002.
@@ -167,6 +165,8 @@ def norm(height: Values, radius: Values) -> Values:
     ----------
     height : z of the centre of the lobe
 
+    Examples
+    --------
     >>> small = norm(np.array([1.0]), np.array([0.01]))  # nearly 2π r²
     >>> round(float(small[0] / (2 * np.pi * 0.01**2)), 3)
     1.0
@@ -178,7 +178,7 @@ def norm(height: Values, radius: Values) -> Values:
 
 
 def _flat(elevation: Values, radius: Values) -> Values:
-    # A plane Gaussian over the horizon: E[max(sin(e + r·x), 0)] to first order in r
+    # Plane Gaussian above the horizon: E[max(sin(e + r·x), 0)] to first order in r
     reach = elevation / radius
     above = special.ndtr(reach)
     edge = np.exp(-(reach**2) / 2) / np.sqrt(2 * np.pi)
@@ -187,7 +187,7 @@ def _flat(elevation: Values, radius: Values) -> Values:
 
 
 def _integral(elevation: Values, radius: Values) -> Values:
-    # Over rings of equal θ the integral in azimuth is a Bessel function
+    # On rings of equal θ the integral over azimuth is a Bessel function
     centre = np.pi / 2 - elevation[..., None]
     wide = 8 * radius[..., None]
     low, high = np.maximum(centre - wide, 0), np.minimum(centre + wide, np.pi / 2)

@@ -79,12 +79,7 @@ def read_measurement(
 
 
 def recognized_format(path: Path) -> FileFormat:
-    """Return the format of a file, recognized from its first bytes.
-
-    Raises
-    ------
-    InputError : no known format
-    """
+    """Return the format of a file, recognized from its first bytes."""
     data = read_bytes(path)[:_HEAD]
     text = "" if b"\0" in data else data.decode("latin-1").lower()
     lines = (line.strip() for line in text.splitlines())
@@ -109,8 +104,7 @@ def _merged(
             groups.setdefault((part.function, part.channel), []).append(part)
     return tuple(
         replace(
-            parts[-1],
-            scans=merge_scans(scan for part in parts for scan in part.scans),
+            parts[-1], scans=merge_scans(scan for part in parts for scan in part.scans)
         )
         for parts in groups.values()
     )

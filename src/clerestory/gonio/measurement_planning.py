@@ -1,9 +1,8 @@
-"""Where more scans are worth most: far from the others, among those that predict badly.
+"""Planning of additional scans.
 
-Leaving scans out shows where interpolation cannot be trusted: a direction beside scans
-of which others put much of the light elsewhere. What a scan there is worth is that
-share times the angle to the nearest scan, so new directions stand densely where light
-changes fast, and nowhere twice.
+Leave-one-out cross-validation shows where interpolation is inaccurate. The priority of
+a direction is the error at the nearest scan times the angle to it, so that new
+directions are dense where the distribution changes fast.
 """
 
 import numpy as np
@@ -14,17 +13,17 @@ from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.symmetry import Symmetry, fold, images, measured_quadrant
 
-# Directions over the hemisphere among which the best are sought, 2° apart.
+# Candidate directions over the hemisphere, 2° apart.
 _CANDIDATES = 4000
 
 
 def worth_measuring(
     validation: CrossValidation, *, symmetry: Symmetry, count: int
 ) -> Directions:
-    """Incident directions that are worth most, the best first.
+    """Incident directions of the highest priority, in this order.
 
-    They lie in the measured part of the hemisphere, no farther from the normal than
-    the outermost scan.
+    They are in the measured part of the hemisphere, within the largest measured polar
+    angle.
 
     Parameters
     ----------
@@ -69,7 +68,7 @@ def worth_measuring(
 def _within(
     known: Float[np.ndarray, "scans 3"], symmetry: Symmetry, most_deg: float
 ) -> Float[np.ndarray, "candidates 3"]:
-    # Spread evenly over the measured part
+    # Fibonacci spiral over the measured part
     turn = np.pi * (1 + 5**0.5) * (np.arange(_CANDIDATES) + 0.5)
     height = 1 - (np.arange(_CANDIDATES) + 0.5) / _CANDIDATES
     flat = np.sqrt(1 - height**2)

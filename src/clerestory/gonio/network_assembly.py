@@ -1,7 +1,7 @@
-"""Fits at measured directions, and their mirror images, with the plans between them.
+"""Assembly of the transport network of a measurement.
 
-The images that symmetry implies join the mesh, so that it has no seam along the edge
-of the measured part; only what reaches into that part is kept.
+Images that symmetry implies are part of the mesh, so that it has no seam at the border
+of the measured part; triangles outside that part are dropped.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,12 +30,7 @@ def connect(
     processes: int = 1,
     report: Report = silent,
 ) -> Network:
-    """Return fits joined by transport plans, with the images symmetry implies.
-
-    Raises
-    ------
-    InputError : too few directions for this symmetry
-    """
+    """Return fits joined by transport plans, with the images symmetry implies."""
     network = join(incidents, fits, symmetry, processes=processes, report=report)
     return plan_again(network, processes=processes, report=report)
 
@@ -49,15 +44,11 @@ def join(
     processes: int = 1,
     report: Report = silent,
 ) -> Network:
-    """Return fits joined by plans that know nothing of each other, for `plan_again`.
+    """Return fits joined by initial plans, which `plan_again` refines.
 
     Parameters
     ----------
-    known : such plans of another network of the same fits, which are not made again
-
-    Raises
-    ------
-    InputError : too few directions for this symmetry
+    known : initial plans of another network of the same fits, which are reused
     """
     if len(fits) < 2:
         raise InputError(
@@ -74,7 +65,7 @@ def join(
 
 
 def turned(lobes: Lobes, turn: Float[np.ndarray, "3 3"]) -> Lobes:
-    """Return lobes turned or mirrored by a matrix.
+    """Return lobes transformed by a rotation or reflection matrix.
 
     >>> up = Lobes(np.array([[0, 0.6, 0.8]]), np.ones(1), np.ones(1))
     >>> turned(up, np.diag([1.0, -1.0, 1.0])).centre.tolist()
@@ -84,7 +75,7 @@ def turned(lobes: Lobes, turn: Float[np.ndarray, "3 3"]) -> Lobes:
 
 
 def about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
-    """Matrix of a turn about the normal, from right towards up [rad]."""
+    """Matrix of a rotation about the normal, from right upwards [rad]."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
 
@@ -92,7 +83,7 @@ def about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
 def _around(
     incidents: Directions, fits: Sequence[Lobes], symmetry: Symmetry
 ) -> tuple[Mesh, tuple[Lobes, ...], Vector2]:
-    # Triangles that reach into the measured part
+    # Triangles that overlap the measured part
     quadrant = measured_quadrant(incidents)
     vertices, lobes = _with_images(incidents, fits, symmetry)
     mesh = triangulate(vertices)
@@ -103,7 +94,7 @@ def _around(
 def _isotropic(
     incidents: Directions, fits: Sequence[Lobes]
 ) -> tuple[Mesh, tuple[Lobes, ...]]:
-    # Turn every direction to azimuth 0; without the normal go on to the other side
+    # Rotate every direction to azimuth 0; without normal incidence add an image
     azimuth = np.arctan2(incidents[:, 1], incidents[:, 0])
     theta = np.arctan2(np.hypot(*incidents[:, :2].T), incidents[:, 2])
     order = np.argsort(theta)

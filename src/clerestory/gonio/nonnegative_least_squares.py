@@ -1,9 +1,9 @@
-"""Non-negative least squares from normal equations, many unknowns at a time.
+"""Non-negative least squares from normal equations, by block principal pivoting.
 
-Which unknowns are zero is guessed, the others are solved for, and all that contradict
-the guess change sides together; one at a time where that no longer helps, so the
-search ends. Of lobes most are not zero, and a few solutions suffice, where a search
-from zero takes as many as there are lobes.
+All unknowns that contradict the current active set are exchanged together, or one at a
+time where that no longer helps, which terminates. As most lobes are positive, a few
+linear solves suffice where an active-set method from zero needs as many as there are
+lobes.
 
 Reference: L. F. Portugal, J. J. Júdice, L. N. Vicente, "A comparison of block pivoting
 and interior-point algorithms for linear least squares problems with nonnegative
@@ -14,17 +14,17 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy import linalg
 
-# Exchanges of many unknowns that may fail to help before single ones are made.
+# Block exchanges without progress before single ones are made.
 _PATIENCE = 3
 
-# What counts as negative, as a share of the target.
+# Tolerance of negative values, as a share of the target.
 _NEGATIVE = 1e-12
 
 
 def non_negative(
     gram: Float[np.ndarray, "unknowns unknowns"], target: Float[np.ndarray, " unknowns"]
 ) -> Float[np.ndarray, " unknowns"]:
-    """Return x ≥ 0 for which xᵀ·gram·x/2 − targetᵀ·x is least.
+    """Return x ≥ 0 that minimizes xᵀ·gram·x/2 − targetᵀ·x.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def non_negative(
     >>> non_negative(gram, np.array([2.0, -1.0])).round(9).tolist()
     [1.0, 0.0]
     """
-    # Unknowns in the unit of their own diagonal, in which all are alike
+    # Scale the unknowns to unit diagonal
     scale = 1 / np.sqrt(np.diag(gram))
     gram, target = gram * np.outer(scale, scale), target * scale
     least = _NEGATIVE * float(np.abs(target).max(initial=0))
@@ -62,7 +62,7 @@ def _solved(
     target: Float[np.ndarray, " unknowns"],
     free: Bool[np.ndarray, " unknowns"],
 ) -> tuple[Float[np.ndarray, " unknowns"], Float[np.ndarray, " unknowns"]]:
-    # Free unknowns, the others zero; and how far these want to grow
+    # Solution for the free unknowns, and the gradient for the others
     found = np.zeros(len(target))
     if np.any(free):
         factor = linalg.cho_factor(gram[np.ix_(free, free)], check_finite=False)

@@ -1,20 +1,17 @@
-"""Transport plans: which light of one measured distribution becomes which of the next.
+"""Optimal transport between the lobes of two incident directions.
 
-Along an edge of the mesh the lobes of one end are joined to those of the other so
-that light travels as little as possible: optimal transport, with the squared angle
-between lobes and the squared difference of their radii as the cost of a unit of flux.
+Lobes at both ends of a mesh edge are joined at the least cost: squared angle plus
+squared difference of radii per unit of flux.
 
-Layers also pass more or less light as its direction changes. So before transport the
-fluxes of both ends are balanced locally: where one end has less within the *reach* of
-a lobe, the other is dimmed to it. What a lobe has more than it sends, it loses on the
-way, and a lobe that sends nothing goes with its neighbour. A lobe without a partner in
-reach, as one that is cut off, fades where it is instead of wandering into another,
-which would make a ghost half-way.
+As the total flux differs between the ends, fluxes are balanced locally first: where one
+end has less flux within the *reach* of a lobe, the other is reduced to it. The
+remaining flux of a lobe is gained or lost on the way. A lobe without a partner in reach
+fades in place, as moving it would create a spurious beam half-way.
 
 References: N. Bonneel, M. van de Panne, S. Paris, W. Heidrich, "Displacement
 interpolation using Lagrangian mass transport", ACM Transactions on Graphics 30 (6),
-2011; for what vanishes, A. Figalli, "The optimal partial transport problem", Archive
-for Rational Mechanics and Analysis 195, 2010.
+2011; A. Figalli, "The optimal partial transport problem", Archive for Rational
+Mechanics and Analysis 195, 2010.
 """
 
 from dataclasses import dataclass
@@ -27,39 +24,36 @@ from clerestory.array_types import Values
 from clerestory.gonio.angles import angle_table
 from clerestory.gonio.lobes import Lobes, angles_among
 
-# Reach of a lobe: so many times the angle between the incident directions, for a
-# tilted mirror and a prism turn light by up to twice the angle they are turned by…
+# Reach of a lobe over the angle between incident directions: tilted mirrors and prisms
+# deviate light by up to twice their rotation …
 _REACH_PER_ANGLE = 1.5
 
-# … and so many of its radii.
+# … plus this many radii.
 _REACH_PER_RADIUS = 1.0
 
-# Lobes whose centres are nearer than so many of their radii are parts of one peak.
+# Distance in radii of lobes that belong to one peak.
 _TOUCHING = 1.5
 
-# A lobe this much wider than another is no part of its peak: a beam that is cut off
-# does not become a veil.
+# Ratio of radii above which lobes belong to different peaks.
 _WIDER = 3.0
 
-# Lobes count fully within the reach and soon no more beyond it: with the eighth power
-# of the distance, its square squared twice.
+# The weight of lobes falls with distance to the power 2^(1 + steepness).
 _STEEPNESS = 2
 
-# Light below this share of a plan does not travel, and a lobe that sends less than
-# this share of its own has no partner.
+# Least flux of a move as a share of all flux, and least share of a lobe that is sent.
 _LEAST_SHARE, _NO_PARTNER = 1e-7, 1e-2
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Where the light of one set of lobes goes in another; a sparse matrix.
+    """Transport plan between two sets of lobes; a sparse matrix.
 
     Attributes
     ----------
-    source, target : numbers of the lobes that exchange light
-    sent, received : light that leaves each source for its target, and what arrives
-    fading : light of each lobe at the start that has no target
-    rising : light of each lobe at the end that has no source
+    source, target : numbers of the joined lobes
+    sent, received : flux of each move at the start and at the end
+    fading : flux of each lobe at the start without a target
+    rising : flux of each lobe at the end without a source
     """
 
     source: Int[np.ndarray, " moves"]
@@ -97,7 +91,8 @@ def plan_moves(
 
     Parameters
     ----------
-    distance : of each lobe at the end from where one of the start is or will be [rad]
+    distance : from each lobe of the start, or its expected place, to each of the end
+        [rad]
     slack : reach of a lobe beyond its radius [rad]
     """
     moved = _moved(start, end, distance, slack)
@@ -106,7 +101,7 @@ def plan_moves(
     out = np.bincount(source, flux, len(start))
     came = np.bincount(target, flux, len(end))
 
-    # A lobe divides all its light as the plan divides what it sends
+    # A lobe divides all of its flux like the flux that it sends
     partner = (out > _NO_PARTNER * start.flux)[source]
     partner &= (came > _NO_PARTNER * end.flux)[target]
     source, target, flux = source[partner], target[partner], flux[partner]
@@ -115,7 +110,7 @@ def plan_moves(
     sent = start.flux[source] * flux / out[source]
     received = end.flux[target] * flux / came[target]
 
-    # A lobe that takes no part goes with the nearest that does
+    # A lobe without moves follows its nearest neighbour that has some
     lone, _, to = _companions(start, out > 0, source, target, flux)
     late, _, off = _companions(end, came > 0, target, source, flux)
     fading = np.where(out > 0, 0, start.flux)
@@ -140,7 +135,9 @@ def _companions(
 ) -> tuple[
     Int[np.ndarray, " lone"], Int[np.ndarray, " lone"], Int[np.ndarray, " lone"]
 ]:
-    """Lobes that take no part, those they go with, and where these mostly go."""
+    """Lobes without moves, their neighbours with moves, and the main
+    targets of these.
+    """
     lone, part = np.flatnonzero(~taking_part), np.flatnonzero(taking_part)
     if not len(lone) or not len(part):
         none = np.zeros(0, dtype=int)
@@ -161,7 +158,7 @@ def _companions(
 def _moved(
     start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], slack: float
 ) -> Float[np.ndarray, "start end"]:
-    # Dim each lobe to what both ends have within its reach
+    # Reduce each lobe to the flux that both ends have within its reach
     reach, reach_end = _reach(start, slack), _reach(end, slack)
     give = start.flux * np.minimum(
         1,
@@ -174,7 +171,7 @@ def _moved(
         / (_near(angles_among(end) / reach_end[:, None]) @ end.flux),
     )
 
-    # An extra lobe on each side takes what vanishes and gives what appears
+    # A dummy lobe on each side takes and gives the difference
     table = np.zeros((len(start) + 1, len(end) + 1))
     table[:-1, :-1] = distance**2 + (start.radius[:, None] - end.radius) ** 2
     table[:-1, -1] = reach**2 / 2

@@ -1,7 +1,7 @@
-"""The same work on many values, in one process or in several.
+"""Parallel map in one process or several.
 
-Matrices of a scan are small: linear algebra runs in one thread of each process, for
-more threads would only wait for each other.
+Linear algebra is limited to one thread per process, as the matrices of a scan are
+small.
 """
 
 import functools
@@ -14,7 +14,7 @@ from threadpoolctl import ThreadpoolController
 
 Report = Callable[[float, str], None]
 
-# Work of fewer values is done sooner than processes start.
+# Fewest values for which processes are started.
 _WORTH_IT = 16
 
 _Value = TypeVar("_Value")
@@ -36,9 +36,11 @@ def map_in_order(
 
     Parameters
     ----------
-    function : one that a module defines, so that other processes find it
-    report : called with the share done and a note
+    function : defined in a module, so that other processes can import it
+    report : called with the fraction done and a note
 
+    Examples
+    --------
     >>> map_in_order(abs, [-1, 2])
     [1, 2]
     """
@@ -68,5 +70,5 @@ def _alone(function: Callable[[_Value], _Result], value: _Value) -> _Result:
 
 @functools.cache
 def _libraries() -> ThreadpoolController:
-    # Those of linear algebra, which are loaded by the time that there is work
+    # Controller of the loaded linear algebra libraries
     return ThreadpoolController()

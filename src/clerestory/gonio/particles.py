@@ -1,13 +1,12 @@
-"""Light under way: what travels along an edge of the mesh, and within a triangle.
+"""Particles of displacement interpolation on edges and triangles of the mesh.
 
-A particle joins a lobe of each corner. It has as much light at every corner as the
-plans say, so corners are the fits themselves and edges look alike from both of their
-triangles. Within a triangle light first goes along the edge from A to B, then towards
-C: the part that belongs to A by the plan from A to C, the part that belongs to B by
-that from B to C. Light that only C has comes from where the plans to C say.
+A particle joins one lobe per corner and has the flux of the transport plans at every
+corner, so that corners reproduce the fits and edges are equal in both of their
+triangles. In a triangle flux moves along the edge from A to B, then towards C: the part
+of A by the plan from A to C, the part of B by that from B to C.
 
-References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward,
-M. Kurt, N. Bonneel, MAM 2014, for the step into triangles.
+References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward, M.
+Kurt, N. Bonneel, MAM 2014, for triangles.
 """
 
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from jaxtyping import Float, Int
 from clerestory.array_types import Indices, Values
 from clerestory.gonio.optimal_transport import Plan
 
-# Light of a triangle in its smallest particles that is given to the others.
+# Fraction of the flux in the smallest particles that are dropped.
 _SMALL_CHANGE = 2e-3
 
 _Light = dict[int, Float[np.ndarray, " particles"]]
@@ -26,12 +25,12 @@ _Light = dict[int, Float[np.ndarray, " particles"]]
 
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """Light that travels within a triangle, or along an edge.
+    """Moving flux in a triangle, or on an edge.
 
     Attributes
     ----------
-    corner : lobe of each corner that a particle comes from or goes to; -1 for none
-    flux : of each particle at A, at B, and at C for what belongs to A and to B
+    corner : lobe of each corner that a particle joins; -1 for none
+    flux : of each particle at A, at B, and at C for the parts of A and of B
     """
 
     corner: Int[np.ndarray, "particles 3"]
@@ -72,16 +71,16 @@ def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
 def _onwards(
     mine: Indices, theirs: Indices, flux: Values, plan: Plan, *, own: int
 ) -> list[Particles]:
-    """Light that belongs to one end of the edge A–B, on its way to C.
+    """Flux of one end of the edge A–B, on its way to C.
 
     Parameters
     ----------
-    mine, theirs, flux : lobes at this end and the other, and light at this end
+    mine, theirs, flux : lobes at this end and the other, and flux at this end
     own : 0 for A, 1 for B
     """
     share = flux / np.bincount(mine, flux, len(plan.fading))[mine]
 
-    # Each particle goes wherever the light of its lobe goes
+    # Distribute each particle like the flux of its lobe
     by_source = np.argsort(plan.source, kind="stable")
     start = np.searchsorted(plan.source[by_source], mine)
     count = np.searchsorted(plan.source[by_source], mine, side="right") - start
@@ -102,9 +101,9 @@ def _onwards(
 
 
 def _only_at_c(plan: Plan, other_plan: Plan, mine: Indices, *, own: int) -> Particles:
-    """Light at C that this end does not have, from where its plan continues it to.
+    """Flux at C that this end lacks, from the source of its plan.
 
-    At the other end it stands where most of it comes from by the plan from there.
+    At the other end it is at the main source of the plan from there.
     """
     late = np.flatnonzero(~np.isin(plan.source, mine) & (plan.received > 0))
     target = plan.target[late]
@@ -139,7 +138,7 @@ def _joined(parts: list[Particles]) -> Particles:
 
 
 def _without_change(particles: Particles) -> Particles:
-    # Join those of the same lobes; leave out the smallest, whose light the others get
+    # Merge particles of the same lobes; drop the smallest and rescale the others
     corner, which = np.unique(particles.corner, axis=0, return_inverse=True)
     flux = np.stack(
         [

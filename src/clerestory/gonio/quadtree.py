@@ -1,9 +1,8 @@
-"""Adaptive grid of the hemisphere: cells that are small where values change.
+"""Adaptive quadtree over the hemisphere.
 
-The hemisphere is a disc by Lambert's map, which keeps areas, and the disc a square by
-Shirley and Chiu's. Cells are halved in both coordinates, as long as all quarters hold
-points, where a plane fits the values worst. So the grid is nowhere finer than the
-measurement.
+The hemisphere is mapped to a disc by Lambert's equal-area map and to a square by the
+Shirley–Chiu map. Cells are split where a plane fits the values worst, as long as all
+quarters contain points.
 """
 
 from dataclasses import dataclass
@@ -21,18 +20,18 @@ FINEST = 9
 _LevelValues = Float[np.ndarray, " _"]
 _LevelMask = Bool[np.ndarray, " _"]
 
-# Share of the mean value below which differences count less.
+# Floor of values as a share of their mean.
 _FLOOR = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Cells that cut the points of a hemisphere into groups.
+    """Groups of the points of a hemisphere by cells.
 
     Attributes
     ----------
     level : halvings of the square down to each cell
-    first : place in `order` of the first point of each cell; one more at the end
+    first : index in `order` of the first point of each cell; one more at the end
     order : numbers of the points, cell by cell
     """
 
@@ -54,7 +53,7 @@ class Cells:
         direction: Float[np.ndarray, "points 3"],
         weight: Float[np.ndarray, " points"],
     ) -> Float[np.ndarray, "cells 3"]:
-        """Unit vector to the middle of the weights in each cell."""
+        """Unit vector to the weighted centroid of each cell."""
         weighted = (direction * weight[:, None])[self.order]
         total = np.add.reduceat(weighted, self.first[:-1], axis=0)
         middle: Float[np.ndarray, "cells 3"] = total / np.linalg.norm(
@@ -69,7 +68,7 @@ class Cells:
 
 @dataclass(frozen=True, eq=False)
 class _Level:
-    # Occupied cells of one level, in the order of their codes
+    # Occupied cells of one level, in Morton order
     code: Int[np.ndarray, " cells"]
     first: Int[np.ndarray, " cells"]
     parent: Int[np.ndarray, " cells"]
@@ -78,7 +77,7 @@ class _Level:
 
 
 class Quadtree:
-    """All cells that points fill, and how badly a plane fits the values in each.
+    """All occupied cells, with the residual of a plane fit in each.
 
     Parameters
     ----------
@@ -111,7 +110,7 @@ class Quadtree:
         coarsest : halvings of the largest cells, where points allow them
         """
         levels = self._levels
-        # A cell is halved if anything below it is worth it and its quarters are full
+        # A cell is split if a residual below it is large and its quarters are occupied
         worth = [level.loss.copy() for level in levels]
         for k in range(len(levels) - 2, -1, -1):
             below = np.where(levels[k + 1].quarters == 4, worth[k + 1], 0)
@@ -133,7 +132,7 @@ class Quadtree:
         return self._leaves(worth, every[low] if low < len(every) else np.inf)
 
     def _alive(self, worth: list[_LevelValues], threshold: float) -> list[_LevelMask]:
-        # Cells all of whose ancestors are halved
+        # Cells all of whose ancestors are split
         alive = [np.ones(len(self._levels[0].code), dtype=bool)]
         for k, level in enumerate(self._levels[1:]):
             alive.append((alive[k] & (worth[k] >= threshold))[level.parent])
@@ -159,7 +158,7 @@ class Quadtree:
 def _levels(
     code: Indices, a: Values, b: Values, values: Values, order: Indices
 ) -> list[_Level]:
-    # Moments of the points about the middle of the square, in their order
+    # Moments of the points about the middle of the square
     x, y, v = a[order] - 0.5, b[order] - 0.5, values[order]
     one = np.ones_like(v)
     moments = np.stack([one, x, y, x * x, x * y, y * y, v, v * x, v * y, v * v], -1)
@@ -187,8 +186,8 @@ def _levels(
 def _loss(
     sums: Float[np.ndarray, "cells 10"], floor: float
 ) -> Float[np.ndarray, " cells"]:
-    # Root of the mean squared distance from the plane that fits best, over the root
-    # of the mean value: what a count of photons would find hardest to explain
+    # Root mean square residual of a plane fit over the root of the mean value, as for
+    # photon counts
     n = sums[:, 0]
     x, y, xx, xy, yy, v, vx, vy, vv = (sums[:, 1:] / n[:, None]).T
     xx, xy, yy = xx - x * x, xy - x * y, yy - y * y

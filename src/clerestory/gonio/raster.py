@@ -1,10 +1,10 @@
-"""Lobes on a grid: the BSDF averaged over the cells of the unit square, flux conserved.
+"""Rasterization of lobes on the cells of the unit square, with flux conserved.
 
-Every lobe is drawn on the grid on which it is a cell or two wide, over the cells
-about its centre only, and scaled to its flux there. Each grid is refined to the next
-until the finest; so a lobe costs the same whatever its size. The grids are of
-Lambert's map, on which lobes are round everywhere; at the end the light is gathered in
-the cells of the projected square, those of tensor trees.
+Every lobe is drawn on the grid on which it is a cell or two wide, near its centre only,
+and normalized to its flux; grids are refined successively, so that the cost does not
+depend on the width of a lobe. The grids use Lambert's equal-area map, on which lobes
+are round; finally flux is gathered in the cells of the projected square, those of
+tensor trees.
 """
 
 import functools
@@ -18,28 +18,28 @@ from clerestory.array_types import Directions, Values
 from clerestory.gonio.lobes import Lobes
 from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
 
-# The coarsest grid has 2^4 cells along an axis, each 9° wide.
+# Halvings of the coarsest grid, with cells 9° wide.
 _COARSEST = 4
 
-# A lobe is drawn where its radius is more cells than this …
+# Radius in cells above which a lobe is drawn on a grid …
 _CELLS_PER_RADIUS = 0.75
 
-# … over so many cells to each side: 3.3 radii of the widest.
+# … over this many cells to each side: 3.3 radii of the widest.
 _SIDE = 5
 
-# Height of cells beyond the grid: so far below that the light of any lobe there is 0.
+# z of cells beyond the grid, where lobes vanish.
 _UNREACHED = -1e4
 
-# A lobe narrower than the finest cells is drawn as wide as half of one.
+# Smallest radius in finest cells.
 _NARROWEST = 0.5
 
-# Points along each axis over which a projected cell gathers light.
+# Sample points along each axis of a projected cell.
 _GATHER = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Raster:
-    """Grids on which lobes are drawn, made once for a number of cells.
+    """Grids for rasterizing lobes at one resolution.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Raster:
 
     @property
     def finest(self) -> int:
-        """Halvings of the finest grid on which lobes are drawn."""
+        """Halvings of the finest grid."""
         return _COARSEST + len(self.directions) - 1
 
     def cells(self, lobes: Lobes) -> Values:
@@ -78,7 +78,7 @@ class Raster:
     def sample(
         self, cells: Float[np.ndarray, " cells"], u: Float[np.ndarray, "samples 2"]
     ) -> tuple[Float[np.ndarray, "samples 3"], Float[np.ndarray, " samples"]]:
-        """Directions distributed like the light of cells, and their density [1/sr]."""
+        """Directions distributed like the flux of cells, and their density [1/sr]."""
         running = np.concatenate([[0.0], np.cumsum(cells)])
         total = float(running[-1])
         if total <= 0:
@@ -105,7 +105,7 @@ class Raster:
             values = _refined(values) if k else np.zeros(len(direction))
             of = np.flatnonzero(grid == k)
             if len(of):
-                # What refinement will widen is drawn narrower
+                # Refinement widens lobes: draw them narrower
                 left = len(width) - 1 - k
                 change = -0.25 * (1 - 0.25**left) if left else _NARROWEST**2
                 draw = _draw_near if k else _draw_everywhere
@@ -142,7 +142,7 @@ def _draw_near(
     about = (line[:, None] * full + line).ravel()
     cell = (row * full + column)[:, None] + about
 
-    # Fall off with the squared chord; light is what passes the plane of the layer
+    # Exponential of the squared chord; flux is weighted by the cosine
     sharp = 1 / (lobes.radius[of] ** 2 + change)
     along = centre * sharp[:, None]
     height = z.take(cell)
@@ -159,14 +159,8 @@ def _draw_near(
 
 
 @functools.lru_cache(maxsize=8)
-def _with_margin(
-    wide: int,
-) -> tuple[
-    Values,
-    Values,
-    Values,
-]:
-    # Coordinates of a grid within a margin that no lobe reaches
+def _with_margin(wide: int) -> tuple[Values, Values, Values]:
+    # Coordinates of a grid with an empty margin
     table = np.zeros((3, wide + 2 * _SIDE, wide + 2 * _SIDE))
     table[2] = _UNREACHED
     inner = _centres(wide.bit_length() - 1).T.reshape(3, wide, wide)
@@ -176,7 +170,7 @@ def _with_margin(
 
 
 def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]:
-    # Halve the cells; each takes three quarters of its own and a quarter of the next
+    # Split the cells by linear interpolation: 3/4 of a cell and 1/4 of its neighbour
     wide = round(len(values) ** 0.5)
     table = values.reshape(wide, wide)
     for _ in range(2):
@@ -211,7 +205,7 @@ def _centres(halvings: int) -> Directions:
 
 
 def _gathering(halvings: int, finest: int) -> sparse.csr_array:
-    # The mean over points of each projected cell, straight between Lambert's cells
+    # Mean over points of each projected cell, interpolated linearly
     wide, many = 1 << halvings, _GATHER << halvings
     middle = (np.arange(many) + 0.5) / many
     a, b = (part.ravel() for part in np.meshgrid(middle, middle, indexing="ij"))

@@ -1,9 +1,8 @@
-"""Measured scattering: what a goniophotometer says about one function of a layer.
+"""Measured scattering of one function of a layer.
 
 A scan is the light scattered from one incident direction, a measurement the scans of
-one function of a sample. Directions are unit vectors that point away from the layer
-in the frame of the window, x right and y up seen from the room. Their z is the height
-over the layer, never negative: the function says which side light meets and leaves.
+one function of a sample. Directions are unit vectors away from the layer in the frame
+of the window, x right and y up seen from the room, with z ≥ 0 on both sides.
 """
 
 from collections.abc import Iterable
@@ -17,10 +16,10 @@ from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
 
-# Incident directions nearer than this are one and the same [rad]: 0.05°.
+# Largest angle between equal incident directions [rad]: 0.05°.
 SAME_DIRECTION = np.radians(0.05)
 
-# Fewest points from which anything can be said about a hemisphere.
+# Fewest points of a scan.
 _FEWEST_POINTS = 4
 
 
@@ -30,14 +29,14 @@ class Scan:
 
     Attributes
     ----------
-    incident : unit vector to where light comes from
+    incident : unit vector towards the source
     leaving : unit vectors of the measured directions
     values : BSDF at them [1/sr]; noise may make it negative
-    source : file it came from, for messages
+    source : file, for messages
 
     Raises
     ------
-    InputError : shapes disagree, values are not finite or all zero, or too few
+    InputError : different lengths, values that are not finite or all zero, or too few
 
     Examples
     --------
@@ -75,19 +74,19 @@ class Scan:
 
     @property
     def theta_deg(self) -> float:
-        """Angle between the incident direction and the normal [°]."""
+        """Polar angle of the incident direction [°]."""
         return float(
             np.degrees(np.arctan2(np.hypot(*self.incident[:2]), self.incident[2]))
         )
 
     @property
     def phi_deg(self) -> float:
-        """Azimuth of the incident direction from right towards up [°], 0 to 360."""
+        """Azimuth of the incident direction from right upwards [°], 0 to 360."""
         return float(np.degrees(np.arctan2(self.incident[1], self.incident[0])) % 360)
 
     @property
     def words(self) -> str:
-        """Incident direction as messages name it."""
+        """Incident direction for messages."""
         return f"(θ {self.theta_deg:.1f}°, φ {self.phi_deg:.1f}°)"
 
     def _error(self, message: str) -> InputError:
@@ -101,11 +100,11 @@ class Measurement:
     Attributes
     ----------
     scans : one per incident direction
-    function : which light it is, such as "transmission_front"
+    function : such as "transmission_front"
     channel : "visible", "cie-x", …
     name : of the sample
-    claimed : symmetry that the file claims; None if it says nothing
-    notes : what was odd in the files and how it was read
+    claimed : symmetry in the file; None if it has none
+    notes : irregularities of the files and how they were resolved
 
     Raises
     ------
@@ -136,7 +135,7 @@ class Measurement:
 
     @property
     def symmetry(self) -> Symmetry:
-        """Symmetry the file claims, or else what the incident directions imply."""
+        """Symmetry in the file, or else that of the incident directions."""
         return self.claimed or deduce_symmetry(self.incidents)
 
     @property
@@ -146,9 +145,9 @@ class Measurement:
 
 
 def merge_scans(scans: Iterable[Scan]) -> tuple[Scan, ...]:
-    """Return the scans with those of the same incident direction joined into one.
+    """Return the scans with those of the same incident direction joined.
 
-    Goniophotometers scan a peak once more, finer: both patterns count.
+    Goniophotometers often scan a peak again at a finer resolution.
     """
     groups: list[list[Scan]] = []
     for scan in scans:

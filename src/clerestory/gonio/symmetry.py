@@ -1,15 +1,15 @@
-"""Symmetry of a layer, deduced from the incident directions that were measured.
+"""Symmetry of a layer from the measured incident directions.
 
-- isotropic: every azimuth is alike; directions in one plane are measured
-- quadrilateral: left and right, up and down are mirror images; a quarter is measured
-- bilateral-x, bilateral-y: mirror images about the plane x = 0 (left and right) or
-  y = 0 (up and down); half the directions are measured
-- rotational: half a turn changes nothing; half the directions are measured
+- isotropic: no dependence on azimuth; directions in one plane are measured
+- quadrilateral: left–right and up–down mirror symmetry; a quarter is measured
+- bilateral-x, bilateral-y: mirror symmetry about the plane x = 0 (left–right) or
+  y = 0 (up–down); half of the directions are measured
+- rotational: symmetry under half a turn; half of the directions are measured
 - none: all directions are measured
 
-Reference: G. Ward, M. Kurt, N. Bonneel, "A practical framework for sharing and
-rendering real-world bidirectional scattering distribution functions", LBNL-5954E,
-2012; "Reducing anisotropic BSDF measurement to common practice", MAM 2014.
+References: G. Ward, M. Kurt, N. Bonneel, "A practical framework for sharing and
+rendering real-world bidirectional scattering distribution functions", LBNL-5954E, 2012;
+"Reducing anisotropic BSDF measurement to common practice", MAM 2014.
 """
 
 from typing import Literal, get_args
@@ -25,8 +25,8 @@ Symmetry = Literal[
 ]
 SYMMETRIES: tuple[Symmetry, ...] = get_args(Symmetry)
 
-# Directions this near to the normal say nothing about azimuth, and azimuths this near
-# to an axis lie on it [°]; both as in Radiance's pabopto2bsdf.
+# Polar angle of directions without azimuth, and distance of azimuths from an axis [°];
+# both as in pabopto2bsdf.
 _NEAR_NORMAL_DEG = 1.0
 _NEAR_AXIS_DEG = 1.0
 
@@ -42,21 +42,15 @@ _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
 
 
 def images(symmetry: Symmetry) -> Directions:
-    """Factors of x, y, z for the images of a direction; the first changes nothing."""
+    """Factors of x, y, z for the images of a direction; the first is the identity."""
     return np.array([(*signs, 1) for signs in _IMAGES[symmetry]], dtype=float)
 
 
 def deduce_symmetry(incidents: Directions) -> Symmetry:
     """Symmetry that incident directions imply, by the quadrants they cover.
 
-    Half a circle may also be measured of a rotational layer, which then must be told.
+    Half a circle is taken as bilateral; rotational symmetry must be stated.
 
-    Raises
-    ------
-    InputError : three quadrants, or two that do not touch
-
-    Examples
-    --------
     >>> deduce_symmetry(np.array([[0, 0, 1.0], [0.5, 0, 0.866], [0.9, 0, 0.436]]))
     'isotropic'
     """
@@ -97,7 +91,7 @@ def _on_axes(phi: Values) -> Symmetry:
 def fold(
     incident: Directions, symmetry: Symmetry, quadrant: Vector2
 ) -> tuple[Directions, Directions]:
-    """Directions brought to the measured part, and the factors that bring them back.
+    """Directions mapped to the measured part, and the factors of the inverse.
 
     Parameters
     ----------
@@ -115,7 +109,7 @@ def fold(
 
 
 def measured_quadrant(incidents: Directions) -> Vector2:
-    """Signs of x and y of the quarter or half in which directions lie."""
+    """Signs of x and y of the quarter or half that contains directions."""
     middle = incidents[:, :2].sum(axis=0)
     return np.where(middle < -1e-9, -1.0, 1.0)
 
@@ -123,7 +117,7 @@ def measured_quadrant(incidents: Directions) -> Vector2:
 def within(
     triangles: Float[np.ndarray, "triangles 3 3"], symmetry: Symmetry, quadrant: Vector2
 ) -> Bool[np.ndarray, " triangles"]:
-    """Which triangles reach into the measured part."""
+    """Which triangles overlap the measured part."""
     reach = np.max(triangles[:, :, :2] * quadrant, axis=1) > 1e-6
     x, y = reach.T
     if symmetry == "quadrilateral":

@@ -1,4 +1,4 @@
-"""Lobes at incident directions, and the plans that say what becomes of their light."""
+"""Lobes at incident directions and the transport plans between them."""
 
 from dataclasses import dataclass
 
@@ -17,8 +17,8 @@ class Network:
     Attributes
     ----------
     mesh : of incident directions
-    lobes : one set a vertex
-    plans : one an edge
+    lobes : one set per vertex
+    plans : one per edge
     quadrant : signs of x and y of the measured part
     """
 
@@ -33,7 +33,7 @@ class Network:
         return self._plan(a, b), self._plan(a, c), self._plan(b, c)
 
     def known_plans(self) -> dict[bytes, Plan]:
-        """Return the plans by the directions that they join, for `join`."""
+        """Return the plans by the directions of their edges, for `join`."""
         ends = self.mesh.vertices[self.mesh.edges]
         return dict(zip(map(key_of, ends), self.plans, strict=True))
 
@@ -43,5 +43,5 @@ class Network:
 
 
 def key_of(ends: Float[np.ndarray, "2 3"]) -> bytes:
-    """Return what tells an edge from others, by the directions at its ends."""
+    """Return the identity of an edge by the directions of its ends."""
     return np.round(ends, 9).tobytes()

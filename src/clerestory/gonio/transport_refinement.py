@@ -1,16 +1,12 @@
-"""Plans made again, from where lobes are expected after the turn of the incident light.
+"""Refinement of transport plans by the expected motion of lobes.
 
-Light does not always become what is nearest to it: beams of a prism or a grating, and
-the teeth of its cut-offs, turn with the incident light, and where they turn by more
-than half the distance to the next beam the least way leads to the wrong one. So the
-first plans serve to learn how each lobe turns (`turning`): errors along one edge are
-outvoted by its other edges and by lobes nearby. Then each lobe is moved by the turn
-that is expected along an edge, from both ends, and transport is planned from there;
-what has to be travelled now is only what the expectation misses, so the reach of lobes
-is shorter. It is measured as an angle: in the disc light of a diffuser would come to
-the horizon for nothing. Where moves follow no turn, as those of small lobes in the
-even light of a diffuser, little of it is expected: a share as large as that of the
-squared moves that the turn explains.
+Beams of prisms and gratings move with the incident direction; where they move by more
+than half of their distance, transport of least cost joins wrong beams. The initial
+plans therefore serve to estimate the motion of each lobe (`lobe_motion`), over all of
+its edges and nearby lobes. Transport is then planned from the expected positions at
+both ends, with a smaller reach. Distances are angles, as in the disc the flux of
+diffusers would move to the horizon at no cost. Motion is weighted by the fraction of
+squared moves that it explains, which is small for diffusers.
 """
 
 from dataclasses import replace
@@ -26,14 +22,14 @@ from clerestory.gonio.optimal_transport import Plan, plan_moves
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.transport_network import Network
 
-# Reach beyond the radius of a lobe, as a share of the turn of the incident light.
+# Reach beyond the radius of a lobe over the rotation of the incident direction.
 _REACH_PER_TURN = 0.5
 
 
 def plan_again(
     network: Network, *, processes: int = 1, report: Report = silent
 ) -> Network:
-    """Return a network whose plans start from where lobes are expected to turn to."""
+    """Return a network with all plans refined by the expected motion of lobes."""
     every = np.arange(len(network.mesh.edges))
     return replan(network, every, processes=processes, report=report)
 
@@ -41,7 +37,7 @@ def plan_again(
 def replan(
     network: Network, chosen: Indices, *, processes: int = 1, report: Report = silent
 ) -> Network:
-    """Return a network of which some plans are made again, as by `plan_again`.
+    """Return a network with some plans refined, as by `plan_again`.
 
     Parameters
     ----------
@@ -64,7 +60,7 @@ def replan(
 
 
 def _missed(start: Turns, end: Turns, turn: Vector2) -> Float[np.ndarray, "start end"]:
-    # Angles between lobes and where the other end expects them, beyond the rim too
+    # Angles between lobes and their expected places, extended beyond the rim
     onward, over = _lifted(start.expected(turn))
     back, short = _lifted(end.expected(-turn))
     there = angle_table(onward, end.lobes.centre) + over[:, None]
@@ -73,7 +69,7 @@ def _missed(start: Turns, end: Turns, turn: Vector2) -> Float[np.ndarray, "start
 
 
 def _lifted(disc: Points2) -> tuple[Directions, Values]:
-    # Directions above the disc, and how far places lie beyond its rim
+    # Directions over the disc, and distances of places beyond its rim
     beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
     return above(disc), beyond
 

@@ -1,9 +1,9 @@
-"""Tensor trees from interpolants: every incident cell drawn, equal cells joined.
+"""Tensor trees from interpolated measurements.
 
-Light of each incident cell is drawn on the grid of leaving cells with its flux
-conserved. Blocks of incident cells are worked on together, so that a tree of 2^7
-cells along each of four axes, 268 million values, never stands in memory: in each
-block cells that hardly differ become one at once.
+The lobes of each incident cell are rasterized on the grid of exit cells with flux
+conserved. Blocks of incident cells are processed one by one and their similar cells
+merged, so that the 268 million values of a tree of 2^7 cells along each axis are never
+in memory.
 """
 
 from collections.abc import Callable, Iterator
@@ -24,18 +24,18 @@ from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry
 from clerestory.hemisphere.shirley_chiu import disc_from_square
 
-# Halvings at which trees are cut into blocks, counted from the smallest cells.
+# Halvings of a block, counted from the smallest cells.
 _BLOCK = 3
 
-# Trees of rank 4 and rank 3 with more halvings take hours or more than the memory.
+# Most halvings by rank, for time and memory.
 _DEEPEST: dict[int, int] = {4: 7, 3: 8}
 
-# Values [1/sr] below which differences do not count.
+# Floor of values in relative differences [1/sr].
 _FLOOR = 0.01
 
 
 class Source(Protocol):
-    """What can be drawn: lobes for every incident direction, as of an interpolant."""
+    """Provider of lobes for every incident direction, such as an interpolant."""
 
     @property
     def symmetry(self) -> Symmetry:
@@ -64,12 +64,8 @@ def to_tree(
 
     Parameters
     ----------
-    halvings : 2^halvings smallest cells lie along each axis
-    tolerance : cells are joined whose values differ by less than this share
-
-    Raises
-    ------
-    InputError : too many halvings
+    halvings : 2^halvings smallest cells along each axis
+    tolerance : relative difference of cells that are merged
     """
     rank: Literal[3, 4] = 3 if interpolant.symmetry == "isotropic" else 4
     if not 1 <= halvings <= _DEEPEST[rank]:
@@ -92,7 +88,7 @@ def to_tree(
 
 
 def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringTree:
-    # The first axis is half the distance from the rim; its second half is not used
+    # The first axis is half the distance from the rim; its second half is unused
     wide, raster = 1 << halvings, Raster.of(halvings)
     radius = 1 - 2 * (np.arange(wide // 2) + 0.5) / wide
     height = np.sqrt(1 - radius**2)
@@ -110,7 +106,7 @@ def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringT
 
 _Mirror = Callable[[Float[np.ndarray, "a b c d"]], Float[np.ndarray, "a b c d"]]
 
-# Images of a block: which of its two axes run backwards.
+# Images of a block under each symmetry: which of its two axes are reversed.
 _IMAGES: dict[str, tuple[tuple[bool, bool], ...]] = {
     "quadrilateral": ((False, False), (True, False), (False, True), (True, True)),
     "bilateral-x": ((False, False), (True, False)),
@@ -140,7 +136,7 @@ def _first_image(interpolant: Source, block: tuple[int, int], wide: int) -> bool
 def _drawn_block(
     work: tuple[Source, tuple[int, int], int, int, float],
 ) -> dict[tuple[int, int], _Forest]:
-    # Values of the incident cells of a block, and the forests of all its images
+    # Values of the incident cells of a block, and the subtrees of all its images
     interpolant, block, halvings, within, tolerance = work
     wide, part = 1 << halvings, 1 << within
     raster = Raster.of(halvings)
@@ -169,7 +165,7 @@ def _grown(
     halvings: int,
     tolerance: float,
 ) -> _Forest:
-    """Join cells that hardly differ; each row of leaves is a subtree."""
+    """Merge similar cells; each row of leaves is a subtree."""
     width = 1 << rank
     mean, least, most = [leaves], [leaves], [leaves]
     for _ in range(halvings):
@@ -201,7 +197,7 @@ def _moved(slots: Int32[np.ndarray, " slots"], by: int) -> Int32[np.ndarray, " s
 
 
 def _assembled(forests: list[_Forest], halvings: int, within: int) -> ScatteringTree:
-    # A full tree on top, whose leaves are the roots of all subtrees
+    # A full tree whose leaves are the roots of all subtrees
     top = halvings - within
     size = sum(16**level for level in range(top + 1))
     roots: list[Int32[np.ndarray, " subtrees"]] = []

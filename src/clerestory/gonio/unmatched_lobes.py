@@ -1,9 +1,8 @@
-"""Where light would go on to that has no partner at the next incident direction.
+"""Continuation of lobes without a partner at the next incident direction.
 
-Light that is cut off between two directions fades, but on the way it still turns with
-the incident light: straight light goes straight on, mirrored light turns the other
-way. The turns that its vertex shows along other edges give it a place at the other end,
-a lobe without light.
+Light that is cut off between two incident directions fades. Meanwhile its lobes move
+with the incident direction, at the rate that other edges of the mesh show: an added
+lobe without flux at the other end gives the direction.
 """
 
 from dataclasses import replace
@@ -18,11 +17,11 @@ from clerestory.gonio.transport_network import Network
 
 
 def with_continuations(network: Network, *, follow: float) -> Network:
-    """Return a network in whose plans no light fades or rises in its place.
+    """Return a network in which lobes without a partner move while they fade.
 
     Parameters
     ----------
-    follow : share of the turn of the incident light that lobes follow on the whole
+    follow : mean rotation of lobes over that of the incident direction
     """
     turns = [Turns(network, vertex, follow) for vertex in range(len(network.lobes))]
     added: list[list[Lobes]] = [[] for _ in network.lobes]

@@ -1,18 +1,17 @@
-"""Klems bases of LBNL's Window: rings from the normal outwards.
+"""Klems angle bases of LBNL WINDOW.
 
-Files name their basis, but "LBNL/Klems Half" stands for 73 patches in old
-Radiance and 77 in Window, and the limits of the quarter basis have moved too.
-A reader therefore builds the partition from the rings in the file; the bases
-here are today's definitions, for matrices that are traced.
+The name of a basis is ambiguous: "LBNL/Klems Half" has 73 patches in old Radiance and
+77 in WINDOW, and the ring limits of the quarter basis have changed. File readers
+therefore build the partition from the rings in the file; the bases here are WINDOW's
+present definitions, used for traced matrices.
 
-In the frame of a window (right, up, normal into the room) the first patch of a
-ring lies to the right and the next ones follow upwards. Light that leaves into
-the room through patch i travels along the centre of patch i; light that arrives
-from outside through patch i comes from the opposite direction, so equal numbers
-mean straight through.
+In the frame of a window (right, up, normal into the room) the first patch of a ring is
+to the right and the following ones run upwards. Exit patch i contains the direction of
+travel into the room; incident patch i contains the reversed incident direction, so that
+undeviated light keeps its patch number.
 
-References: J. H. Klems, ASHRAE Transactions 100 (1), 1994; LBNL WINDOW 7
-technical documentation, angle bases.
+References: J. H. Klems, ASHRAE Transactions 100 (1), 1994; LBNL WINDOW 7 technical
+documentation, angle bases.
 """
 
 import numpy as np

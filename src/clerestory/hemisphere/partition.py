@@ -1,13 +1,13 @@
-"""Partition of a hemisphere into rings around its pole, each ring cut in azimuth.
+"""Partition of a hemisphere into rings of patches.
 
-The patch is the unit of exchange of every matrix in the package: a BSDF is a
-matrix from patches to patches, a view matrix one from patches to sensors.
+A ring around the pole is divided into patches of equal azimuth. Patches are the rows
+and columns of all matrices: a BSDF is a matrix from patches to patches, a view matrix
+one from patches to sensors.
 
-Directions are given in the frame of the hemisphere: z along its pole, y up (or
-north), x right (or east). The sky counts the patches of a ring like a compass:
-the first is centred on +y (north) and the next ones follow clockwise, towards +x.
-The Klems bases of windows count like polar coordinates: the first patch is
-centred on +x (right), the next ones follow towards +y (up).
+Directions are in the frame of the hemisphere: z along the pole, y up (or north), x
+right (or east). In sky partitions the first patch of a ring is centred on +y (north)
+and azimuth runs clockwise, towards +x. In Klems bases the first patch is centred on +x
+(right) and azimuth runs towards +y (up).
 """
 
 from dataclasses import dataclass
@@ -22,19 +22,15 @@ from clerestory.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class RingPartition:
-    """A hemisphere cut into rings, each ring cut into equal patches.
+    """A hemisphere divided into rings, each divided into equal patches.
 
     Attributes
     ----------
-    name : what files and messages call it
-    count : patches in each ring, in the order in which patches are numbered
+    name : as in files and messages
+    count : patches per ring, in the order of patch numbers
     theta : polar limits of the rings [rad], from 0 to π/2 or from π/2 to 0
-    azimuth : how a ring is counted, "compass" from +y towards +x (skies) or "polar"
-        from +x towards +y (windows)
-
-    Raises
-    ------
-    InputError : the limits are not monotonic or do not span pole and rim
+    azimuth : "compass" from +y towards +x (skies) or "polar" from +x towards +y
+        (windows)
 
     Examples
     --------
@@ -75,7 +71,7 @@ class RingPartition:
         return first
 
     def matches(self, other: "RingPartition") -> bool:
-        """Whether both cut the hemisphere alike, whatever their names."""
+        """Whether both divide the hemisphere alike, whatever their names."""
         return (
             self.azimuth == other.azimuth
             and np.array_equal(self.count, other.count)
@@ -97,7 +93,7 @@ class RingPartition:
         return np.repeat(ring / self.count, self.count)
 
     def find(self, direction: Directions) -> Indices:
-        """Patch that holds each direction; -1 below the rim."""
+        """Patch that contains each direction; -1 below the rim."""
         x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
         theta = np.arctan2(np.hypot(x, y), z)
 
@@ -116,7 +112,7 @@ class RingPartition:
         return np.where(z > 0, self.first[ring] + within, -1)
 
     def centres(self) -> Directions:
-        """Unit vectors through the middle of each patch, in polar angle and azimuth."""
+        """Unit vectors to the middle of each patch in polar angle and azimuth."""
         middle = (self.theta[1:] + self.theta[:-1]) / 2
         middle = np.where(
             (self.count == 1) & (self.theta[:-1] * self.theta[1:] == 0), 0, middle
@@ -124,7 +120,7 @@ class RingPartition:
         return self._directions(np.repeat(middle, self.count), np.zeros(len(self)))
 
     def sample(self, patch: Indices, u: Points2) -> Directions:
-        """Directions within the given patches, distributed like the cosine.
+        """Cosine-distributed directions within the given patches.
 
         Parameters
         ----------
@@ -139,7 +135,7 @@ class RingPartition:
     def _directions(
         self, theta: Values, offset: Values, patch: Indices | None = None
     ) -> Directions:
-        # Azimuth of a point `offset` patch widths beside the middle of its patch
+        # Azimuth of a point offset by a number of patch widths from its patch centre
         if patch is None:
             patch = np.arange(len(self))
         ring = np.repeat(np.arange(len(self.count)), self.count)[patch]

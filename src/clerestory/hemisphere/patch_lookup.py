@@ -1,8 +1,8 @@
-"""Fast look-up of the patches of a partition for very many directions.
+"""Lookup table of patch numbers for large numbers of directions.
 
-A fine grid over the disc below the hemisphere names the patch of every cell that no
-border crosses. Directions in the other cells, a few in a hundred, are looked up in
-the partition itself, so the answers are those of `RingPartition.find`.
+A fine grid over the projected hemisphere stores the patch number of every cell that no
+patch boundary crosses. Directions in the remaining few per cent of cells are looked up
+in the partition, so that results equal those of `RingPartition.find`.
 """
 
 from dataclasses import dataclass
@@ -15,36 +15,36 @@ from jaxtyping import Float, Int, Int16
 from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.partition import RingPartition
 
-# The grid: cells along an axis, and their range, which keeps the lines of the grid off
-# the borders that partitions have at x = 0, y = 0 and on the diagonals.
+# Cells along an axis of the grid, and its range, chosen so that no grid line coincides
+# with patch boundaries at x = 0, y = 0 or on the diagonals.
 _CELLS = 640
 _LEAST, _MOST = -1.00471, 1.00313
 
-# A patch number that stands for a cell with a border.
+# Marks a cell that a patch boundary crosses.
 _BORDER = -1
 
-# Lengths may be this far from 1 for the disc to tell the direction.
+# Largest deviation of squared lengths from 1.
 _NOT_UNIT = 1e-5
 
-# Fewer directions than this are not worth the grid, which takes 0.1 s to make.
+# Fewest directions for which a table is built, which takes 0.1 s.
 _FEW = 1 << 11
 
 
 @dataclass(frozen=True, eq=False)
 class PatchTable:
-    """Patches of a grid over the disc.
+    """Patch numbers on a grid over the unit disc.
 
     Attributes
     ----------
-    partition : what is looked up
-    patch : patch of each cell, x-major; -1 where a border crosses it
+    partition : partition that is looked up
+    patch : patch of each cell, x-major; -1 where a boundary crosses it
     """
 
     partition: RingPartition
     patch: Int16[np.ndarray, " cells"]
 
     def find(self, x: Values, y: Values, z: Values) -> Indices:
-        """Patch that holds each direction; those below the rim count as mirrored up."""
+        """Patch of each direction; directions below the rim are mirrored up."""
         length = x * x + y * y + z * z
         length -= 1
         if np.abs(length, out=length).max(initial=0) > _NOT_UNIT:
@@ -60,7 +60,7 @@ class PatchTable:
 
 
 def find_patches(partition: RingPartition, direction: Directions) -> Indices:
-    """Patch that holds each unit vector; those below the rim count as mirrored up.
+    """Patch that contains each unit vector; those below the rim are mirrored up.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> find_patches(klems("full"), np.array([[0.6, 0.0, -0.8]])).tolist()
@@ -73,7 +73,7 @@ def find_patches(partition: RingPartition, direction: Directions) -> Indices:
 
 
 def patch_table(partition: RingPartition) -> PatchTable:
-    """Return the table of a partition, made when it is first asked for."""
+    """Return the cached table of a partition."""
     theta, count = np.asarray(partition.theta, float), np.asarray(partition.count, int)
     return _table(partition.azimuth, theta.tobytes(), count.tobytes())
 
@@ -82,14 +82,14 @@ def patch_table(partition: RingPartition) -> PatchTable:
 def _table(
     azimuth: Literal["compass", "polar"], theta: bytes, count: bytes
 ) -> PatchTable:
-    # Partitions of other names that cut the hemisphere alike share a table
+    # Partitions that differ in name only share a table
     partition = RingPartition(
         "table", np.frombuffer(count, dtype=int), np.frombuffer(theta), azimuth
     )
     line = np.linspace(_LEAST, _MOST, _CELLS + 1)
     corner = _on_disc(partition, *np.meshgrid(line, line, indexing="ij"))
 
-    # A sector that holds all corners of a cell can only be left towards the pole
+    # A patch that contains all corners of a cell can only be left towards the pole
     nearest = np.clip(0, line[:-1], line[1:])
     middle = _on_disc(partition, *np.meshgrid(nearest, nearest, indexing="ij"))
     ring = np.repeat(np.arange(len(partition.count)), partition.count)
@@ -106,12 +106,12 @@ def _on_disc(
     x: Float[np.ndarray, "row column"],
     y: Float[np.ndarray, "row column"],
 ) -> Int[np.ndarray, "row column"]:
-    # Patches below points of the disc; beyond its rim those at the rim
+    # Patches at points of the disc; points beyond its rim are moved to it
     height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
     return _find(partition, x.ravel(), y.ravel(), height.ravel()).reshape(x.shape)
 
 
 def _find(partition: RingPartition, x: Values, y: Values, z: Values) -> Indices:
-    # The rim is in
+    # Directions in the plane belong to the outermost ring
     height = np.maximum(np.abs(z), 1e-300)
     return partition.find(np.stack([x, y, height], axis=-1))

@@ -1,10 +1,10 @@
-"""Tregenza's sky and Reinhart's subdivisions of it, with the ground as patch 0.
+"""Tregenza and Reinhart sky partitions, with the ground as patch 0.
 
-Rows run from the horizon to the zenith; within a row, azimuth runs clockwise
-from north. The frame is the scene's own: x east, y north, z up.
+Rows run from the horizon to the zenith; azimuth runs clockwise from north. The frame is
+that of the scene: x east, y north, z up.
 
-References: P. R. Tregenza, Lighting Research and Technology 19 (1), 1987;
-C. F. Reinhart, O. Walkenhorst, Energy and Buildings 33 (7), 2001.
+References: P. R. Tregenza, Lighting Research and Technology 19 (1), 1987; C. F.
+Reinhart, O. Walkenhorst, Energy and Buildings 33 (7), 2001.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _TREGENZA_COUNT = (30, 30, 24, 24, 18, 12, 6)
 
 @dataclass(frozen=True, eq=False)
 class SkyPartition:
-    """A sky cut into patches 1…n, over a ground that is patch 0.
+    """A sky divided into patches 1…n, with the ground as patch 0.
 
     Attributes
     ----------
@@ -41,11 +41,11 @@ class SkyPartition:
 
     @property
     def name(self) -> str:
-        """What files and messages call it."""
+        """Name in files and messages."""
         return f"Reinhart MF:{self.subdivision} with ground"
 
     def matches(self, other: "SkyPartition") -> bool:
-        """Whether both cut the sky alike."""
+        """Whether both divide the sky alike."""
         return self.subdivision == other.subdivision
 
     def find(self, direction: Directions) -> Indices:
@@ -62,7 +62,8 @@ class SkyPartition:
 
 
 def reinhart(subdivision: int) -> SkyPartition:
-    """Return the sky with each Tregenza patch cut into `subdivision` × `subdivision`.
+    """Return the sky with each Tregenza patch divided into `subdivision` ×
+    `subdivision`.
 
     Raises
     ------

@@ -1,12 +1,10 @@
-"""Shirley and Chiu's map between the unit square and the unit disc.
+"""Shirley–Chiu map between the unit square and the unit disc.
 
-It takes rings of squares to rings of the disc, keeps shares of area and leaves
-neighbours neighbours. The disc is the hemisphere seen from above: equal areas of
-it are equal projected solid angles, so the cells of a square grid cut the
-hemisphere into patches of equal Λ.
+The map preserves relative areas and adjacency. With the disc as the orthographic
+projection of the hemisphere, cells of a square grid have equal projected solid angles.
 
-Reference: P. Shirley, K. Chiu, "A low distortion map between disk and square",
-Journal of Graphics Tools 2 (3), 1997, 45–52.
+Reference: P. Shirley, K. Chiu, "A low distortion map between disk and square", Journal
+of Graphics Tools 2 (3), 1997, 45–52.
 """
 
 import numpy as np
@@ -14,7 +12,7 @@ from jaxtyping import Float, Float32, Int32
 
 from clerestory.array_types import Values
 
-# Coefficients of x, x³, … x¹⁷ of the arc tangent.
+# Coefficients of x, x³, … x¹⁷ of the arc tangent
 _ARC_TANGENT = (
     1.0,
     -0.3333314528,
@@ -27,7 +25,8 @@ _ARC_TANGENT = (
     0.0028662257,
 )
 
-# Single precision may be wrong this near to a border, as a share of the square's edge.
+# Distance to a boundary below which single precision is not sufficient, as a share of
+# the edge of the square.
 _NEAR_BORDER = 2e-6
 
 _TINY = np.float32(1e-30)
@@ -36,7 +35,8 @@ _TINY = np.float32(1e-30)
 def square_from_disc(x: Values, y: Values) -> tuple[Values, Values]:
     """Points of the square [0, 1]² for points of the unit disc.
 
-    Opposite points of the disc lie opposite in the square: −x, −y go to 1 − a, 1 − b.
+    Opposite points of the disc map to opposite points of the square: −x, −y to 1 − a, 1
+    − b.
 
     >>> a, b = square_from_disc(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
     >>> a.tolist(), b.tolist()
@@ -56,10 +56,10 @@ def square_from_disc(x: Values, y: Values) -> tuple[Values, Values]:
 def cells_from_disc(
     x: Float[np.ndarray, " batch"], y: Float[np.ndarray, " batch"], *, halvings: int
 ) -> tuple[Int32[np.ndarray, " batch"], Int32[np.ndarray, " batch"]]:
-    """Cells along both axes of the square, from 0 to 2^halvings − 1, for points.
+    """Grid cells along both axes, 0 to 2^halvings − 1, that contain points of the disc.
 
-    The cells are those of `square_from_disc`, found faster: in single precision, and in
-    double precision for the few points near the borders of cells.
+    Equal to `square_from_disc`, computed in single precision except near cell
+    boundaries.
 
     >>> a, b = cells_from_disc(np.array([0.9]), np.array([0.1]), halvings=2)
     >>> a.tolist(), b.tolist()
@@ -79,7 +79,7 @@ def cells_from_disc(
     a = half + np.copysign(edge, single_x)
     b = half + np.copysign(both - edge, single_y)
 
-    # Settle what lies near a border
+    # Recompute points near a boundary in double precision
     near = np.float32(_NEAR_BORDER * (1 << halvings))
     doubt = np.abs(a - np.rint(a)) < near
     doubt |= np.abs(b - np.rint(b)) < near

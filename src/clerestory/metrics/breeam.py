@@ -1,10 +1,10 @@
-"""BREEAM's Hea 01, visual comfort: two ways to show enough daylight.
+"""BREEAM Hea 01, visual comfort: daylighting criteria.
 
-By illuminance: a mean over the room, and a lower one at its worst point, for so many
-hours a year. By daylight factor: a mean, with a uniformity or a minimum.
+By illuminance: the mean of the room and the illuminance at its darkest point for a
+number of hours a year. By daylight factor: the mean, with a uniformity or a minimum.
 
 Reference: BRE Global, BREEAM UK New Construction 2018 (SD5078), Hea 01, tables 5.1
-and 5.2. Numbers differ by building type: they are arguments, offices by default.
+and 5.2. Limits differ by building type; those of offices are the defaults.
 """
 
 from typing import NamedTuple
@@ -17,13 +17,13 @@ from clerestory.metrics.daylight_factor import room_factors
 
 
 class IlluminanceCriterion(NamedTuple):
-    """Whether a room has enough daylight over the year.
+    """Result of the illuminance criterion.
 
     Attributes
     ----------
-    mean_hours, worst_hours : hours in which the mean of the room and its worst point
-        reach what they should [h]
-    passed : both in enough hours
+    mean_hours, worst_hours : hours in which the mean of the room and its darkest point
+        reach their limits [h]
+    passed : whether both do in enough hours
     """
 
     mean_hours: float
@@ -39,12 +39,12 @@ def illuminance_criterion(
     hours: float = 2000.0,
     step_hours: float = 1.0,
 ) -> IlluminanceCriterion:
-    """Return whether the mean and the worst point of a room are bright enough.
+    """Return the result of the illuminance criterion.
 
     Parameters
     ----------
     illuminance : [lux], over (sensor, time), of one room and all hours
-    mean_lux, worst_lux, hours : what is asked for
+    mean_lux, worst_lux, hours : limits of the criterion
     step_hours : length of a time step [h]
 
     Examples
@@ -68,12 +68,13 @@ def factor_criterion(
     uniformity: float = 0.3,
     minimum: float | None = None,
 ) -> bool:
-    """Return whether daylight factors are high and even enough.
+    """Return whether daylight factors meet the criterion.
 
     Parameters
     ----------
-    factor : of each sensor, as shares
-    minimum : at the worst point, in place of the uniformity; 0.3 of the mean if None
+    factor : of each sensor, 0…1
+    minimum : at the darkest point, alternative to the uniformity; 0.3 of the mean if
+        None
 
     >>> factor_criterion(np.array([0.01, 0.03, 0.05]))
     True

@@ -1,4 +1,4 @@
-"""Daylight factor: indoor over outdoor illuminance under the CIE overcast sky."""
+"""Daylight factor: internal over external illuminance under the CIE overcast sky."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ class DaylightFactors(NamedTuple):
 
     Attributes
     ----------
-    mean, median, minimum : of the sensors, as shares (0.02 is 2 %)
+    mean, median, minimum : of the sensors, as fractions (0.02 is 2 %)
     uniformity : minimum over mean; 0 in a dark room
     """
 
@@ -26,12 +26,12 @@ class DaylightFactors(NamedTuple):
 def daylight_factor(
     illuminance: Float[np.ndarray, "*sensor"], *, outdoor_lux: float
 ) -> Float[np.ndarray, "*sensor"]:
-    """Share of the outdoor illuminance that reaches each sensor.
+    """Daylight factor of each sensor, as a fraction.
 
     Parameters
     ----------
     illuminance : under an overcast sky [lux]
-    outdoor_lux : on the unobstructed horizontal, under the same sky
+    outdoor_lux : unobstructed external horizontal illuminance under the same sky
 
     >>> daylight_factor(np.array([200.0]), outdoor_lux=10_000.0).tolist()
     [0.02]
@@ -42,7 +42,7 @@ def daylight_factor(
 
 
 def room_factors(factor: Float[np.ndarray, " sensor"]) -> DaylightFactors:
-    """Return the figures of a room.
+    """Return the statistics of the daylight factors of a room.
 
     >>> room_factors(np.array([0.01, 0.02, 0.06])).mean
     0.03

@@ -1,9 +1,11 @@
-"""EN 17037:2018, Daylight in buildings: provision, sunlight and glare.
+"""EN 17037:2018, Daylight in buildings: provision, exposure to sunlight, glare.
 
-Provision by method 2: over the half of the year with most daylight, half of the time,
-the target illuminance on half of the area and the minimum illuminance on 95 % of it.
-Method 1 asks daylight factors for the same. Levels are 0 (none), 1 minimum, 2 medium,
-3 high.
+Daylight provision by method 2: during half of the daylight hours, the target
+illuminance on half of the area and the minimum illuminance on 95 % of it; by method 1,
+equivalent daylight factors. Exposure to sunlight: hours of sun under a cloudless sky on
+a day between 1 February and 21 March, above the least solar altitude of the country, at
+a point on the inner face of the wall in the middle of the opening's width. Levels are 0
+(none), 1 minimum, 2 medium, 3 high.
 """
 
 from functools import partial
@@ -13,6 +15,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float
 
+from clerestory.directions import unit
 from clerestory.errors import InputError
 from clerestory.metrics.spatial_metrics import RoomShare, area_share, with_error
 
@@ -24,18 +27,27 @@ MINIMUM_LUX = (100.0, 300.0, 500.0)
 TARGET_AREA, MINIMUM_AREA = 0.50, 0.95
 SHARE_OF_HOURS = 0.5
 
-# Table A.6: hours of sun on the day looked at; table A.7: DGP not exceeded in 5 %.
+# Table A.6: hours of sun on the chosen day; table A.7: DGP not exceeded in 5 %
 SUN_HOURS = (1.5, 3.0, 4.0)
 GLARE_LIMITS = (0.45, 0.40, 0.35)
 GLARE_SHARE = 0.05
 
+# Exposure to sunlight: first and last day that may be chosen
+FIRST_DAY, LAST_DAY = "02-01", "03-21"
+
+# Height of its reference point above the floor and above the sill [m]
+_ABOVE_FLOOR, _ABOVE_SILL = 1.2, 0.3
+
+# Openings with a smaller tilt have their reference point at their centre
+_FLAT_DEG = 15.0
+
 
 class DaylightProvision(NamedTuple):
-    """How well a room is provided with daylight.
+    """Daylight provision of a room.
 
     Attributes
     ----------
-    target, minimum : share of the area that reaches the lux of each level
+    target, minimum : fraction of the area that reaches the illuminance of each level
     target_level, minimum_level : highest level reached, 0…3
     """
 
@@ -46,18 +58,18 @@ class DaylightProvision(NamedTuple):
 
     @property
     def level(self) -> int:
-        """Level of the room: both have to be reached."""
+        """Level of the room, the lower of both."""
         return min(self.target_level, self.minimum_level)
 
 
 def daylight_hours(
     diffuse_horizontal: Float[np.ndarray, " time"],
 ) -> Bool[np.ndarray, " time"]:
-    """The half of the year with the most daylight, 4380 of 8760 hours.
+    """Daylight hours: the half of the year with the most diffuse light.
 
     Parameters
     ----------
-    diffuse_horizontal : illuminance or irradiance of the sky on the horizontal
+    diffuse_horizontal : illuminance or irradiance
 
     Examples
     --------
@@ -78,14 +90,14 @@ def daylight_provision(
     area: Float[np.ndarray, " sensor"] | None = None,
     roof: bool = False,
 ) -> DaylightProvision:
-    """Return the levels of a room by method 2.
+    """Return the daylight provision of a room by method 2.
 
     Parameters
     ----------
     illuminance, standard_error : [lux], over (sensor, time)
     hours : `daylight_hours`
-    area : that each sensor stands for [m²]
-    roof : lit from above: the target then counts on 95 % of the area
+    area : represented by each sensor [m²]
+    roof : horizontal daylight openings, which need the target on 95 % of the area
 
     Examples
     --------
@@ -118,11 +130,7 @@ def daylight_provision(
 
 
 def sunlight_level(sun_hours: float) -> int:
-    """Level of exposure to sunlight of a room, from its hours of sun on one day.
-
-    Parameters
-    ----------
-    sun_hours : on a day between 1 February and 21 March, at the reference point
+    """Level of exposure to sunlight of a room with so many hours of sun on the day.
 
     >>> [sunlight_level(hours) for hours in (1.0, 1.5, 3.9, 4.0)]
     [0, 1, 2, 3]
@@ -130,17 +138,84 @@ def sunlight_level(sun_hours: float) -> int:
     return sum(sun_hours >= limit for limit in SUN_HOURS)
 
 
+def reference_point(
+    corners: Float[np.ndarray, "corner 3"],
+    normal: Float[np.ndarray, "3"],
+    *,
+    floor: float = 0.0,
+    depth: float = 0.0,
+) -> Float[np.ndarray, "3"]:
+    """Return the reference point of an opening for exposure to sunlight [m].
+
+    It is 1.2 m above the floor and at least 0.3 m above the sill, or at half height in
+    openings too low for that, and at the centre of roof windows.
+
+    Parameters
+    ----------
+    corners : of the opening
+    normal : unit vector into the room
+    floor : height of the floor [m]
+    depth : from the opening's plane to the inner face of the wall [m]
+
+    Examples
+    --------
+    >>> window = np.array([[1.0, 0, 0.8], [3, 0, 0.8], [3, 0, 2.2], [1, 0, 2.2]])
+    >>> inwards = np.array([0.0, 1, 0])
+    >>> reference_point(window, inwards).tolist()
+    [2.0, 0.0, 1.2]
+    >>> reference_point(window, inwards, floor=-0.2, depth=0.1).round(3).tolist()
+    [2.0, 0.1, 1.1]
+    """
+    if abs(normal[2]) > np.cos(np.radians(_FLAT_DEG)):
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        return np.asarray(middle + depth * normal)
+    across = unit(np.cross([0.0, 0.0, 1.0], normal))
+    slope = np.cross(normal, across)
+    wide, high = corners @ across, corners @ slope
+    low, top = float(corners[:, 2].min()), float(corners[:, 2].max())
+    height = max(floor + _ABOVE_FLOOR, low + _ABOVE_SILL)
+    if height >= top:
+        height = (low + top) / 2
+    along = high.min() + (height - low) / slope[2]
+    point = (wide.min() + wide.max()) / 2 * across + along * slope
+    return np.asarray(point + (float(corners[0] @ normal) + depth) * normal)
+
+
+def hours_of_sun(
+    reached: Bool[np.ndarray, "opening step"], *, step_minutes: float = 1.0
+) -> tuple[Float[np.ndarray, " opening"], float]:
+    """Return the hours of sun of every opening, and of a room with all openings.
+
+    Minutes with sun at several openings count once.
+
+    Parameters
+    ----------
+    reached : whether the sun reaches each opening's reference point
+
+    Examples
+    --------
+    >>> morning, noon = [True] * 90 + [False] * 90, [False] * 60 + [True] * 120
+    >>> each, room = hours_of_sun(np.array([morning, noon]))
+    >>> each.tolist(), room
+    ([1.5, 2.0], 3.0)
+    """
+    if not step_minutes > 0:
+        raise InputError(f"steps of {step_minutes:g} minutes; more than 0 expected")
+    share = step_minutes / 60
+    return reached.sum(axis=1) * share, float(reached.any(axis=0).sum() * share)
+
+
 def glare_level(
     dgp: Float[np.ndarray, " time"], occupied: Bool[np.ndarray, " time"]
 ) -> int:
-    """Level of protection from glare: DGP exceeds the limit in 5 % of the time at most.
+    """Level of protection from glare: DGP may exceed the limit in 5 % of the time.
 
     >>> dgp = np.array([0.36] * 6 + [0.2] * 94)
     >>> glare_level(dgp, np.ones(100, bool))
     2
     """
     if not np.any(occupied):
-        raise InputError("nobody is ever there; occupied steps expected")
+        raise InputError("no occupied time steps; at least one expected")
     shares = [float(np.mean(dgp[occupied] > limit)) for limit in GLARE_LIMITS]
     return sum(share <= GLARE_SHARE for share in shares)
 
@@ -148,11 +223,11 @@ def glare_level(
 def target_factors(
     median_diffuse_lux: float,
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Daylight factors that method 1 asks for, target and minimum, per level.
+    """Daylight factors of method 1, target and minimum, per level.
 
     Parameters
     ----------
-    median_diffuse_lux : outdoors on the horizontal, in the daylight hours
+    median_diffuse_lux : median external diffuse horizontal illuminance
 
     >>> [round(100 * d, 2) for d in target_factors(14_900.0)[0]]
     [2.01, 3.36, 5.03]
@@ -172,7 +247,7 @@ def _share(
 
 
 def _level(shares: tuple[RoomShare, ...], wanted: float) -> int:
-    # The highest level that is reached, as long as those below it are
+    # The highest level that is reached together with those below it
     level = 0
     for share in shares:
         if share.value < wanted - 1e-12:

@@ -1,9 +1,9 @@
-"""Results folders of honeybee-radiance-postprocess: read theirs, write ours.
+"""Results folders of honeybee-radiance-postprocess, read and written.
 
 A folder holds `grids_info.json` (grids and their light paths), `sun-up-hours.txt`
-(hours of the year with sun, middles), `grid_states.json` (states of dynamic window
-groups) and, per light path and state, `total` and `direct` illuminance of each grid as
-NumPy arrays over (sensor, sun-up hour) [lux]. Nights are dark and left out.
+(centres of the hours of the year with sun), `grid_states.json` (states of dynamic
+window groups) and, per light path and state, `total` and `direct` illuminance of each
+grid as NumPy arrays over (sensor, sun-up hour) [lux].
 """
 
 import json
@@ -33,7 +33,7 @@ class HoneybeeFolder:
 
     Attributes
     ----------
-    folder : where it is
+    folder : path of the folder
     paths : light paths of each grid
     states : folders of the states of each dynamic light path
     sun_up_hours : hours of the year with results, such as 7.5
@@ -57,13 +57,13 @@ class HoneybeeFolder:
 
         Parameters
         ----------
-        states : per dynamic light path, one state or one per hour of the year; −1 is
-            dark. Paths that are not named are in state 0.
+        states : per dynamic light path, one state or one per hour of the year; −1
+            contributes no light. Paths that are not named are in state 0.
         light : "total", or "direct" from the sun alone
 
         Raises
         ------
-        InputError : no such grid or state, or arrays that do not fit
+        InputError : an unknown grid or state, or arrays of another shape
         """
         if grid not in self.paths:
             raise InputError(
@@ -94,9 +94,9 @@ class HoneybeeFolder:
     def by_state(
         self, grid: str, path: str, *, light: Light = "total"
     ) -> Float[np.ndarray, "state sensor time"]:
-        """Illuminance that one light path gives in each of its states [lux].
+        """Illuminance from one light path in each of its states [lux].
 
-        Over (state, sensor, hour of the year); the path without states has one.
+        Over (state, sensor, hour of the year); the static path has one state.
         """
         hours = self.sun_up_hours.astype(int)
         count = 1 if path == STATIC else len(self.states.get(path, ()))
@@ -137,7 +137,7 @@ def read_honeybee(folder: str | Path) -> HoneybeeFolder:
 
     Raises
     ------
-    InputError : a file is missing or not what it should be
+    InputError : a file is missing or malformed
     """
     folder = Path(folder)
     info = _json(folder / "grids_info.json")
@@ -185,14 +185,14 @@ def write_honeybee(
     *,
     direct: Mapping[str, Float[np.ndarray, "sensor time"]] | None = None,
 ) -> None:
-    """Write illuminance of grids as honeybee-radiance-postprocess keeps it.
+    """Write the illuminance of grids in the format of honeybee-radiance-postprocess.
 
     Parameters
     ----------
-    total : per grid, all light [lux]
-    times : middles of hourly steps of one year; hours in which all grids are dark are
+    total : per grid, total illuminance [lux]
+    times : centres of hourly steps of one year; hours in which all grids are dark are
         left out
-    direct : per grid, light from the sun alone [lux]; zero if not given
+    direct : per grid, illuminance from the sun alone [lux]; zero if not given
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""LEED's daylight credit, options 1 and 2, as of v4 and v4.1.
+"""LEED v4 and v4.1 credit Daylight, options 1 and 2.
 
-Option 1 counts sDA300/50% (with blinds) and ASE1000,250; option 2 the area between
-300 and 3000 lux at 9 and 15 h under a clear sky of the equinox.
+Option 1 is by sDA300/50% (with blinds) and ASE1000,250; option 2 by the area between
+300 and 3000 lux at 9 and 15 h under a clear sky at the equinox.
 
 Reference: USGBC, LEED v4 and v4.1 BD+C, EQ credit Daylight (not healthcare).
 """
@@ -20,7 +20,7 @@ Version = Literal["v4", "v4.1"]
 LOW_LUX, HIGH_LUX = 300.0, 3000.0
 MOST_EXPOSURE = 0.10
 
-# Shares of the area and the points they are worth.
+# Fractions of the area and their points
 _OPTION_1: dict[Version, tuple[tuple[float, int], ...]] = {
     "v4": ((0.55, 2), (0.75, 3)),
     "v4.1": ((0.40, 1), (0.55, 2), (0.75, 3)),
@@ -36,9 +36,9 @@ class Credit(NamedTuple):
 
     Attributes
     ----------
-    points : as the table of the version gives
-    share : of the area that counts, 0…1
-    note : what else the version asks for; empty if nothing
+    points : of the credit
+    share : fraction of the area that meets the criterion, 0…1
+    note : further requirement of the version, empty if none
     """
 
     points: int
@@ -51,7 +51,7 @@ def simulated_daylight(
 ) -> Credit:
     """Return the points of option 1.
 
-    v4 gives none where ASE is above 10 %; v4.1 asks to say what is done about glare.
+    In v4 an ASE above 10 % gives no points; v4.1 then requires a statement on glare.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def simulated_daylight(
         if version == "v4":
             points = 0
         else:
-            note += ": say how the design addresses glare"
+            note += ": state how the design addresses glare"
     return Credit(points, autonomy, note)
 
 
@@ -87,7 +87,7 @@ def clear_sky_illuminance(
     Parameters
     ----------
     illuminance : at 9 h and at 15 h of a clear equinox day [lux]
-    view_preserving_blinds : automatic ones, with which only the lower limit counts
+    view_preserving_blinds : automatic blinds, for which only the lower limit applies
 
     Examples
     --------

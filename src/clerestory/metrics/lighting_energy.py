@@ -1,9 +1,9 @@
-"""Electric light that daylight saves: dimmed or switched against a setpoint.
+"""Lighting energy of luminaires controlled by daylight.
 
-A photosensor at the work plane sees daylight and what the luminaires add. The
-luminaires give what is missing: dimmed in proportion, down to a least output, or
-switched on where daylight alone is not enough. Power falls on a straight line between
-full output and the least one, as measured for dimmable drivers (Rubinstein, 1984).
+A photosensor at the work plane controls the luminaires: they are dimmed to make up the
+setpoint, down to a minimum output, or switched on where daylight is below it. Power is
+linear between full and minimum output, as measured for dimmable drivers
+(Rubinstein, 1984).
 """
 
 from dataclasses import dataclass
@@ -20,16 +20,16 @@ Control = Literal["dimming", "dimming with switch-off", "on-off", "none"]
 @final
 @dataclass(frozen=True)
 class LightingZone:
-    """Luminaires that one sensor governs.
+    """Luminaires that one photosensor controls.
 
     Attributes
     ----------
     power : of the luminaires at full output [W]
-    full_lux : that they add at the sensor at full output
-    setpoint_lux : that the sensor should have
-    control : "dimming" keeps the least output on; "dimming with switch-off" does not;
-        "on-off" is full or nothing; "none" is full whenever somebody is there
-    least_output, least_power : share of the light and of the power at the lower end
+    full_lux : illuminance of the luminaires at the sensor at full output
+    setpoint_lux : illuminance to be maintained at the sensor
+    control : "dimming" keeps the minimum output on; "dimming with switch-off" does not;
+        "on-off" switches full output; "none" is full output when occupied
+    least_output, least_power : minimum of output and of power, as fractions
     standby : power when off [W]
 
     Raises
@@ -61,15 +61,15 @@ class LightingZone:
 @final
 @dataclass(frozen=True, eq=False)
 class LightingUse:
-    """What the luminaires do.
+    """Output and energy of luminaires.
 
     Attributes
     ----------
-    output : share of full light, over time
+    output : fraction of full output, over time
     power : [W], over time
-    illuminance : of daylight and luminaires together at the sensor [lux]
+    illuminance : of daylight and luminaires at the sensor [lux]
     energy : over all steps [Wh]
-    error : of the energy, from that of the daylight [Wh]
+    error : standard error of the energy, from that of the daylight [Wh]
     """
 
     output: Float[np.ndarray, " time"]
@@ -92,7 +92,7 @@ def lighting_use(
     Parameters
     ----------
     daylight, standard_error : at the photosensor [lux]
-    occupied : whether somebody is there; the luminaires are off otherwise
+    occupied : whether the zone is occupied; the luminaires are off otherwise
     step_hours : length of a time step [h]
 
     Examples
@@ -120,7 +120,7 @@ def lighting_use(
 
 
 def lighting_saving(use: LightingUse, reference: LightingUse) -> float:
-    """Share of the energy of a reference that is saved, such as one without control."""
+    """Energy saved, as a fraction of the energy of a reference without control."""
     if not reference.energy > 0:
         raise InputError("the reference uses no energy; some expected")
     return 1 - use.energy / reference.energy

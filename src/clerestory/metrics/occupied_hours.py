@@ -1,7 +1,4 @@
-"""Which hours of the year count: the schedule of a building.
-
-A time stamp is the middle of its step, in local standard time.
-"""
+"""Occupied hours: the time steps that metrics count."""
 
 import numpy as np
 import xarray as xr
@@ -13,11 +10,11 @@ from clerestory.errors import InputError
 def occupied_hours(
     times: np.ndarray, *, from_hour: float = 8.0, to_hour: float = 18.0
 ) -> Bool[np.ndarray, " time"]:
-    """Whether each moment lies between two hours of its day, every day of the week.
+    """Whether the centre of each step lies between two hours, every day of the week.
 
     Raises
     ------
-    InputError : the hours do not follow each other within one day
+    InputError : the hours are not two increasing hours of one day
 
     Examples
     --------

@@ -1,9 +1,8 @@
-"""The figures of merit of every sensor, with their error bars.
+"""Climate-based metrics of every sensor with upper limits of their standard errors.
 
-The error bars are cautious. All hours of a sensor share the same traced
-matrices, so their errors are taken as fully correlated: a metric is taken once
-with every hour raised by its standard error and once with every hour lowered,
-and half the difference is the error.
+All hours of a sensor share the same traced matrices, so their errors are taken as fully
+correlated: the error of a metric is half of its difference between illuminances raised
+and lowered by their standard errors.
 """
 
 from collections.abc import Callable
@@ -12,17 +11,17 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
-from clerestory.metrics.annual_statistics import (
+from clerestory.metrics.climate_based_metrics import (
+    TARGET_LUX,
+    USEFUL_LIMITS_LUX,
+    USEFUL_RANGES,
     annual_maximum,
     annual_mean,
     annual_median,
-)
-from clerestory.metrics.daylight_autonomy import (
-    TARGET_LUX,
     continuous_autonomy,
     daylight_autonomy,
+    useful_illuminance,
 )
-from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX, useful_illuminance
 
 
 def sensor_metrics(
@@ -36,15 +35,15 @@ def sensor_metrics(
     Parameters
     ----------
     hourly : `illuminance` and `standard_error` [lux] over (sensor, time)
-    hours : which time steps count
-    target_lux : what daylight autonomy asks for
+    hours : time steps that count
+    target_lux : of daylight autonomy
 
     Returns
     -------
     `mean_illuminance`, `median_illuminance`, `maximum_illuminance` [lux];
     `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) as shares
-    0…1; `useful_bands` over (band, sensor). Each but the median, the maximum and
-    the bands has an `…_error` beside it.
+    0…1; `useful_bands` over (band, sensor). Each except the median, the maximum and the
+    bands has a variable `…_error`.
     """
     lux = hourly["illuminance"]
 
@@ -65,14 +64,14 @@ def sensor_metrics(
             "daylight_autonomy_error": metric_error(autonomy, hourly),
             "continuous_autonomy": continuous(lux),
             "continuous_autonomy_error": metric_error(continuous, hourly),
-            "useful": bands.sel(band=list(BANDS[1:3])).sum("band"),
+            "useful": bands.sel(band=list(USEFUL_RANGES[1:3])).sum("band"),
             "useful_error": _useful_error(hourly, hours),
             "useful_bands": bands,
         }
     )
     attrs = {
         "target_lux": target_lux,
-        "useful_limits_lux": list(LIMITS_LUX),
+        "useful_limits_lux": list(USEFUL_LIMITS_LUX),
         "hours": int(np.count_nonzero(hours)),
     }
     return result.assign_attrs(attrs)
@@ -81,7 +80,7 @@ def sensor_metrics(
 def metric_error(
     metric: Callable[[xr.DataArray], xr.DataArray], hourly: xr.Dataset
 ) -> xr.DataArray:
-    """Error of a metric that grows with the illuminance, as explained above.
+    """Error of a metric that increases with the illuminance.
 
     Examples
     --------
@@ -97,11 +96,11 @@ def metric_error(
 
 
 def _useful_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    # Hours enter the useful range at one limit and leave it at the other
+    # Errors at the lower and at the upper limit of the useful range
 
     def spread(limit_lux: float) -> xr.DataArray:
         return metric_error(
             lambda lux: daylight_autonomy(lux, hours, target_lux=limit_lux), hourly
         )
 
-    return spread(LIMITS_LUX[0]) + spread(LIMITS_LUX[2])
+    return spread(USEFUL_LIMITS_LUX[0]) + spread(USEFUL_LIMITS_LUX[2])

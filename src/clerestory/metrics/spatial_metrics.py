@@ -1,11 +1,11 @@
-"""Shares of a room: spatial daylight autonomy and annual sunlight exposure.
+"""Spatial daylight autonomy (sDA) and annual sunlight exposure (ASE).
 
-sDA300,50% is the share of the sensors that reach 300 lux in half of the occupied
-hours; ASE1000,250h the share that gets more than 1000 lux of direct sun in more than
-250 hours a year. Sensors count by the area they stand for, alike if none is given.
+sDA300,50% is the fraction of the area with 300 lux in half of the occupied hours;
+ASE1000,250h that with more than 1000 lux of direct sun in more than 250 hours a year.
+Sensors are weighted by the area they represent, or equally.
 
-The error of a share is half of what it changes when all sensors are raised or lowered
-by their standard errors together: a cautious one, as in `metrics.sensor_metrics`.
+The error of a fraction is half of its difference between illuminances raised and
+lowered by their standard errors: an upper limit, as in `sensor_metrics`.
 
 References: IES LM-83-12 and LM-83-23, Approved Method: IES spatial daylight autonomy
 (sDA) and annual sunlight exposure (ASE).
@@ -20,7 +20,7 @@ import xarray as xr
 from jaxtyping import Bool, Float
 
 from clerestory.errors import InputError
-from clerestory.metrics.daylight_autonomy import TARGET_LUX
+from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.occupied_hours import within_hours
 
 SUN_LUX = 1000.0
@@ -31,12 +31,12 @@ HALF_OF_THE_HOURS = 0.5
 @final
 @dataclass(frozen=True)
 class RoomShare:
-    """A share of a room, and its error.
+    """Fraction of the area of a room, and its error.
 
     Attributes
     ----------
     value : 0…1
-    error : standard error, a cautious one; 0 where none is known
+    error : upper limit of the standard error; 0 if it is unknown
     """
 
     value: float
@@ -52,13 +52,13 @@ def spatial_autonomy(
     target_lux: float = TARGET_LUX,
     share_of_hours: float = HALF_OF_THE_HOURS,
 ) -> RoomShare:
-    """Return the share of a room that reaches the target often enough (sDA).
+    """Return the spatial daylight autonomy of a room (sDA).
 
     Parameters
     ----------
-    illuminance, standard_error : [lux], over (sensor, time), blinds operated
-    hours : which time steps count; LM-83 asks for 8 to 18 h every day
-    area : that each sensor stands for [m²]
+    illuminance, standard_error : [lux], over (sensor, time), with operated blinds
+    hours : time steps that count; in LM-83, 8 to 18 h every day
+    area : represented by each sensor [m²]
 
     Examples
     --------
@@ -84,13 +84,13 @@ def sunlight_exposure(
     sun_lux: float = SUN_LUX,
     most_hours: float = MOST_HOURS,
 ) -> RoomShare:
-    """Return the share of a room with direct sun in too many hours (ASE).
+    """Return the annual sunlight exposure of a room (ASE).
 
     Parameters
     ----------
-    direct : illuminance from the sun alone, without bounces and without blinds [lux],
-        over (sensor, time)
-    hours : which time steps count; LM-83 asks for 8 to 18 h every day
+    direct : illuminance from the sun without reflections and without blinds [lux], over
+        (sensor, time)
+    hours : time steps that count; in LM-83, 8 to 18 h every day
     step_hours : length of a time step [h]
 
     Examples
@@ -114,7 +114,7 @@ def hours_above(
     limit_lux: float = SUN_LUX,
     step_hours: float = 1.0,
 ) -> xr.DataArray:
-    """Hours in which each sensor gets more than a limit [h]."""
+    """Hours in which the illuminance of each sensor exceeds a limit [h]."""
     above = (within_hours(illuminance, hours) > limit_lux).sum("time")
     return (above * step_hours).assign_attrs(units="h")
 
@@ -122,7 +122,7 @@ def hours_above(
 def area_share(
     good: Bool[np.ndarray, " sensor"], area: Float[np.ndarray, " area"] | None
 ) -> float:
-    """Share of the area, or of the sensors, that is good, 0…1.
+    """Fraction of the area, or of the sensors, that meets a criterion, 0…1.
 
     Raises
     ------
@@ -137,8 +137,8 @@ def area_share(
         return float(np.mean(good))
     if area.shape != good.shape or np.any(area < 0) or not area.sum() > 0:
         raise InputError(
-            f"{len(area)} areas for {len(good)} sensors; one of 0 or more each, and"
-            " some above, expected [m²]"
+            f"{len(area)} areas for {len(good)} sensors; one area of 0 m² or more for"
+            " each, with a sum above 0, expected"
         )
     return float(area[good].sum() / area.sum())
 
@@ -148,7 +148,7 @@ def with_error(
     illuminance: xr.DataArray,
     standard_error: xr.DataArray | None,
 ) -> RoomShare:
-    """Return a share and what it changes with the standard errors of its hours."""
+    """Return a fraction and its error from the standard errors of the illuminance."""
     if standard_error is None:
         return RoomShare(share(illuminance))
     high, low = share(illuminance + standard_error), share(illuminance - standard_error)

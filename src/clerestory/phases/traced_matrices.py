@@ -17,6 +17,7 @@ from typing import Literal, Protocol, Unpack
 
 import numpy as np
 
+from clerestory.bands import Bands
 from clerestory.engine.controller import estimate
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.matrix_jobs import CoefficientsJob, DaylightJob, ViewJob
@@ -89,7 +90,7 @@ def view_matrices(
     job = view_job(scene, windows, sensors, effort)
     estimated = estimate(job, effort)
     warn_if_short(estimated, "view matrix", effort)
-    return by_window(estimated, rows, windows, "interior")
+    return by_window(estimated, rows, windows, "interior", scene.bands)
 
 
 def view_job(
@@ -129,7 +130,7 @@ def daylight_matrix(
     estimated = estimate(job, effort)
     warn_if_short(estimated, f"daylight matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    return traced_matrix(estimated, rows, sky_axis(sky), slice(None))
+    return traced_matrix(estimated, rows, sky_axis(sky), slice(None), scene.bands)
 
 
 def daylight_matrices(
@@ -176,7 +177,7 @@ def daylight_coefficients(
     job = CoefficientsJob(scene=scene, sky=sky, sensors=sensors, **options)
     estimated = estimate(job, effort)
     warn_if_short(estimated, "daylight coefficients", effort)
-    return traced_matrix(estimated, rows, sky_axis(sky), slice(None))
+    return traced_matrix(estimated, rows, sky_axis(sky), slice(None), scene.bands)
 
 
 def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> Effort:
@@ -236,21 +237,22 @@ def by_window(
     rows: Axis,
     windows: Sequence[Window],
     side: Literal["interior", "exterior"],
+    bands: Bands,
 ) -> dict[str, TransferMatrix]:
     """Return the matrices of windows whose columns were traced side by side."""
     found, first = {}, 0
     for window in windows:
         columns = window_axis(side, window.partition, window.name)
         part = slice(first, first + columns.size)
-        found[window.name] = traced_matrix(estimated, rows, columns, part)
+        found[window.name] = traced_matrix(estimated, rows, columns, part, bands)
         first += columns.size
     return found
 
 
 def traced_matrix(
-    estimated: Estimate, rows: Axis, columns: Axis, part: slice
+    estimated: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
 ) -> TransferMatrix:
-    """Return some columns of what was traced, with their axes."""
+    """Return some columns of what was traced, with their axes and bands."""
     values, components = estimated.values[:, :, part], estimated.components
     if components is not None:
         components = components[:, :, :, part]
@@ -259,7 +261,7 @@ def traced_matrix(
         values = np.ascontiguousarray(values)
         if components is not None:
             components = np.ascontiguousarray(components)
-    return TransferMatrix(values, rows, columns, components)
+    return TransferMatrix(values, rows, columns, components, bands)
 
 
 class Traced(Protocol):

@@ -1,6 +1,6 @@
 """The end of the page: how sure, how computed, and what the words mean."""
 
-from clerestory.metrics.useful_illuminance import LIMITS_LUX
+from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX
 from clerestory.report.content import ReportContent
 from clerestory.report.fact_tables import fact_tables, time_table
 from clerestory.report.headline import target_words
@@ -49,7 +49,7 @@ def making_section(content: ReportContent) -> Markup:
 
 def words_section(content: ReportContent) -> Markup:
     """Return what the words mean."""
-    low, middle, high = (f"{limit:,.0f}" for limit in LIMITS_LUX)
+    low, middle, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     words = (
         (
             "Occupied hours",

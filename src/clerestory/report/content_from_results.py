@@ -11,9 +11,13 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
-from clerestory.metrics.daylight_autonomy import TARGET_LUX, daylight_autonomy
+from clerestory.metrics.climate_based_metrics import (
+    TARGET_LUX,
+    USEFUL_LIMITS_LUX,
+    USEFUL_RANGES,
+    daylight_autonomy,
+)
 from clerestory.metrics.sensor_metrics import metric_error, sensor_metrics
-from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX
 from clerestory.report.animation import film
 from clerestory.report.content import (
     FactTable,
@@ -216,11 +220,11 @@ def _metrics(data: xr.Dataset, occupied: Bool[np.ndarray, " time"]) -> xr.Datase
         metrics = sensor_metrics(data, occupied, target_lux=target)
     reached = [
         metric_error(partial(daylight_autonomy, hours=occupied, target_lux=limit), data)
-        for limit in LIMITS_LUX
+        for limit in USEFUL_LIMITS_LUX
     ]
     low, middle, high = reached
     errors = [low, low + middle, middle + high, high]
-    band = xr.DataArray(list(BANDS), dims="band", name="band")
+    band = xr.DataArray(list(USEFUL_RANGES), dims="band", name="band")
     return metrics.assign(useful_bands_error=xr.concat(errors, dim=band))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 
-from clerestory.phases.five import TERMS
+from clerestory.phases.methods import DIRECT_IN_PATCHES, DIRECT_SUN, METHODS
 from clerestory.report.embedded_data import code_step, illuminance_codes, packed
 from clerestory.report.markup import Markup, element
 from clerestory.report.period import date_words
@@ -80,11 +80,12 @@ class EquationTerms:
 
 def equation_terms(data: xr.Dataset) -> EquationTerms | None:
     """Return the terms in results, none unless five phases made them."""
-    if not all(name in data for name in TERMS):
+    wholes = [method.whole for method in METHODS.values() if method.whole in data]
+    if not wholes or DIRECT_SUN not in data:
         return None
     terms = (
         np.asarray(data[name].transpose("sensor", "time").values, dtype=np.float32)
-        for name in TERMS
+        for name in (wholes[0], DIRECT_IN_PATCHES, DIRECT_SUN)
     )
     return EquationTerms(*terms)
 

@@ -1,7 +1,7 @@
 """The top of the page: what was studied, what came out, how sure it is."""
 
 from clerestory.glare.comfort_classes import glare_autonomy
-from clerestory.metrics.useful_illuminance import LIMITS_LUX
+from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, element
 from clerestory.report.metric_maps import MetricMap, metric_maps, useful_share
@@ -92,7 +92,7 @@ def warnings_box(content: ReportContent) -> Markup:
 
 def _key_figures(content: ReportContent, maps: dict[str, MetricMap]) -> Markup:
     members = next(iter(content.sensors.by_grid().values()))
-    low, _, high = (f"{limit:,.0f}" for limit in LIMITS_LUX)
+    low, _, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     figures: tuple[tuple[str, Figure, str], ...] = (
         ("Mean illuminance", maps["mean"].mean(members), maps["mean"].note),
         ("Daylight autonomy", maps["autonomy"].mean(members), maps["autonomy"].note),

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from clerestory.metrics.useful_illuminance import BANDS, LIMITS_LUX
+from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX, USEFUL_RANGES
 from clerestory.report.content import ReportContent
 from clerestory.report.uncertain_value import Figure
 
@@ -46,7 +46,7 @@ class MetricMap:
 def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
     """Return what a plan can show: the mean, the autonomy, the four useful bands."""
     target = float(metrics.attrs.get("target_lux", 300.0))
-    low, middle, high = (f"{limit:,.0f}" for limit in LIMITS_LUX)
+    low, middle, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     notes = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")
     maps = [
         MetricMap(
@@ -66,7 +66,7 @@ def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
             "%",
         ),
     ]
-    for band, note in zip(BANDS, (*notes, f"{high} lux or more"), strict=True):
+    for band, note in zip(USEFUL_RANGES, (*notes, f"{high} lux or more"), strict=True):
         shares, errors = (
             100 * np.asarray(metrics[name].sel(band=band).values, dtype=float)
             for name in ("useful_bands", "useful_bands_error")

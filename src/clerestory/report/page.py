@@ -24,7 +24,10 @@ from clerestory.report.markup import Markup, element, embedded_json, join
 from clerestory.report.page_assets import asset, content_policy
 from clerestory.report.page_data import page_data
 from clerestory.report.window_layers import layers_section
+from clerestory.study.annual_views import PICTURE_FOLDER
 from clerestory.study.results import Results
+
+REPORT_FILE = "report.html"
 
 _SCRIPTS = (
     "raster.js",
@@ -56,6 +59,12 @@ def write_report(
     OutputError : the file cannot be written
     """
     write_text(path, report_page(from_results(results, pictures=pictures)))
+
+
+def picture_folder(folder: Path, results: Results) -> Path:
+    """Return the folder of a run's pictures; of several methods, that of the last."""
+    own = folder / str(results.data.attrs.get("method", "")) / PICTURE_FOLDER
+    return own if own.is_dir() else folder / PICTURE_FOLDER
 
 
 # Sections that a page may have, and their names in the list of contents

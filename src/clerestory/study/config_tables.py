@@ -10,8 +10,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
-from clerestory.metrics.daylight_autonomy import TARGET_LUX
-from clerestory.metrics.en17037_sunlight import FIRST_DAY, LAST_DAY
+from clerestory.metrics.climate_based_metrics import TARGET_LUX
+from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
 from clerestory.sky.station_file import MeasuredTable
 
 
@@ -176,6 +176,11 @@ class ViewTable(NamedFile):
         default_factory=list,
         description='"every", or a list of moments as "09-21T12:00"',
     )
+
+
+def sun_places(value: Any) -> Any:
+    """Return the table [sun] that one word stands for."""
+    return {"places": value} if isinstance(value, str) else value
 
 
 class SunTable(Table):

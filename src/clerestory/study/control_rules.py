@@ -11,12 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.control.control_rule import Situation, apply_rule
+from clerestory.control.control_rule import Situation, apply_rule, load_rule
 from clerestory.control.profile_angle import blocking_states
-from clerestory.control.schedule import held, read_schedule
+from clerestory.control.schedule import read_schedule, states_at
 from clerestory.control.state_choice import Limit, best_states, least_closed
 from clerestory.control.threshold import staged_states, threshold_states
-from clerestory.control.user_rule import load_rule
 from clerestory.errors import InputError
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.window_tables import ControlTable
@@ -155,7 +154,7 @@ def by_schedule(case: Case) -> _StateTimes:
             f'no column "{group.name}"; one for each window group that asks expected',
             file=file,
         )
-    states = held(schedule, case.signals.times)[group.name]
+    states = states_at(schedule, case.signals.times)[group.name]
     if int(states.max()) >= case.count:
         raise InputError(
             f'window "{group.name}" in state {states.max()}; 0 to {case.count - 1}'

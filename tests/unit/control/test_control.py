@@ -15,8 +15,8 @@ from clerestory.control.profile_angle import (
 )
 from clerestory.control.schedule import (
     StateSchedule,
-    picked,
     read_schedule,
+    select_states,
     write_schedule,
 )
 from clerestory.control.state_choice import (
@@ -210,7 +210,7 @@ def test_a_schedule_picks_and_sums():
 
 def test_a_state_that_does_not_exist_is_refused():
     with pytest.raises(InputError, match="state 2 of 2"):
-        picked(np.zeros((2, 3, 4)), np.array([0, 1, 2, 0]))
+        select_states(np.zeros((2, 3, 4)), np.array([0, 1, 2, 0]))
 
 
 def test_a_schedule_is_written_and_read_back(tmp_path):
@@ -225,9 +225,9 @@ def test_a_schedule_is_written_and_read_back(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", r"s\.csv:1: no heads"),
-        ("time,a\n2001-01-01T00:30,x\n", r"s\.csv:2: .*whole numbers expected"),
-        ("time,a\nyesterday,1\n", r"s\.csv:2: .*a moment"),
+        ("", r"s\.csv:1: no header"),
+        ("time,a\n2001-01-01T00:30,x\n", r"s\.csv:2: .*integers expected"),
+        ("time,a\nyesterday,1\n", r"s\.csv:2: .*a time"),
         ("time,a,b\n2001-01-01T00:30,1\n", r"s\.csv:2: 1 states for 2 groups"),
         ("time,a\n2001-01-01T00:30,-1\n", r"s\.csv:2: .*0 or more"),
     ],

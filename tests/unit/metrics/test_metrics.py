@@ -5,15 +5,17 @@ import pytest
 import xarray as xr
 
 from clerestory.errors import InputError
-from clerestory.metrics.annual_statistics import (
+from clerestory.metrics.climate_based_metrics import (
+    USEFUL_RANGES,
     annual_maximum,
     annual_mean,
     annual_median,
+    continuous_autonomy,
+    daylight_autonomy,
+    useful_illuminance,
 )
-from clerestory.metrics.daylight_autonomy import continuous_autonomy, daylight_autonomy
 from clerestory.metrics.occupied_hours import occupied_hours, within_hours
 from clerestory.metrics.sensor_metrics import sensor_metrics
-from clerestory.metrics.useful_illuminance import BANDS, useful_illuminance
 
 # Two sensors, five hours; the last hour does not count.
 LUX = xr.DataArray(
@@ -41,7 +43,7 @@ def test_continuous_autonomy_gives_part_credit_below_the_target():
 
 def test_useful_bands_hold_their_lower_limit_and_sum_to_one():
     shares = useful_illuminance(LUX, HOURS)
-    assert list(shares.band.values) == list(BANDS)
+    assert list(shares.band.values) == list(USEFUL_RANGES)
     assert shares.isel(sensor=0).values.tolist() == [0.5, 0.0, 0.25, 0.25]
     assert shares.isel(sensor=1).values.tolist() == [0.0, 0.75, 0.25, 0.0]
     np.testing.assert_allclose(shares.sum("band"), 1)
@@ -78,7 +80,7 @@ def test_a_year_without_a_counted_hour_is_refused():
 
 
 def test_limits_that_do_not_grow_are_refused():
-    with pytest.raises(InputError, match="three growing numbers"):
+    with pytest.raises(InputError, match="three increasing numbers"):
         useful_illuminance(LUX, HOURS, limits_lux=(300, 100, 3000))
 
 

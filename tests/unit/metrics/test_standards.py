@@ -6,6 +6,7 @@ import xarray as xr
 
 from clerestory.errors import InputError
 from clerestory.metrics.breeam import factor_criterion, illuminance_criterion
+from clerestory.metrics.climate_based_metrics import light_exposure
 from clerestory.metrics.daylight_factor import daylight_factor, room_factors
 from clerestory.metrics.en17037 import (
     daylight_hours,
@@ -15,7 +16,6 @@ from clerestory.metrics.en17037 import (
     target_factors,
 )
 from clerestory.metrics.leed import clear_sky_illuminance, simulated_daylight
-from clerestory.metrics.light_exposure import light_exposure
 from clerestory.metrics.lighting_energy import (
     LightingZone,
     lighting_saving,
@@ -103,7 +103,7 @@ def test_levels_of_sun_and_glare():
     dgp = np.concatenate([np.full(6, 0.46), np.full(94, 0.2)])
     assert glare_level(dgp, np.ones(100, bool)) == 0
     assert glare_level(dgp, np.arange(100) >= 2) == 3
-    with pytest.raises(InputError, match="nobody"):
+    with pytest.raises(InputError, match="no occupied"):
         glare_level(dgp, np.zeros(100, bool))
 
 
@@ -196,5 +196,5 @@ def test_savings_and_their_error():
 
 
 def test_areas_have_to_fit_the_sensors():
-    with pytest.raises(InputError, match="one of 0 or more each"):
+    with pytest.raises(InputError, match="0 m² or more for each"):
         spatial_autonomy(sensors([1] * 10), ALL, area=np.array([1.0, 2.0]))

@@ -67,12 +67,7 @@ class FileFormat:
 
 
 def single_file(paths: Sequence[Path], kind: str) -> Path:
-    """Return the one file of a format that has all directions in one file.
-
-    Raises
-    ------
-    InputError : several files
-    """
+    """Return the one file of a format that has all directions in one file."""
     if len(paths) != 1:
         raise InputError(f"{len(paths)} {kind} files; one per measurement expected")
     return paths[0]

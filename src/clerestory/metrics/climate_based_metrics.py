@@ -1,0 +1,153 @@
+"""Climate-based daylight metrics of sensors over the occupied hours.
+
+Annual statistics of illuminance, daylight autonomy, continuous daylight autonomy,
+useful daylight illuminance and annual light exposure.
+
+References: C. F. Reinhart, O. Walkenhorst, Energy and Buildings 33 (7), 2001 (daylight
+autonomy); Z. Rogers, Architectural Energy Corporation, 2006 (continuous daylight
+autonomy); A. Nabil, J. Mardaljevic, Lighting Research and Technology 37 (1), 2005
+(useful daylight illuminance, with the limits 100, 300 and 3000 lux of their later
+papers); CIE 157:2004, table 3.4 (light exposure).
+"""
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool
+
+from clerestory.errors import InputError
+from clerestory.metrics.occupied_hours import within_hours
+
+TARGET_LUX = 300.0
+
+USEFUL_LIMITS_LUX = (100.0, 300.0, 3000.0)
+USEFUL_RANGES = ("fell short", "supplementary", "autonomous", "exceeded")
+
+# Largest annual exposure of museum objects by responsivity class [lux h]
+EXPOSURE_LIMITS = {"high": 15_000.0, "medium": 150_000.0, "low": 600_000.0}
+
+
+def annual_mean(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
+    """Mean of each sensor over the hours that count, in the unit of the data.
+
+    The mean of the hourly standard errors is an upper limit of the standard error of
+    the mean: all hours share the traced matrices, so their errors are correlated.
+
+    Examples
+    --------
+    >>> lux = xr.DataArray([[100.0, 300.0, 999.0]], dims=("sensor", "time"))
+    >>> float(annual_mean(lux, np.array([True, True, False]))[0])
+    200.0
+    """
+    return within_hours(data, hours).astype(float).mean("time", keep_attrs=True)
+
+
+def annual_median(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
+    """Median of each sensor over the hours that count, in the unit of the data."""
+    return within_hours(data, hours).astype(float).median("time", keep_attrs=True)
+
+
+def annual_maximum(
+    data: xr.DataArray, hours: Bool[np.ndarray, " time"]
+) -> xr.DataArray:
+    """Maximum of each sensor over the hours that count, in the unit of the data."""
+    return within_hours(data, hours).astype(float).max("time", keep_attrs=True)
+
+
+def daylight_autonomy(
+    illuminance: xr.DataArray,
+    hours: Bool[np.ndarray, " time"],
+    *,
+    target_lux: float = TARGET_LUX,
+) -> xr.DataArray:
+    """Fraction of the hours in which each sensor reaches the target, 0…1.
+
+    Parameters
+    ----------
+    illuminance : [lux], over (sensor, time)
+    hours : time steps that count
+
+    Examples
+    --------
+    >>> lux = xr.DataArray([[100.0, 300.0, 500.0, 900.0]], dims=("sensor", "time"))
+    >>> float(daylight_autonomy(lux, np.ones(4, bool))[0])
+    0.75
+    """
+    counted = within_hours(illuminance, hours)
+    return (counted >= target_lux).mean("time").assign_attrs(units="1")
+
+
+def continuous_autonomy(
+    illuminance: xr.DataArray,
+    hours: Bool[np.ndarray, " time"],
+    *,
+    target_lux: float = TARGET_LUX,
+) -> xr.DataArray:
+    """Daylight autonomy with partial credit E / target for hours below the target.
+
+    Examples
+    --------
+    >>> lux = xr.DataArray([[150.0, 900.0]], dims=("sensor", "time"))
+    >>> float(continuous_autonomy(lux, np.ones(2, bool))[0])
+    0.75
+    """
+    counted = within_hours(illuminance, hours).astype(float)
+
+    # Negative noise of differences of traced matrices is kept: it averages out
+    return (counted / target_lux).clip(max=1).mean("time").assign_attrs(units="1")
+
+
+def useful_illuminance(
+    illuminance: xr.DataArray,
+    hours: Bool[np.ndarray, " time"],
+    *,
+    limits_lux: tuple[float, float, float] = USEFUL_LIMITS_LUX,
+) -> xr.DataArray:
+    """Fraction of the hours of each sensor in each range of UDI, 0…1.
+
+    A range includes its lower limit and not its upper one; the four fractions sum to 1.
+    The useful range of most standards is the sum of the two middle ranges.
+
+    Returns
+    -------
+    fractions over (band, sensor)
+
+    Raises
+    ------
+    InputError : the limits do not increase
+
+    Examples
+    --------
+    >>> lux = xr.DataArray([[50.0, 100.0, 300.0, 4000.0]], dims=("sensor", "time"))
+    >>> useful_illuminance(lux, np.ones(4, bool)).sel(sensor=0).values.tolist()
+    [0.25, 0.25, 0.25, 0.25]
+    """
+    if not 0 < limits_lux[0] < limits_lux[1] < limits_lux[2]:
+        raise InputError(f"limits {limits_lux} lux; three increasing numbers expected")
+    counted = within_hours(illuminance, hours)
+    low, middle, high = ((counted >= limit).mean("time") for limit in limits_lux)
+    shares = [1 - low, low - middle, middle - high, high]
+    band = xr.DataArray(list(USEFUL_RANGES), dims="band", name="band")
+    return xr.concat(shares, dim=band).assign_attrs(units="1")
+
+
+def light_exposure(
+    illuminance: xr.DataArray,
+    hours: Bool[np.ndarray, " time"],
+    *,
+    step_hours: float = 1.0,
+) -> xr.DataArray:
+    """Annual light exposure of each sensor over the hours that count [lux h].
+
+    Parameters
+    ----------
+    illuminance : [lux], over (sensor, time)
+    step_hours : length of a time step [h]
+
+    Examples
+    --------
+    >>> lux = xr.DataArray([[100.0, 50.0]], dims=("sensor", "time"))
+    >>> float(light_exposure(lux, np.ones(2, bool))[0])
+    150.0
+    """
+    received = within_hours(illuminance, hours).astype(float).sum("time") * step_hours
+    return received.assign_attrs(units="lux h")

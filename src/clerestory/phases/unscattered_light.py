@@ -1,0 +1,142 @@
+"""Direct light of scenes that have their glass: sky and sun, unscattered.
+
+    C_d    sensors × sky   part of the daylight coefficients that no surface scatters
+    C_sun  sensors × suns  irradiance per direct normal irradiance
+
+Both follow straight rays that clear glass attenuates and all else stops, so that the
+two-phase method can take the sun out of its sky patches and put it at its place.
+"""
+
+from typing import Unpack
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.constants import SUN_DIAMETER
+from clerestory.engine.controller import estimate
+from clerestory.engine.direct_sun_jobs import UnscatteredJob
+from clerestory.engine.effort import Effort, EffortKeywords
+from clerestory.engine.sums import BATCHES
+from clerestory.hemisphere.reinhart import SkyPartition, reinhart
+from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, sun_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.sun_coefficients import sun_effort
+from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
+
+# Rays per sensor and patch or sun, where they are not asked for
+_PATCH_SAMPLES, _SUN_SAMPLES = 32, 64
+
+# Steps of the R2 sequence (M. Roberts, 2018): powers of the inverse plastic number
+_R2 = 1.32471795724474602596 ** -np.arange(1.0, 3.0)
+
+
+def unscattered_coefficients(
+    scene: Scene,
+    *,
+    sensors: Sensors,
+    subdivision: int = 4,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Direct part C_d of the daylight coefficients [sr]; the ground has none.
+
+    Parameters
+    ----------
+    scene : with its glass
+    subdivision : Reinhart's MF of the sky, 1…6
+    samples : rays per sensor and sky patch
+    """
+    effort = sun_effort(unscattered_coefficients, keywords, samples=_PATCH_SAMPLES)
+    sky = reinhart(subdivision)
+    points = _points(len(sky.dome), effort)
+    return _traced(scene, sensors, _in_patches(sky, points), sky_axis(sky), effort)
+
+
+def unscattered_sun(
+    scene: Scene,
+    *,
+    sensors: Sensors,
+    suns: Float[np.ndarray, "sun 3"],
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Direct-sun coefficients C_sun: irradiance per direct normal irradiance.
+
+    Parameters
+    ----------
+    scene : with its glass
+    suns : unit vectors to the suns, whose discs are 0.533° wide
+    samples : rays per sensor and sun
+    """
+    effort = sun_effort(unscattered_sun, keywords, samples=_SUN_SAMPLES)
+    directions = _on_discs(suns, _points(len(suns), effort))
+    return _traced(scene, sensors, directions, sun_axis(len(suns)), effort)
+
+
+def _traced(
+    scene: Scene,
+    sensors: Sensors,
+    directions: Float[np.ndarray, "column point 3"],
+    columns: Axis,
+    effort: Effort,
+) -> TransferMatrix:
+    job = UnscatteredJob(
+        scene=scene,
+        sensors=sensors,
+        directions=directions,
+        samples=directions.shape[1],
+        **effort.job_options(),
+    )
+    found = estimate(job, effort)
+    assert found.components is not None
+    rows = sensor_axis(len(sensors.position), sensors.names)
+    values, components = found.values, found.components
+    if columns.kind == "sky" and isinstance(columns.partition, SkyPartition):
+        # Irradiance per radiance; nothing from the ground
+        angle = columns.partition.dome.solid_angles()
+        values, components = (
+            _after_ground(values * angle),
+            _after_ground(components * angle.astype(np.float32)),
+        )
+    return TransferMatrix(values, rows, columns, components)
+
+
+def _after_ground(values: np.ndarray) -> np.ndarray:
+    return np.concatenate([np.zeros_like(values[..., :1]), values], axis=-1)
+
+
+def _points(columns: int, effort: Effort) -> Float[np.ndarray, "column point 2"]:
+    # Points of the unit square; each batch has a sequence of its own
+    each = -(-(effort.samples or 1) // BATCHES)
+    start = np.random.default_rng(effort.seed).random((columns, BATCHES, 1, 2))
+    steps = np.arange(each)[:, None] * _R2
+    return ((start + steps) % 1).reshape(columns, BATCHES * each, 2)
+
+
+def _in_patches(
+    sky: SkyPartition, points: Float[np.ndarray, "patch point 2"]
+) -> Float[np.ndarray, "patch point 3"]:
+    # Uniform in solid angle: heights are uniform, where `sample` takes their squares
+    dome = sky.dome
+    ring = np.repeat(np.arange(len(dome.count)), dome.count)
+    patch = np.broadcast_to(np.arange(len(dome))[:, None], points.shape[:2])
+    first, last = (np.cos(dome.theta[ring + n])[:, None] for n in (0, 1))
+    height = first + (last - first) * points[..., 0]
+    share = (first**2 - height**2) / (first**2 - last**2)
+    return dome.sample(patch, np.stack([share, points[..., 1]], axis=-1))
+
+
+def _on_discs(
+    suns: Float[np.ndarray, "sun 3"], points: Float[np.ndarray, "sun point 2"]
+) -> Float[np.ndarray, "sun point 3"]:
+    # Uniform on the disc of each sun
+    depth = points[..., 0] * (1 - np.cos(SUN_DIAMETER / 2))
+    flat = np.sqrt(depth * (2 - depth))
+    side = np.cross(suns, np.eye(3)[np.abs(suns).argmin(axis=1)])
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    across = np.cross(suns, side)
+    angle = 2 * np.pi * points[..., 1]
+    return np.asarray(
+        suns[:, None] * (1 - depth)[..., None]
+        + side[:, None] * (flat * np.cos(angle))[..., None]
+        + across[:, None] * (flat * np.sin(angle))[..., None]
+    )
