@@ -9,6 +9,7 @@ from physics_scenes import box, endless_ground, sensor
 import clerestory as cl
 from clerestory.bands import RGB
 from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdfgen.flat_panes import diffuse_pane
 from clerestory.colorimetry import wavelength_bands
 from clerestory.errors import InputError, MatrixError
 from clerestory.phases.picture_matrices import Camera, picture_view_matrices
@@ -166,6 +167,24 @@ def test_pictures_have_nine_bands(device):
         )
     expected = picture.radiance @ NINE.weights
     assert picture.luminance() == pytest.approx(expected, rel=1e-5)
+
+
+def test_generated_bsdfs_have_a_channel_for_each_band(device):
+    """A matt sheet reflects each band by itself; luminance is their weighted mean."""
+    sheet = diffuse_pane(transmittance=0.0, reflectance=0.5)
+    scene = Scene(
+        {"pane": Plastic("pane", REFLECTANCE)}, sheet.scene.surfaces, bands=NINE
+    )
+    bsdf = cl.generate_bsdf(
+        scene, area=sheet.area, basis="quarter", samples=256, device=device
+    )
+    assert bsdf.channels == ("visible", *NINE.names)
+    found = [bsdf.diffuse("reflection_front", channel=name) for name in NINE.names]
+    assert found == pytest.approx(REFLECTANCE, rel=1e-5)
+    luminous = bsdf.diffuse("reflection_front")
+    assert luminous == pytest.approx(NINE.shares @ REFLECTANCE, rel=1e-5)
+    with pytest.raises(InputError, match="red, green, blue expected"):
+        cl.generate_bsdf(scene, area=sheet.area, colour=True, device=device)
 
 
 def test_matrices_of_other_bands_do_not_fit(device):

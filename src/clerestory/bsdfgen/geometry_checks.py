@@ -14,6 +14,7 @@ from clerestory.bsdfgen.coplanar_overlaps import overlapping
 from clerestory.bsdfgen.naming import item
 from clerestory.errors import InputError
 from clerestory.scene.model import Scene
+from clerestory.scene.surface import extent
 
 # Largest z of surfaces [m], as in genBSDF.
 _IN_ROOM = 1e-5
@@ -70,9 +71,7 @@ def _units(scene: Scene) -> Iterator[str]:
 
 
 def _in_room(scene: Scene) -> Iterator[str]:
-    high = np.array(
-        [Scene(scene.materials, (s,)).bounds()[1, 2] for s in scene.surfaces]
-    )
+    high = np.array([extent(surface)[:, 2].max() for surface in scene.surfaces])
     inside = np.flatnonzero(high > _IN_ROOM)
     if len(inside):
         worst = scene.surfaces[int(inside[np.argmax(high[inside])])]

@@ -85,11 +85,7 @@ def _bands(texts: list[str] | None) -> dict[str, Weights] | None:
                 isinstance(n, int | float) for n in numbers
             ):
                 raise InputError(f"band {text!r}; such as solar=0.3/0.4/0.3 expected")
-            found[name.lower()] = (
-                float(numbers[0]),
-                float(numbers[1]),
-                float(numbers[2]),
-            )
+            found[name.lower()] = tuple(map(float, numbers))
     return found or None
 
 

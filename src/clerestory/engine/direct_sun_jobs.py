@@ -152,7 +152,7 @@ class PixelSunJob(_DirectJob):
     samples : paths per pixel and sun
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("direct_sun_pixels", "prepare_pixel_sun")
+    tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_pixel_sun")
 
     windows: tuple[Window, ...]
     number: int

@@ -6,7 +6,7 @@
     C  sensors × sky                              CoefficientsJob
 
 Jobs are plain values and need no compute device; `matrix_tracers` and
-`pixel_view_tracer` trace them.
+ALREADY
 """
 
 from dataclasses import dataclass
@@ -129,7 +129,7 @@ class PixelViewJob(EstimatedJob):
     direct : whether paths stop at the first surface
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("pixel_view_tracer", "prepare_pixel_view")
+    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_pixel_view")
     together: ClassVar[bool] = False
 
     windows: tuple[Window, ...]

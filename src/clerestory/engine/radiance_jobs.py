@@ -134,7 +134,7 @@ class ExitingRadianceJob(RadianceJob):
     Suns seen straight through the patch are left out.
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("outgoing_tracer", "prepare_outgoing")
+    tracer: ClassVar[tuple[str, str]] = ("exiting_radiance_tracer", "prepare_outgoing")
 
     patches: EmitterPatches
     rings: int

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.files import read_text
 from clerestory.formats.mgf_context import MgfMaterial, MgfVertex
 from clerestory.formats.mgf_definitions import DEFINING, Definitions, numbers
@@ -98,7 +98,7 @@ def parse_mgf(
     while at < len(statements):
         number_of_line, words = statements[at]
         reading.line = number_of_line
-        try:
+        with located(file=file, line=number_of_line):
             count += 1
             if count > _MOST_STATEMENTS:
                 raise InputError(
@@ -106,8 +106,6 @@ def parse_mgf(
                     " expected"
                 )
             back = reading.follow(words, at)
-        except InputError as error:
-            raise InputError(error.message, file=file, line=number_of_line) from error
         at = at + 1 if back is None else back
     return Scene(reading.materials, tuple(reading.surfaces))
 

@@ -8,7 +8,14 @@ from jaxtyping import Float
 
 from clerestory.bands import RGB, Bands
 from clerestory.errors import InputError
-from clerestory.scene.material import Colour, Material, colours, parts, with_colours
+from clerestory.scene.material import (
+    Colour,
+    Material,
+    colours,
+    error_at,
+    parts,
+    with_colours,
+)
 from clerestory.scene.model import Scene
 
 # Wavelengths that separate blue, green and red (Radiance color.h: WLPART) [nm]
@@ -86,12 +93,10 @@ def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:
 
 def _require_grey(material: Material) -> None:
     if any(np.ptp(colour) > 0 for colour in colours(material)):
-        source = material.source
-        raise InputError(
+        raise error_at(
+            material.source,
             f'the material "{material.name}" is coloured, and RGB does not determine'
             " its spectrum; values per band or an upsampling expected",
-            file=source.file if source else None,
-            line=source.line if source else None,
         )
     for part in parts(material):
         _require_grey(part)

@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.errors import InputError
 from clerestory.scene.pattern import Pattern
 
 Colour = Float[np.ndarray, " band"]
@@ -42,6 +43,13 @@ class Plugin:
 
     name: str
     parameters: "Mapping[str, Parameter]" = field(default_factory=dict)
+
+
+def error_at(source: Source | None, message: str) -> InputError:
+    """Return an error about what is defined at a place, if that is known."""
+    if source is None:
+        return InputError(message)
+    return InputError(message, file=source.file, line=source.line)
 
 
 @dataclass(frozen=True, eq=False)

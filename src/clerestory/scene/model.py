@@ -19,6 +19,7 @@ from clerestory.scene.material import (
     Material,
     Source,
     colours,
+    error_at,
     insert_material,
     parts,
     same_material,
@@ -161,12 +162,10 @@ def _check_colours(material: Material, bands: Bands) -> None:
     # Grey is the same in all bands; the colours of RGB scenes have three values
     for colour in colours(material):
         if len(colour) != len(bands) and (bands == RGB or np.ptp(colour) > 0):
-            source = material.source
-            raise InputError(
+            raise error_at(
+                material.source,
                 f'a colour of {len(colour)} values in the material "{material.name}" of'
                 f" a scene in the bands {bands}; one value per band expected",
-                file=source.file if source else None,
-                line=source.line if source else None,
             )
     for part in parts(material):
         _check_colours(part, bands)
@@ -182,12 +181,10 @@ def _check_up(surface: Polygon | Ring, material: Material) -> None:
     up = material.up @ material.transform
     sine = np.linalg.norm(np.cross(up, normal))
     if sine < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
-        source = surface.source
-        raise InputError(
+        raise error_at(
+            surface.source,
             f'"{surface.name}": the up vector of BSDF "{material.name}" is along its'
             " normal; a vector that points up along the surface expected",
-            file=source.file if source else None,
-            line=source.line if source else None,
         )
 
 

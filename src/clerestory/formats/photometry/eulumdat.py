@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.formats.photometry.ies import POINT
 from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
@@ -44,7 +44,7 @@ def read_eulumdat(path: str | Path) -> Luminaire:
     chosen = _planes(head.symmetry, head.planes)
     table = lines.several(len(chosen) * head.angles, "an intensity")
     keywords = {"MANUFAC": head.maker, "LUMCAT": head.model, "LAMP": lamps.kind}
-    try:
+    with located(file=path):
         horizontal, intensity = _unfolded(
             head.symmetry, angle, chosen, table.reshape(-1, head.angles)
         )
@@ -59,8 +59,6 @@ def read_eulumdat(path: str | Path) -> Luminaire:
             watts=lamps.watts,
             keywords=keywords | {"LORL": f"{output:g}"},
         )
-    except InputError as error:
-        raise InputError(error.message, file=path) from error
 
 
 @dataclass(frozen=True)

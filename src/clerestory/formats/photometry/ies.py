@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.formats.photometry.luminaire import (
     Luminaire,
@@ -47,12 +47,8 @@ def read_ies(path: str | Path) -> Luminaire:
     line = 1 + head.count("\n")
     numbers = _words(body, path, line + 1)
     tilt = _tilt(how.strip(), numbers, Path(path), line)
-    try:
+    with located(file=path):
         return _luminaire(numbers, year, _keywords(head, Path(path)), tilt)
-    except InputError as error:
-        if error.file is not None:
-            raise
-        raise InputError(error.message, file=path) from error
 
 
 def _words(text: str, path: str | Path, line: int) -> WordReader:
