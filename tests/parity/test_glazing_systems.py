@@ -98,7 +98,7 @@ def test_stacks_are_what_wincalc_expects(products, shared_data, name):
 def test_panes_are_what_wincalc_expects_at_their_own_angle(products, case):
     name, channel, angle = case
     first = "nfrc_2191.json" if name.startswith("low-e") else "CLEAR_3.json"
-    panes = [read_layer(products / file).pane for file in (first, "CLEAR_3.json")]
+    panes = [read_layer(products / file).material for file in (first, "CLEAR_3.json")]
     wavelength = np.unique(np.concatenate([p.wavelength_nm for p in panes]))
     cosine = np.cos(np.radians([angle]))
     passed = pass_through(
@@ -137,7 +137,7 @@ def test_the_wheel_takes_every_coated_pane_for_bronze_glass(
     """
     engine = pytest.importorskip("pywincalc")
     file = products / f"{name}.json"
-    pane = read_layer(file).pane
+    pane = read_layer(file).material
     weights = nfrc().band("solar").weights(pane.wavelength_nm)
     theirs = (
         engine.GlazingSystem(

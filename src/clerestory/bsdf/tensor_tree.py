@@ -20,6 +20,7 @@ import numpy as np
 from jaxtyping import Float, Int32, Int64
 
 from clerestory.array_types import Directions, ExitIncident, Points2, Values
+from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.reciprocal_function import ReversedFunction
 from clerestory.bsdf.scattering_function import TOGETHER, ScatteringFunction
 from clerestory.bsdf.tree_average import average_tree
@@ -255,19 +256,11 @@ def _choose(
 ) -> tuple[Float[np.ndarray, "2 samples"], Float[np.ndarray, " samples"]]:
     # Points of the square distributed like the values of the cells of each owner, and
     # their density over projected solid angle
-    light = found.value * found.size.astype(float) ** 2
-    running = np.concatenate([[0.0], np.cumsum(light)])
-    owners = np.arange(int(found.owner[-1]) + 2)
-    start = np.searchsorted(found.owner, owners)
-    before, total = running[start[:-1]], np.diff(running[start])
-    target = before[owner] + u[:, 0] * total[owner]
-    cell = np.searchsorted(running, target, side="right") - 1
-    cell = np.clip(cell, start[owner], start[owner + 1] - 1)
-
-    # The remainder of the first number places the point within the cell
-    rest = (target - running[cell]) / np.where(light[cell] > 0, light[cell], 1)
-    within = np.stack([np.clip(rest, 0, 1 - 1e-12), u[:, 1]])
-    point = found.corner[:, cell] + found.size[cell] * within
-    some = total[owner] > 0
-    density = found.value[cell] / np.where(some, np.pi * total[owner], 1)
-    return point, np.where(some, density, 0)
+    flux = found.value * found.size.astype(float) ** 2
+    start = np.searchsorted(found.owner, np.arange(int(found.owner[-1]) + 2))
+    cell, rest, total = choose_cells(flux, start[owner], start[owner + 1], u[:, 0])
+    point = found.corner[:, cell] + found.size[cell] * np.stack([rest, u[:, 1]])
+    some = total > 0
+    return point, np.where(
+        some, found.value[cell] / np.where(some, np.pi * total, 1), 0
+    )

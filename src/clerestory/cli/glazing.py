@@ -184,7 +184,7 @@ def _write(path: Path, bsdf: Bsdf, system: GlazingSystem) -> None:
 
 def _about(layer: Layer) -> Iterator[str]:
     yield f"{layer.name}: {type(layer).__name__}"
-    pane = layer.pane if isinstance(layer, Glass) else getattr(layer, "material", None)
+    pane = getattr(layer, "material", None)
     if pane is not None:
         ends = pane.wavelength_nm[[0, -1]]
         yield (

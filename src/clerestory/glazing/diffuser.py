@@ -6,7 +6,7 @@ from typing import final
 import numpy as np
 
 from clerestory.array_types import Values
-from clerestory.glazing.layer import Layer
+from clerestory.glazing.layer import MaterialLayer
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.hemisphere.partition import RingPartition
@@ -14,7 +14,7 @@ from clerestory.hemisphere.partition import RingPartition
 
 @final
 @dataclass(frozen=True, eq=False)
-class Diffuser(Layer):
+class Diffuser(MaterialLayer):
     """A Lambertian sheet.
 
     Attributes
@@ -23,26 +23,6 @@ class Diffuser(Layer):
     """
 
     material: Pane
-
-    @property
-    def name(self) -> str:
-        """Name of the material."""
-        return self.material.name
-
-    @property
-    def wavelength_nm(self) -> Values:
-        """Where the material was measured."""
-        return self.material.wavelength_nm
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of the material [m]."""
-        return self.material.thickness
-
-    @property
-    def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the material."""
-        return self.material.emissivity_front, self.material.emissivity_back
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""

@@ -72,9 +72,40 @@ class Layer(ABC):
         return np.zeros(len(direction))
 
 
+class MaterialLayer(Layer):
+    """A layer made of one sheet material.
+
+    Attributes
+    ----------
+    material : the sheet, whose properties describe the layer
+    """
+
+    material: Pane
+
+    @property
+    def name(self) -> str:
+        """Name of the material."""
+        return self.material.name
+
+    @property
+    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+        """Wavelengths of the material."""
+        return self.material.wavelength_nm
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the material [m]."""
+        return self.material.thickness
+
+    @property
+    def emissivities(self) -> tuple[float, float]:
+        """Emissivities of the material."""
+        return self.material.emissivity_front, self.material.emissivity_back
+
+
 @final
 @dataclass(frozen=True, eq=False)
-class Glass(Layer):
+class Glass(MaterialLayer):
     """A pane of glass in the system.
 
     Scattered light is distributed uniformly over all patches but the undeviated one, as
@@ -88,35 +119,15 @@ class Glass(Layer):
     [1.0, 1.0, 1.0]
     """
 
-    pane: Pane
-
-    @property
-    def name(self) -> str:
-        """Name of the product."""
-        return self.pane.name
-
-    @property
-    def wavelength_nm(self) -> Values:
-        """Where the pane was measured."""
-        return self.pane.wavelength_nm
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of the pane [m]."""
-        return self.pane.thickness
-
-    @property
-    def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the pane."""
-        return self.pane.emissivity_front, self.pane.emissivity_back
+    material: Pane
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         measure = partition.projected_solid_angles()
-        total = self.pane.angular(wavelength_nm, partition.centres()[:, 2])
-        if self.pane.diffuse is None:
+        total = self.material.angular(wavelength_nm, partition.centres()[:, 2])
+        if self.material.diffuse is None:
             return total.map(lambda share: diagonal(share / measure))
-        haze = self.pane.haze(wavelength_nm).map(lambda share: share[:, None])
+        haze = self.material.haze(wavelength_nm).map(lambda share: share[:, None])
 
         elsewhere = 1 - np.eye(len(measure))
 
@@ -136,13 +147,13 @@ class Glass(Layer):
         """Transmittances and reflectances over (wavelength, angle); None
         if scattering.
         """
-        if self.pane.diffuse is not None:
+        if self.material.diffuse is not None:
             return None
-        return self.pane.angular(wavelength_nm, cosine)
+        return self.material.angular(wavelength_nm, cosine)
 
     def flipped(self) -> "Glass":
         """Return the pane reversed."""
-        return Glass(self.pane.flipped())
+        return Glass(self.material.flipped())
 
 
 def diagonal(

@@ -25,7 +25,7 @@ from clerestory.errors import InputError
 from clerestory.glazing.layer import Layer
 from clerestory.glazing.scatterer import Scatterer, scatterer
 from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
-from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
+from clerestory.hemisphere.shirley_chiu import directions_from_square, square_from_disc
 
 # Most halvings: 17 million cells before reduction.
 _FINEST = 6
@@ -174,11 +174,11 @@ def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
     # Directions of travel, uniform in projected solid angle over the cell
     wide = 1 << plan.halvings
     inside = rng.random((2, len(cell)))
-    x, y = disc_from_square(
+    travel = directions_from_square(
         (cell // wide + inside[0]) / wide, (cell % wide + inside[1]) / wide
     )
-    z = np.sqrt(np.maximum(1 - x * x - y * y, 1e-12))
-    return np.stack([x, y, -z if plan.back else z], axis=1)
+    travel[:, 2] = np.maximum(travel[:, 2], 1e-6)
+    return travel * [1, 1, -1 if plan.back else 1]
 
 
 def _walk(

@@ -18,7 +18,7 @@ from clerestory.array_types import Directions, Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
 from clerestory.glazing.diffuser import scattered_evenly
-from clerestory.glazing.layer import Layer, diagonal
+from clerestory.glazing.layer import MaterialLayer, diagonal
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.hemisphere.partition import RingPartition
@@ -28,7 +28,7 @@ Opening = Literal["circular", "rectangular"]
 
 @final
 @dataclass(frozen=True, eq=False)
-class PerforatedScreen(Layer):
+class PerforatedScreen(MaterialLayer):
     """A sheet with holes in a regular grid.
 
     Attributes
@@ -70,26 +70,6 @@ class PerforatedScreen(Layer):
                 f" {self.spacing} m, which overlap; smaller ones expected"
             )
 
-    @property
-    def name(self) -> str:
-        """Name of the material."""
-        return self.material.name
-
-    @property
-    def wavelength_nm(self) -> Values:
-        """Where the material was measured."""
-        return self.material.wavelength_nm
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of the material [m]."""
-        return self.material.thickness
-
-    @property
-    def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the material."""
-        return self.material.emissivity_front, self.material.emissivity_back
-
     def openness(self, direction: Directions) -> Values:
         """Fraction of light along each direction that passes through the holes."""
         x, y, z = direction.T
@@ -120,7 +100,7 @@ class PerforatedScreen(Layer):
 
 @final
 @dataclass(frozen=True, eq=False)
-class WovenShade(Layer):
+class WovenShade(MaterialLayer):
     """A fabric of threads that cross at right angles.
 
     Attributes
@@ -152,26 +132,6 @@ class WovenShade(Layer):
                 f"cloth {self.name!r} has threads of {self.thread_diameter:g} m every"
                 f" {self.thread_spacing:g} m; thinner threads expected"
             )
-
-    @property
-    def name(self) -> str:
-        """Name of the material."""
-        return self.material.name
-
-    @property
-    def wavelength_nm(self) -> Values:
-        """Where the material was measured."""
-        return self.material.wavelength_nm
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of the material [m]."""
-        return self.material.thickness
-
-    @property
-    def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the material."""
-        return self.material.emissivity_front, self.material.emissivity_back
 
     def openness(self, direction: Directions) -> Values:
         """Fraction of light along each direction that passes between the threads."""

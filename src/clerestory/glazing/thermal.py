@@ -107,7 +107,7 @@ def _calculate(
     tilt_deg: float,
 ) -> ThermalFigures:
     scattering = any(
-        not isinstance(layer, Glass) or layer.pane.diffuse for layer in layers
+        not isinstance(layer, Glass) or layer.material.diffuse for layer in layers
     )
     full = any(isinstance(layer, (BsdfLayer, Diffuser)) for layer in layers)
     partition = klems("full" if full else basis)

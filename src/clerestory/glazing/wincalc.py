@@ -60,7 +60,7 @@ def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> 
     partition : Klems full for layers that are passed as matrices
     """
     if isinstance(layer, Glass):
-        return _sheet(engine, layer.pane)
+        return _sheet(engine, layer.material)
     if isinstance(layer, (VenetianBlind, WovenShade, PerforatedScreen)):
         return _shade(engine, layer)
     if isinstance(layer, BsdfLayer):

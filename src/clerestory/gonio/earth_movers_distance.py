@@ -10,7 +10,7 @@ from clerestory.array_types import Values
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
-from clerestory.hemisphere.shirley_chiu import disc_from_square
+from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
 # Halvings of the cells of the distance, and of those that lobes are rasterized on.
 _HALVINGS, _DRAWN = 4, 6
@@ -49,8 +49,5 @@ def _light(lobes: Lobes) -> Values:
 
 @functools.cache
 def _angles() -> Float[np.ndarray, "cells cells"]:
-    middle = (np.arange(1 << _HALVINGS) + 0.5) / (1 << _HALVINGS)
-    a, b = np.meshgrid(middle, middle, indexing="ij")
-    x, y = disc_from_square(a.ravel(), b.ravel())
-    direction = np.stack([x, y, np.sqrt(1 - x * x - y * y)], axis=-1)
+    direction = directions_from_square(*cell_centres(_HALVINGS))
     return angle_between(direction[:, None], direction)

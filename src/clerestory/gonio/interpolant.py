@@ -19,6 +19,7 @@ from clerestory.array_types import (
     Vector,
     Vector2,
 )
+from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.reciprocal_function import ReversedFunction
 from clerestory.bsdf.scattering_function import ScatteringFunction
@@ -156,7 +157,7 @@ class Interpolant(ScatteringFunction):
         raster = Raster.of(_GATHER)
         for group, lobes in self._grouped(source):
             grid = raster.cells(lobes)
-            leaving[group], density[group] = raster.sample(grid, u[group])
+            leaving[group], density[group] = sample_square(grid, u[group])
         shape = np.shape(incident)[:-1]
         return leaving.reshape(*shape, 3), density.reshape(shape)
 

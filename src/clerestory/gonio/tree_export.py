@@ -18,11 +18,12 @@ from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_arithmetic import bits_of
 from clerestory.bsdf.tree_parser import branch_order
 from clerestory.errors import InputError
+from clerestory.gonio.angles import straight_on
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry
-from clerestory.hemisphere.shirley_chiu import disc_from_square
+from clerestory.hemisphere.shirley_chiu import directions_from_square
 
 # Halvings of a block, counted from the smallest cells.
 _BLOCK = 3
@@ -142,9 +143,7 @@ def _drawn_block(
     raster = Raster.of(halvings)
     a, b = ((block[i] * part + np.arange(part) + 0.5) / wide for i in (0, 1))
     a, b = np.meshgrid(a, b, indexing="ij")
-    x, y = disc_from_square(a.ravel(), b.ravel())
-    height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
-    source = np.stack([-x, -y, height], axis=-1)
+    source = straight_on(directions_from_square(a.ravel(), b.ravel()))
     cells = [raster.cells(lobes) for lobes in interpolant.lobes_of(source)]
     values = np.array(cells, dtype=np.float32).reshape(part, part, wide, wide)
     forests: dict[tuple[int, int], _Forest] = {}
