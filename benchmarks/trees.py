@@ -31,10 +31,9 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.resample import to_matrices
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.microlouvre import microlouvre
+from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.bsdfgen.morton_codes import incident_part
-from clerestory.bsdfgen.prismatic import prismatic
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
 

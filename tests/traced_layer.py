@@ -14,8 +14,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.engine.primary_rays import lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
 from clerestory.engine.sampler import points

@@ -15,7 +15,7 @@ from page import head, save, spread
 from straight_lines import folding, places
 
 import traced_layer as traced
-from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.cross_validation import cross_validate
 from clerestory.gonio.fitted_measurement import fit_measurement

@@ -9,8 +9,8 @@ from wincalc_systems import CLEAR, FOUR_LAYERS, SCATTERING
 
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.glazing import angular_dependence
-from clerestory.glazing.diffuser import Diffuser
 from clerestory.glazing.interreflection import pass_through
+from clerestory.glazing.layer import Diffuser
 from clerestory.glazing.layer_files import read_layer, read_pane
 from clerestory.glazing.pane import grey_pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade

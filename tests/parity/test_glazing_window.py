@@ -12,7 +12,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.gap import Gap
+from clerestory.glazing.glazing_system import Gap
 from clerestory.glazing.layer import Glass
 from clerestory.glazing.layer_files import read_layer
 from clerestory.glazing.pane import grey_pane

@@ -8,16 +8,14 @@ from clerestory.bsdf.analytic import pane_shares
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.reciprocity import diffuse_share
 from clerestory.bsdf.resample import to_matrices
-from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.fabric import fabric
+from clerestory.bsdfgen.film_geometry import mirrored_channels, prismatic
 from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
-from clerestory.bsdfgen.microlouvre import microlouvre
 from clerestory.bsdfgen.mirror_symmetry import Orbits
-from clerestory.bsdfgen.mirrored_channels import mirrored_channels
 from clerestory.bsdfgen.morton_codes import incident_part
-from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.screen_geometry import perforated, woven
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.shading_system import SampleArea
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.shirley_chiu import disc_from_square

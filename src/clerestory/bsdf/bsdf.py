@@ -26,7 +26,7 @@ from clerestory.bsdf.scattering_function import (
     by_function,
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree_colour import xyz_functions
+from clerestory.bsdf.tree_arithmetic import xyz_functions
 from clerestory.colorimetry import rgb_from_xyz
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems

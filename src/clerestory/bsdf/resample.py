@@ -14,8 +14,7 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import bits_of, combine
-from clerestory.bsdf.tree_colour import xyz_functions
+from clerestory.bsdf.tree_arithmetic import bits_of, combine, xyz_functions
 from clerestory.bsdf.tree_parser import branch_order
 from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.errors import InputError

@@ -3,9 +3,8 @@
 import numpy as np
 
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.fabric import scatterer
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.bsdfgen.system_parameters import Share, share
 from clerestory.errors import InputError
 from clerestory.scene.model import Glass, Material, Polygon, Scene

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.array_types import Directions, Indices, Vector
-from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import (
     Cone,

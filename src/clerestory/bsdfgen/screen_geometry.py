@@ -9,8 +9,7 @@ from jaxtyping import Float
 
 from clerestory.array_types import Points2, Vector2
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.bsdfgen.system_parameters import (
     Share,
     bands,

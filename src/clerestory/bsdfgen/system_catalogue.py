@@ -9,13 +9,11 @@ from types import MappingProxyType
 from typing import Any
 
 from clerestory.bsdfgen.fabric import fabric
+from clerestory.bsdfgen.film_geometry import mirrored_channels, prismatic
 from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
-from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.mirrored_channels import mirrored_channels
-from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.shading_system import System
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.errors import InputError
 from clerestory.files import read_text
 

@@ -8,11 +8,10 @@ import typer
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.area import area_from_dimensions, area_of
 from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.generate import Basis, Sides, generate_bsdf
 from clerestory.bsdfgen.postprocessing import error_functions
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import System, area_from_dimensions, area_of
 from clerestory.bsdfgen.system_catalogue import make_system, parse_words, read_system
 from clerestory.cli.options import Bounces, DeviceOption, Quiet, Seed
 from clerestory.cli.progress import progress_display

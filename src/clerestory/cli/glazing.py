@@ -15,8 +15,7 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.cli.options import Quiet, Seed
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
-from clerestory.glazing.gap import Gap
-from clerestory.glazing.glazing_system import GlazingSystem, read_system, system_of
+from clerestory.glazing.glazing_system import Gap, GlazingSystem, read_system, system_of
 from clerestory.glazing.layer import Glass, Layer
 from clerestory.glazing.layer_files import read_catalogue, read_layer
 from clerestory.glazing.layer_random_walk import walk_layers

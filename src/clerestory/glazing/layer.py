@@ -2,7 +2,7 @@
 
 A matrix holds BSDF values from incident patches (columns) to exit patches (rows).
 Undeviated and specularly reflected light keep their patch number, so that matrices of
-successive layers multiply.
+successive layers multiply. Glass and Lambertian sheets are defined here.
 
 Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994, 1065–1072 and 1073–1086.
 """
@@ -170,3 +170,37 @@ def diagonal(
 def mirrored_patches(partition: RingPartition) -> Indices:
     """Patch at the left–right mirror image of each one."""
     return partition.find(partition.centres() * [-1, 1, 1])
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Diffuser(MaterialLayer):
+    """A Lambertian sheet.
+
+    Attributes
+    ----------
+    material : transmittances and reflectances at every angle
+    """
+
+    material: Pane
+
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        covered = np.ones(len(partition))
+        return scattered_evenly(self.material.at(wavelength_nm), covered)
+
+    def flipped(self) -> "Diffuser":
+        """Return the layer turned round."""
+        return Diffuser(self.material.flipped())
+
+
+def scattered_evenly(shares: Optics, covered: Values) -> Optics:
+    """BSDFs [1/sr] of a Lambertian material that covers part of the area.
+
+    Parameters
+    ----------
+    shares : of the material, over wavelength
+    covered : covered area fraction, seen from each incident patch
+    """
+    even = covered / np.pi * np.ones((len(covered), 1))
+    return shares.map(lambda share: share[:, None, None] * even)

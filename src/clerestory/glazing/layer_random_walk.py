@@ -86,7 +86,7 @@ def walk_layers(
 
     Examples
     --------
-    >>> from clerestory.glazing.diffuser import Diffuser
+    >>> from clerestory.glazing.layer import Diffuser
     >>> from clerestory.glazing.pane import grey_pane
     >>> cloth = Diffuser(grey_pane(0.5, 0.2))
     >>> pair = walk_layers([cloth, cloth], halvings=1, walkers=4096, seed=3)

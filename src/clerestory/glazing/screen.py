@@ -17,8 +17,7 @@ from jaxtyping import Float
 from clerestory.array_types import Directions, Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
-from clerestory.glazing.diffuser import scattered_evenly
-from clerestory.glazing.layer import MaterialLayer, diagonal
+from clerestory.glazing.layer import MaterialLayer, diagonal, scattered_evenly
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.hemisphere.partition import RingPartition

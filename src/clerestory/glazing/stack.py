@@ -102,7 +102,7 @@ def stack_layers(
 
     Examples
     --------
-    >>> from clerestory.glazing.diffuser import Diffuser
+    >>> from clerestory.glazing.layer import Diffuser
     >>> from clerestory.glazing.pane import grey_pane
     >>> cloth = Diffuser(grey_pane(0.5, 0.2))
     >>> pair = stack_layers([cloth, cloth], partition=klems("quarter"))

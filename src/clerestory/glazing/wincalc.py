@@ -9,9 +9,8 @@ import numpy as np
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.errors import ClerestoryError, InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.gap import Gap
-from clerestory.glazing.layer import Glass, Layer
+from clerestory.glazing.glazing_system import Gap
+from clerestory.glazing.layer import Diffuser, Glass, Layer
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade

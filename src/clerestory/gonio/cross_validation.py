@@ -14,8 +14,7 @@ from jaxtyping import Float
 from clerestory.array_types import Indices
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.beam_direction import beam_direction
-from clerestory.gonio.earth_movers_distance import earth_mover
+from clerestory.gonio.distribution_metrics import beam_direction, earth_mover
 from clerestory.gonio.incident_mesh import locate
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_fitting import (

@@ -28,7 +28,7 @@ from clerestory.gonio.angles import above, straight_on, upright
 from clerestory.gonio.displacement_interpolation import displace
 from clerestory.gonio.flux_interpolation import Flux, flux_surface
 from clerestory.gonio.incident_mesh import Place, flat_weights, locate
-from clerestory.gonio.lobe_motion import followed
+from clerestory.gonio.lobe_motion import followed, with_continuations
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network_assembly import about_normal, turned
 from clerestory.gonio.particles import Particles, edge_particles, triangle_particles
@@ -36,7 +36,6 @@ from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.transport_network import Network
 from clerestory.gonio.tree_export import to_tree
-from clerestory.gonio.unmatched_lobes import with_continuations
 from clerestory.hemisphere.partition import RingPartition
 
 # Halvings of the grid for sampling and patch averages; the smallest Klems patch has

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_formatter import format_tree
 from clerestory.bsdf.tree_lookup import cells
 from clerestory.bsdf.tree_parser import DEEPEST, parse_tree
+from clerestory.bsdf.xml_writer import format_tree
 from clerestory.errors import InputError
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirrors
 from clerestory.bsdfgen.screen_geometry import perforated, woven
+from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition

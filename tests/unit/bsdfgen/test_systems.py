@@ -13,9 +13,8 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Geometry
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.extrusion import arc
+from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.bsdfgen.mgf_text import mgf_text
-from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.system_catalogue import (
     SYSTEMS,
@@ -23,7 +22,7 @@ from clerestory.bsdfgen.system_catalogue import (
     parse_words,
     read_system,
 )
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.errors import InputError
 from clerestory.formats.mgf import parse_mgf
 from clerestory.hemisphere.klems import klems

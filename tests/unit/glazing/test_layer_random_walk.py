@@ -5,8 +5,7 @@ import pytest
 
 from clerestory.bsdf.analytic import pane_shares
 from clerestory.errors import InputError
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.layer import Glass
+from clerestory.glazing.layer import Diffuser, Glass
 from clerestory.glazing.layer_random_walk import walk_layers
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane, grey_pane

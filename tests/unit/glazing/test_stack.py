@@ -9,8 +9,7 @@ from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.layer import Glass
+from clerestory.glazing.layer import Diffuser, Glass
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane, grey_pane
 from clerestory.glazing.slat_cell import SlatGeometry

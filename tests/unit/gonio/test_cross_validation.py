@@ -12,7 +12,7 @@ from clerestory.gonio.cross_validation import (
     cross_validate,
     smoothing_study,
 )
-from clerestory.gonio.earth_movers_distance import earth_mover
+from clerestory.gonio.distribution_metrics import earth_mover
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from goniometer import Goniophotometer, pane, rings

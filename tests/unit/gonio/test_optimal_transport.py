@@ -5,14 +5,14 @@ import pytest
 
 from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.displacement_interpolation import displace
-from clerestory.gonio.earth_movers_distance import earth_mover
+from clerestory.gonio.distribution_metrics import earth_mover
 from clerestory.gonio.interpolant import Interpolant
+from clerestory.gonio.lobe_motion import with_continuations
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network_assembly import connect, join
 from clerestory.gonio.optimal_transport import plan_transport
 from clerestory.gonio.particles import edge_particles, triangle_particles
 from clerestory.gonio.transport_refinement import plan_again
-from clerestory.gonio.unmatched_lobes import with_continuations
 
 
 def cluster(theta_deg, flux, *, seed=0, count=12):

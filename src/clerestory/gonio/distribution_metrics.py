@@ -1,4 +1,8 @@
-"""Earth mover's distance between two scattered distributions."""
+"""Earth mover's distance and beam direction of scattered distributions.
+
+The beam direction is the centroid of all directions near the peak with at least half of
+its BSDF, which is less sensitive to noise than the peak itself.
+"""
 
 import functools
 
@@ -6,7 +10,7 @@ import numpy as np
 import ot
 from jaxtyping import Float
 
-from clerestory.array_types import Values
+from clerestory.array_types import Values, Vector
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
@@ -20,8 +24,7 @@ _LEAST = 1e-6
 
 
 def earth_mover(one: Lobes, other: Lobes) -> float:
-    """Mean angle by which flux must be moved to turn one distribution into another
-    [rad].
+    """Mean angle by which flux must be moved between two distributions [rad].
 
     Distributions are normalized, on cells of equal projected solid angle that are 7°
     wide at the normal. NaN if one has no flux.
@@ -51,3 +54,29 @@ def _light(lobes: Lobes) -> Values:
 def _angles() -> Float[np.ndarray, "cells cells"]:
     direction = directions_from_square(*cell_centres(_HALVINGS))
     return angle_between(direction[:, None], direction)
+
+
+# Largest distance from the peak of directions of the same beam [rad].
+_REACH = np.radians(20.0)
+
+# Halvings of the grid of the beam direction, and fewest cells for a centroid.
+_BEAM_HALVINGS, _FEWEST = 6, 8
+
+
+def beam_direction(lobes: Lobes, *, near: Vector | None = None) -> Vector:
+    """Direction of the strongest beam, or of the local maximum near a direction.
+
+    >>> centre = np.array([[0, 0.6, 0.8]])
+    >>> spot = Lobes(centre, np.array([0.2]), np.array([0.5]))
+    >>> bool(angle_between(beam_direction(spot), centre[0]) < 0.01)
+    True
+    """
+    peak = lobes.strongest() if near is None else lobes.climb(near)
+    grid = Raster.of(_BEAM_HALVINGS).directions[-1]
+    grid = grid[angle_between(grid, peak) < _REACH]
+    values = lobes.evaluate(grid)
+    bright = values >= lobes.evaluate(peak[None])[0] / 2
+    if bright.sum() < _FEWEST:
+        return peak
+    middle = values[bright] @ grid[bright]
+    return np.asarray(middle / np.linalg.norm(middle))
