@@ -21,8 +21,7 @@ def unit(vector: Directions) -> Directions:
         raise InputError(
             "a direction is zero or not finite; a vector with length is expected"
         )
-    scaled: np.ndarray = vector / length
-    return scaled
+    return np.asarray(vector / length)
 
 
 def from_azimuth(azimuth: Values, altitude: Values) -> Directions:

@@ -14,7 +14,7 @@ from clerestory.bsdf.scattering_function import Function
 _ASYMMETRIC = 0.05
 
 
-def check_presence(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
+def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
     """Yield functions that are missing, all zero, or copies of another one."""
     if "visible" not in bsdf.channels:
         yield Finding(

@@ -12,9 +12,9 @@ import numpy as np
 
 from clerestory.array_types import Values
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.missing_components import check_presence
+from clerestory.bsdf.missing_components import check_components
 from clerestory.bsdf.patch_symmetry import turned_mismatch
-from clerestory.bsdf.quality_finding import Finding, graded, place
+from clerestory.bsdf.quality_finding import Finding, patch_label, severity_of
 from clerestory.bsdf.reciprocity import (
     Tables,
     check_reciprocity,
@@ -29,7 +29,7 @@ from clerestory.hemisphere.partition import RingPartition
 _NAMES = ("full", "half", "quarter")
 
 
-def check_labels(bsdf: Bsdf) -> Iterator[Finding]:
+def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
     """Yield bases defined otherwise than in WINDOW, and notes of the file reader."""
     seen: set[str] = set()
     for part in bsdf.functions.values():
@@ -100,7 +100,7 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     tables: dict[str, Tables] = {channel: {} for channel in bsdf.channels}
     for channel, name in bsdf.functions:
         tables[channel][name] = bsdf.function(name, channel=channel)
-    findings = [*check_presence(bsdf, tables), *check_labels(bsdf)]
+    findings = [*check_components(bsdf, tables), *check_angle_bases(bsdf)]
     for channel, known in tables.items():
         filled = {name: part for name, part in known.items() if np.any(part.values)}
         for one in _CHECKS:
@@ -116,7 +116,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
             continue
         worst = int(np.argmax(share))
         excess = float(share[worst]) - 1
-        severity = graded(excess, _ENERGY)
+        severity = severity_of(excess, _ENERGY)
         if severity is None:
             continue
         # Test whether the reflection of the other side satisfies the balance
@@ -138,7 +138,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
             severity,
             excess,
             f"{share[worst]:.4f} times the arriving light leaves the layer{advice}",
-            f"{channel} {side}, {place(part.incidents, worst)}",
+            f"{channel} {side}, {patch_label(part.incidents, worst)}",
             f"rooms get up to {excess:.1%} too much light from there; interreflections"
             " may not fade",
         )

@@ -23,7 +23,7 @@ _FINER, _COARSEST, _FINEST = 2, 8, 10
 
 @final
 @dataclass(frozen=True, eq=False)
-class ReversedFunction(ScatteringFunction):
+class ReciprocalFunction(ScatteringFunction):
     """A scattering function with incident and exit directions exchanged.
 
     Attributes

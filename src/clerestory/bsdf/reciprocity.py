@@ -11,7 +11,7 @@ import numpy as np
 
 from clerestory.array_types import ExitIncident
 from clerestory.bsdf.patch_symmetry import TURNS, reciprocity_mismatch, turn_incident
-from clerestory.bsdf.quality_finding import Finding, Severity, graded
+from clerestory.bsdf.quality_finding import Finding, Severity, severity_of
 from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
@@ -34,7 +34,7 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
     """
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
-        severity = graded(size, _RECIPROCITY)
+        severity = severity_of(size, _RECIPROCITY)
         if severity is None:
             continue
         # Find the renumbering of incident patches that satisfies reciprocity best
@@ -93,7 +93,7 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
     front = diffuse_share(tables["transmission_front"])
     back = diffuse_share(tables["transmission_back"])
     size = abs(front - back) / max(front, back)
-    severity = graded(size, _SIDES)
+    severity = severity_of(size, _SIDES)
     if severity is not None:
         yield Finding(
             "sides",

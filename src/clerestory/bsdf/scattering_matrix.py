@@ -15,7 +15,7 @@ from jaxtyping import Float
 from clerestory.array_types import Directions, ExitIncident, Indices, Points2, Values
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.patch_overlap import opposite_patches, patches_in_patches
-from clerestory.bsdf.scattering_function import TOGETHER, ScatteringFunction
+from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.patch_lookup import find_patches
@@ -49,15 +49,11 @@ class ScatteringMatrix(ScatteringFunction):
 
     def direct_hemispherical(self) -> Values:
         """Directional-hemispherical value per incident patch."""
-        share: Float[np.ndarray, " incident"] = (
-            self.exits.projected_solid_angles() @ self.values
-        )
-        return share
+        return np.asarray(self.exits.projected_solid_angles() @ self.values)
 
     def flux_factors(self) -> ExitIncident:
         """Exit radiance per radiance of each incident patch, as in matrix files."""
-        factors: ExitIncident = self.values * self.incidents.projected_solid_angles()
-        return factors
+        return np.asarray(self.values * self.incidents.projected_solid_angles())
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
@@ -65,8 +61,8 @@ class ScatteringMatrix(ScatteringFunction):
         value = np.empty(incident.shape[:-1])
         flat, i, o = value.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
         table, columns = self.values.ravel(), len(self.incidents)
-        for start in range(0, len(flat), TOGETHER):
-            part = slice(start, start + TOGETHER)
+        for start in range(0, len(flat), CHUNK):
+            part = slice(start, start + CHUNK)
             place = find_patches(self.exits, o[part]).astype(np.int64) * columns
             place += find_patches(self.incidents, -i[part])
             flat[part] = np.take(table, place)
@@ -110,8 +106,7 @@ class ScatteringMatrix(ScatteringFunction):
         measure = np.outer(
             exits.projected_solid_angles(), incidents.projected_solid_angles()
         )
-        average: ExitIncident = flux.T / measure
-        return average
+        return np.asarray(flux.T / measure)
 
     def extrema(self) -> tuple[float, float]:
         """Smallest and largest value [1/sr]."""

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float, Float32, Int32
 
-from clerestory.array_types import Values
+from clerestory.array_types import Slots, Values
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.errors import InputError
@@ -34,14 +34,14 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
     rank = trees[0].rank
     step = np.arange(1 << rank, dtype=np.int32)
     codes = [tree.slots[:1] for tree in trees]
-    regions: list[Int32[np.ndarray, " slots"]] = []
+    regions: list[Slots] = []
     size, level = 1, -1
     while len(codes[0]):
         level += 1
         inner = np.any([code < 0 for code in codes], axis=0)
         region = np.empty(len(inner), dtype=np.int32)
         values: list[_Values] = [code[~inner].view(np.float32) for code in codes]
-        region[~inner] = bits_of(operation(*values))
+        region[~inner] = float_bits(operation(*values))
         count = int(inner.sum())
         region[inner] = ~(size + (np.arange(count, dtype=np.int64) << rank))
         regions.append(region)
@@ -57,7 +57,7 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
     return ScatteringTree(np.concatenate(regions), rank, level)
 
 
-def bits_of(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
+def float_bits(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
     """Slots that hold values; negative values become zero."""
     single: Float32[np.ndarray, " cells"] = np.abs(np.maximum(value, 0)).astype(
         np.float32

@@ -51,10 +51,10 @@ class TreeTexts:
         return int(match[1]) if match and int(match[1]) < len(self.texts) else None
 
 
-def cut_trees(data: bytes) -> tuple[bytes, TreeTexts]:
+def extract_trees(data: bytes) -> tuple[bytes, TreeTexts]:
     """Return XML without the texts of its tensor trees, and these.
 
-    >>> rest, trees = cut_trees(b"<ScatteringData>{ 0.3 }</ScatteringData>")
+    >>> rest, trees = extract_trees(b"<ScatteringData>{ 0.3 }</ScatteringData>")
     >>> rest, trees.texts
     (b'<ScatteringData>{0}</ScatteringData>', [b'{ 0.3 }'])
     """
@@ -143,7 +143,7 @@ def parse_document(path: str | Path) -> Document:
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
     )
-    text, trees = cut_trees(data[start.start() :])
+    text, trees = extract_trees(data[start.start() :])
     try:
         root = etree.fromstring(text, parser)
     except etree.XMLSyntaxError as error:

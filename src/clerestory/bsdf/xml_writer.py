@@ -14,7 +14,7 @@ from clerestory.bsdf.product_data import Detail, Product, usual_spectra
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_parser import branch_order
+from clerestory.bsdf.tree_parser import morton_order
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.hemisphere.partition import RingPartition
@@ -253,7 +253,7 @@ def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[s
     slots, width = tree.slots, 1 << tree.rank
     blocks = slots[1:].reshape(-1, width)
     full = np.all(blocks >= 0, axis=1)
-    order = np.argsort(branch_order(tree.rank, 1))
+    order = np.argsort(morton_order(tree.rank, 1))
 
     # Slots to be written, the next one last; None is a closing brace
     waiting: list[int | None] = [int(slots[0])]

@@ -7,7 +7,12 @@ import numpy as np
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdfgen.extrusion import extruded
 from clerestory.bsdfgen.shading_system import SampleArea, System
-from clerestory.bsdfgen.system_parameters import Share, not_negative, positive, share
+from clerestory.bsdfgen.system_parameters import (
+    Share,
+    channel_values,
+    check_not_negative,
+    check_positive,
+)
 from clerestory.errors import InputError
 from clerestory.scene.model import Dielectric, Material, Metal, Polygon, Scene
 
@@ -41,8 +46,8 @@ def prismatic(
     >>> round(film.area.thickness * 1e3, 6)
     1.0
     """
-    positive(pitch=pitch)
-    not_negative(base=base)
+    check_positive(pitch=pitch)
+    check_not_negative(base=base)
     angles = upper_angle_deg, lower_angle_deg
     if not (all(0 < angle <= 90 for angle in angles) and sum(angles) < 180):
         raise InputError(f"prisms with angles of {angles}°; above 0 to 90 expected")
@@ -115,7 +120,7 @@ def mirrored_channels(
     >>> mirrored_channels().area.thickness
     0.001
     """
-    positive(pitch=pitch, thickness=thickness, mirror_depth=mirror_depth)
+    check_positive(pitch=pitch, thickness=thickness, mirror_depth=mirror_depth)
     if mirror_depth > thickness:
         raise InputError(
             f"mirror_depth = {mirror_depth}; at most the thickness {thickness} expected"
@@ -143,7 +148,7 @@ def mirrored_channels(
         surfaces += extruded(line, ends=ends, material="mirror", name=f"mirror{number}")
     materials: dict[str, Material] = {
         "sheet": Dielectric("sheet", np.full(3, transmissivity), index),
-        "mirror": Metal("mirror", share("reflectance", reflectance), 1.0, 0.0),
+        "mirror": Metal("mirror", channel_values("reflectance", reflectance), 1.0, 0.0),
     }
     corners = np.array([[0, 0, -thickness], [across, across, 0]])
     return System(

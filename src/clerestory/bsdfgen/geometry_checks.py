@@ -50,8 +50,8 @@ def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
         *_units(scene),
         *_in_room(scene),
         *_far_behind(area),
-        *open_solids(scene, area),
-        *overlapping(scene),
+        *check_solids(scene, area),
+        *check_overlaps(scene),
     )
 
 
@@ -78,8 +78,8 @@ def _in_room(scene: Scene) -> Iterator[str]:
         worst = scene.surfaces[int(inside[np.argmax(high[inside])])]
         more = f", as do {len(inside) - 1} more" if len(inside) > 1 else ""
         yield (
-            f"{item(worst)} reaches {high.max() * 1e3:.3g} mm into the room{more};"
-            " nothing at z > 0 expected"
+            f"{surface_label(worst)} reaches {high.max() * 1e3:.3g} mm into the"
+            f" room{more}; nothing at z > 0 expected"
         )
 
 
@@ -101,7 +101,7 @@ _SAME = 1e-6
 _MOST_PAIRS = 4_000_000
 
 
-def overlapping(scene: Scene) -> Iterator[str]:
+def check_overlaps(scene: Scene) -> Iterator[str]:
     """Yield the first pair of overlapping coplanar surfaces and their number."""
     parts = meshes(scene)
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
@@ -115,11 +115,11 @@ def overlapping(scene: Scene) -> Iterator[str]:
     if not len(found):
         return
     both = np.unique(np.sort(surface[found], axis=1), axis=0)
-    one, other = (scene.surfaces[int(i)] for i in both[0])
+    one, other = (surface_label(scene.surfaces[int(i)]) for i in both[0])
     more = f"; {len(both) - 1} more such pairs" if len(both) > 1 else ""
     yield (
-        f"{item(one)} and {item(other)} lie in one plane and overlap{more}; one surface"
-        " in each place expected"
+        f"{one} and {other} lie in one plane and overlap{more}; one surface in each"
+        " place expected"
     )
 
 
@@ -191,12 +191,12 @@ def _overlap(
     return ~apart
 
 
-def item(surface: Surface) -> str:
+def surface_label(surface: Surface) -> str:
     """Return the place of a surface in its file, its kind and its name.
 
     >>> import numpy as np
     >>> from clerestory.scene.model import Sphere
-    >>> item(Sphere(np.zeros(3), 1.0, False, "grey", "ball"))
+    >>> surface_label(Sphere(np.zeros(3), 1.0, False, "grey", "ball"))
     'sphere "ball"'
     """
     kind = type(surface).__name__.lower()
@@ -206,7 +206,7 @@ def item(surface: Surface) -> str:
     return f'{place}{kind} "{surface.name}"'
 
 
-def open_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
+def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
     """Yield dielectrics with open edges or inward normals.
 
     Every edge of a solid belongs to two faces that use it in opposite senses. Edges in
@@ -223,14 +223,14 @@ def open_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
         name = f'{type(mesh.material).__name__.lower()} "{mesh.material.name}"'
         if lone.any():
             owner = np.tile(mesh.surface, 3)[lone]
-            surface = scene.surfaces[int(owner[0])]
+            surface = surface_label(scene.surfaces[int(owner[0])])
             yield (
-                f"{item(surface)} has an open edge: {name} does not enclose a solid"
+                f"{surface} has an open edge: {name} does not enclose a solid"
                 f" ({int(lone.sum())} edges without a second face); closed surfaces"
                 " with their fronts outwards expected"
             )
         elif _volume(corner, faces) < 0:
-            yield (f"{name} is inside out; faces whose fronts point outwards expected")
+            yield f"{name} is inside out; faces whose fronts point outwards expected"
 
 
 def _welded(
@@ -256,8 +256,7 @@ def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
     place = np.minimum(np.searchsorted(keys, back), len(keys) - 1)
     reverse = np.where(keys[place] == back, number[place], 0)
     own = number[np.searchsorted(keys, forth)]
-    lone: Bool[np.ndarray, " edge"] = (own != reverse) & (edges[:, 0] != edges[:, 1])
-    return lone
+    return np.asarray((own != reverse) & (edges[:, 0] != edges[:, 1]))
 
 
 def _in_sides(

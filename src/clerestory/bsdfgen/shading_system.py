@@ -61,14 +61,12 @@ class SampleArea:
     @property
     def size(self) -> Vector:
         """Width, height and depth of the box [m]."""
-        size: Vector = self.bounds[1] - self.bounds[0]
-        return size
+        return np.asarray(self.bounds[1] - self.bounds[0])
 
     def slab(self) -> Float[np.ndarray, "2 3"]:
         """Corners of the box with its faces slightly off the system [m]."""
         off = _CLEARANCE * float(self.size.max())
-        slab: Float[np.ndarray, "2 3"] = self.bounds + np.outer([-off, off], [0, 0, 1])
-        return slab
+        return np.asarray(self.bounds + np.outer([-off, off], [0, 0, 1]))
 
 
 def area_from_dimensions(

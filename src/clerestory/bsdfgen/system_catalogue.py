@@ -74,12 +74,12 @@ def _check_kind(name: str, value: Any, default: Any) -> None:
         raise InputError(f"{name} = {value!r}; {word} expected")
 
 
-def parse_words(text: str) -> dict[str, Any]:
+def parse_parameters(text: str) -> dict[str, Any]:
     """Return the parameters of a text such as `slat_width=0.08,tilt_deg=45`.
 
     Values with slashes are lists, for red, green and blue.
 
-    >>> parse_words("openness=0.05,reflectance=0.6/0.5/0.4,shape=round")
+    >>> parse_parameters("openness=0.05,reflectance=0.6/0.5/0.4,shape=round")
     {'openness': 0.05, 'reflectance': [0.6, 0.5, 0.4], 'shape': 'round'}
     """
     values: dict[str, Any] = {}

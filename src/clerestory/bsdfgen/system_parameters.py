@@ -12,7 +12,7 @@ from clerestory.errors import InputError
 Share = float | Sequence[float]
 
 
-def share(name: str, value: Share, solar: float | None = None) -> Vector:
+def channel_values(name: str, value: Share, solar: float | None = None) -> Vector:
     """Return a reflectance or transmittance in the three traced channels.
 
     Parameters
@@ -22,7 +22,7 @@ def share(name: str, value: Share, solar: float | None = None) -> Vector:
 
     Examples
     --------
-    >>> share("reflectance", 0.5, solar=0.4).tolist()
+    >>> channel_values("reflectance", 0.5, solar=0.4).tolist()
     [0.5, 0.4, 0.4]
     """
     channels = np.atleast_1d(np.asarray(value, dtype=float))
@@ -41,18 +41,18 @@ def share(name: str, value: Share, solar: float | None = None) -> Vector:
 
 
 def bands(*, solar: bool) -> Mapping[str, Weights]:
-    """Return the bands of the channels of `share`."""
+    """Return the bands of the channels of `channel_values`."""
     return dict(VISIBLE_AND_SOLAR if solar else VISIBLE)
 
 
-def positive(**lengths: float) -> None:
+def check_positive(**lengths: float) -> None:
     """Refuse lengths that are not above zero."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0):
             raise InputError(f"{name} = {value}; a length above 0 m expected")
 
 
-def not_negative(**lengths: float) -> None:
+def check_not_negative(**lengths: float) -> None:
     """Refuse negative lengths."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value >= 0):

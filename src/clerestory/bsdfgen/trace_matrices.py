@@ -9,7 +9,7 @@ from jaxtyping import Float
 from clerestory.bands import weighted_sum
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdfgen.channel_weights import tristimulus
-from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirrors
+from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirror_flips
 from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
@@ -31,7 +31,7 @@ def trace_matrices(
     ----------
     engine : module `engine.sample_area_matrix`
     """
-    flips = mirrors(scene, request.area) if request.symmetry else NO_MIRROR
+    flips = mirror_flips(scene, request.area) if request.symmetry else NO_MIRROR
     orbits = Orbits.of(partition, flips)
     traced = engine.trace_matrix(
         scene,

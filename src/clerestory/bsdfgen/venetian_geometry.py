@@ -15,14 +15,14 @@ import numpy as np
 
 from clerestory.array_types import Points2
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.extrusion import arc, extruded, turned
+from clerestory.bsdfgen.extrusion import arc, extruded, rotated
 from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.bsdfgen.system_parameters import (
     Share,
     bands,
-    not_negative,
-    positive,
-    share,
+    channel_values,
+    check_not_negative,
+    check_positive,
 )
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Polygon, Scene
@@ -78,8 +78,8 @@ def venetian(
     >>> round(blind.area.thickness, 6), blind.area.periodic
     (0.056569, True)
     """
-    positive(slat_width=slat_width, spacing=spacing)
-    not_negative(thickness=thickness)
+    check_positive(slat_width=slat_width, spacing=spacing)
+    check_not_negative(thickness=thickness)
     if not -90 <= tilt_deg <= 90:
         raise InputError(f"tilt_deg = {tilt_deg}; -90 to 90 expected")
     if abs(rise) > slat_width / 2:
@@ -90,7 +90,7 @@ def venetian(
     if solar is None and solar_below is not None:
         raise InputError("solar_reflectance_below without solar_reflectance")
     upper, lower = (
-        Plastic(name, share(what, value, band), specularity, roughness)
+        Plastic(name, channel_values(what, value, band), specularity, roughness)
         for name, what, value, band in (
             ("upper", "reflectance", reflectance, solar),
             ("lower", "reflectance_below", below, solar_below),
@@ -119,7 +119,7 @@ def venetian(
             name=f"slat{number}",
             closed=thickness > 0,
         )
-        surfaces += turned(strips) if vertical else strips
+        surfaces += rotated(strips) if vertical else strips
     if not alike:
         surfaces = [_painted(s, len(section) // 2) for s in surfaces]
     size = layout.slats * spacing, layout.across
@@ -159,7 +159,7 @@ def _sample(spacing: float, slats: int, length: float | None) -> _Layout:
             f"slats = {slats}; a whole number from 1 to {_MOST_SLATS} expected"
         )
     across = slats * spacing if length is None else length
-    positive(length=across)
+    check_positive(length=across)
     return _Layout(int(slats), 0, across, (0.0, across))
 
 
@@ -225,7 +225,7 @@ def microlouvre(
     >>> round(louvre.area.thickness * 1e3, 3)
     1.25
     """
-    positive(depth=depth, thickness=thickness)
+    check_positive(depth=depth, thickness=thickness)
     if not (0 < cutoff_deg < 90 and abs(tilt_deg) < 90):
         raise InputError(
             f"cutoff_deg = {cutoff_deg} at tilt_deg = {tilt_deg}; 0 to 90, and"

@@ -15,7 +15,12 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.cli.options import Quiet, Seed
 from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
-from clerestory.glazing.glazing_system import Gap, GlazingSystem, read_system, system_of
+from clerestory.glazing.glazing_system import (
+    Gap,
+    GlazingSystem,
+    read_system,
+    system_with_equal_gaps,
+)
 from clerestory.glazing.layer import Glass, Layer
 from clerestory.glazing.layer_files import read_catalogue, read_layer
 from clerestory.glazing.layer_random_walk import walk_layers
@@ -157,7 +162,7 @@ def _system(files: list[Path], gap: float, gas: str) -> GlazingSystem:
             raise InputError("a description in TOML stands alone; one file expected")
         return read_system(files[0])
     layers = [read_layer(path) for path in files]
-    return system_of(layers, gap=Gap(gap * _MILLIMETRE, _gases(gas)))
+    return system_with_equal_gaps(layers, gap=Gap(gap * _MILLIMETRE, _gases(gas)))
 
 
 def _gases(text: str) -> dict[str, float]:

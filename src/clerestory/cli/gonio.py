@@ -34,13 +34,13 @@ from clerestory.cli.progress import progress_display
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.gonio.bsdf_export import Target, export_bsdf
-from clerestory.gonio.coverage import survey
+from clerestory.gonio.coverage import measure_coverage
 from clerestory.gonio.cross_validation import smoothing_study
 from clerestory.gonio.energy_conservation import conserve_energy
 from clerestory.gonio.fit_storage import read_fits, write_fits
 from clerestory.gonio.fitted_measurement import Fitted, fit_measurement
 from clerestory.gonio.lobe_fitting import FitOptions
-from clerestory.gonio.measurement_planning import worth_measuring
+from clerestory.gonio.measurement_planning import recommended_directions
 from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure
 
 app = typer.Typer(no_args_is_help=True, help="Goniophotometer measurements.")
@@ -63,7 +63,7 @@ def info(
     """
     doubts = 0
     for measurement in read_files(files, form, function, facing, blank, merge=merge):
-        coverage = survey(measurement)
+        coverage = measure_coverage(measurement)
         doubts += len(coverage.doubts())
         for line in measurement_lines(measurement, coverage):
             typer.echo(line)
@@ -150,7 +150,7 @@ def check(
             for line in validation_lines(result):
                 typer.echo(line)
         if more:
-            found = worth_measuring(
+            found = recommended_directions(
                 results[0],
                 symmetry=symmetry or measurement.symmetry,
                 count=more,

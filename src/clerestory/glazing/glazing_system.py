@@ -121,7 +121,7 @@ class GlazingSystem:
             )
 
 
-def system_of(
+def system_with_equal_gaps(
     layers: list[Layer], *, gap: Gap | None = None, name: str = ""
 ) -> GlazingSystem:
     """Return a system with equal gaps, 12.7 mm of air by default."""

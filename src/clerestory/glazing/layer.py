@@ -14,7 +14,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Directions, Indices, Values
+from clerestory.array_types import Directions, Indices, PerWavelength, Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
@@ -53,9 +53,7 @@ class Layer(ABC):
         """Return the layer turned about its vertical axis, inside out."""
 
     def specular(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        cosine: Float[np.ndarray, " angle"],
+        self, wavelength_nm: PerWavelength, cosine: Float[np.ndarray, " angle"]
     ) -> Optics | None:
         """Transmittances and reflectances over (wavelength, angle); None
         if scattering.
@@ -88,7 +86,7 @@ class MaterialLayer(Layer):
         return self.material.name
 
     @property
-    def wavelength_nm(self) -> Float[np.ndarray, " wavelength"]:
+    def wavelength_nm(self) -> PerWavelength:
         """Wavelengths of the material."""
         return self.material.wavelength_nm
 
@@ -140,9 +138,7 @@ class Glass(MaterialLayer):
         return Optics.gather(scattered)
 
     def specular(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        cosine: Float[np.ndarray, " angle"],
+        self, wavelength_nm: PerWavelength, cosine: Float[np.ndarray, " angle"]
     ) -> Optics | None:
         """Transmittances and reflectances over (wavelength, angle); None
         if scattering.
@@ -187,14 +183,14 @@ class Diffuser(MaterialLayer):
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         covered = np.ones(len(partition))
-        return scattered_evenly(self.material.at(wavelength_nm), covered)
+        return lambertian_matrices(self.material.at(wavelength_nm), covered)
 
     def flipped(self) -> "Diffuser":
         """Return the layer turned round."""
         return Diffuser(self.material.flipped())
 
 
-def scattered_evenly(shares: Optics, covered: Values) -> Optics:
+def lambertian_matrices(shares: Optics, covered: Values) -> Optics:
     """BSDFs [1/sr] of a Lambertian material that covers part of the area.
 
     Parameters

@@ -48,8 +48,7 @@ class Optics:
 
     def of(self, name: Function) -> Values:
         """Return one of the four by its name."""
-        value: Float[np.ndarray, "*batch"] = getattr(self, name)
-        return value
+        return np.asarray(getattr(self, name))
 
     def map(
         self, change: Callable[[Float[np.ndarray, "*batch"]], Float[np.ndarray, "*new"]]

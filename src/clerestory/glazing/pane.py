@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Values
+from clerestory.array_types import PerWavelength, Values
 from clerestory.errors import InputError
 from clerestory.glazing.angular_dependence import coated, uncoated
 from clerestory.glazing.optics import Optics
@@ -56,7 +56,7 @@ class Pane:
     """
 
     name: str
-    wavelength_nm: Float[np.ndarray, " wavelength"]
+    wavelength_nm: PerWavelength
     direct: Optics
     diffuse: Optics | None = None
     coated: bool = False
@@ -154,9 +154,7 @@ class Pane:
         )
 
     def _at(
-        self,
-        share: Float[np.ndarray, " wavelength"],
-        wavelength_nm: Float[np.ndarray, " wanted"],
+        self, share: PerWavelength, wavelength_nm: Float[np.ndarray, " wanted"]
     ) -> Float[np.ndarray, " wanted"]:
         return np.asarray(np.interp(wavelength_nm, self.wavelength_nm, share))
 

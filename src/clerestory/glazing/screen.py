@@ -14,10 +14,10 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Directions, Values
+from clerestory.array_types import Directions, PerWavelength, Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
-from clerestory.glazing.layer import MaterialLayer, diagonal, scattered_evenly
+from clerestory.glazing.layer import MaterialLayer, diagonal, lambertian_matrices
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.hemisphere.partition import RingPartition
@@ -89,7 +89,7 @@ class PerforatedScreen(MaterialLayer):
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         free = self.openness(partition.centres())
-        even = scattered_evenly(self.material.at(wavelength_nm), 1 - free)
+        even = lambertian_matrices(self.material.at(wavelength_nm), 1 - free)
         return _with_openings(even, free, partition)
 
     def flipped(self) -> "PerforatedScreen":
@@ -144,7 +144,7 @@ class WovenShade(MaterialLayer):
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         shares = self.material.at(wavelength_nm)
         free = self.openness(partition.centres())
-        even = scattered_evenly(shares, 1 - free)
+        even = lambertian_matrices(shares, 1 - free)
         forwards = {
             side: self._scattered_forwards(back, partition.centres())[:, None] / np.pi
             for side, back in (
@@ -166,9 +166,7 @@ class WovenShade(MaterialLayer):
         return replace(self, material=self.material.flipped())
 
     def _scattered_forwards(
-        self,
-        reflectance: Float[np.ndarray, " wavelength"],
-        direction: Float[np.ndarray, "direction 3"],
+        self, reflectance: PerWavelength, direction: Float[np.ndarray, "direction 3"]
     ) -> Float[np.ndarray, "wavelength direction"]:
         # Regression over measured fabrics; angles in degrees
         gamma = self.thread_diameter / self.thread_spacing

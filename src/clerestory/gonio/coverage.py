@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from clerestory.array_types import Vector
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.lobe_fitting import condense, total_flux
+from clerestory.gonio.lobe_fitting import condensed_points, total_flux
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
@@ -112,7 +112,7 @@ class Coverage:
         return tuple(lines)
 
 
-def survey(measurement: Measurement) -> Coverage:
+def measure_coverage(measurement: Measurement) -> Coverage:
     """Return the coverage of a measurement."""
     try:
         implied: Symmetry | None = deduce_symmetry(measurement.incidents)
@@ -200,7 +200,7 @@ def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
 
 def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
     # Flux on a coarse grid of the unit square, on which images are flips
-    points = condense(scan)
+    points = condensed_points(scan)
     flux = np.maximum(points.value * points.weight, 0)
     spread = np.full(len(flux), np.sqrt(2 * np.pi) / (1 << _HALVINGS))
     cells = Raster.of(_HALVINGS).cells(Lobes(points.direction, spread, flux))

@@ -23,7 +23,7 @@ _HALVINGS, _DRAWN = 4, 6
 _LEAST = 1e-6
 
 
-def earth_mover(one: Lobes, other: Lobes) -> float:
+def earth_movers_distance(one: Lobes, other: Lobes) -> float:
     """Mean angle by which flux must be moved between two distributions [rad].
 
     Distributions are normalized, on cells of equal projected solid angle that are 7°
@@ -31,7 +31,7 @@ def earth_mover(one: Lobes, other: Lobes) -> float:
 
     >>> a = Lobes(np.array([[0, 0, 1.0]]), np.array([0.1]), np.array([0.5]))
     >>> b = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.1]), np.array([0.2]))
-    >>> abs(earth_mover(a, b) - float(np.arccos(0.8))) < 0.02
+    >>> abs(earth_movers_distance(a, b) - float(np.arccos(0.8))) < 0.02
     True
     """
     if not (one.total > 0 and other.total > 0):

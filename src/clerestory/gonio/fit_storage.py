@@ -143,8 +143,7 @@ def _fitted(group: h5py.Group) -> Fitted:
 
 def _network(group: h5py.Group) -> Network:
     def array(name: str) -> np.ndarray:
-        data: np.ndarray = group[name][...]
-        return data
+        return np.asarray(group[name][...])
 
     triangles = array("triangles") if "triangles" in group else np.zeros((0, 3), int)
     edges = array("edges")

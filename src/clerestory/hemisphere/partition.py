@@ -67,8 +67,7 @@ class RingPartition:
     @property
     def first(self) -> Indices:
         """Number of the first patch of each ring."""
-        first: np.ndarray = np.cumsum(self.count) - self.count
-        return first
+        return np.asarray(np.cumsum(self.count) - self.count)
 
     def matches(self, other: "RingPartition") -> bool:
         """Whether both divide the hemisphere alike, whatever their names."""

@@ -19,7 +19,7 @@ from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.system_catalogue import (
     SYSTEMS,
     make_system,
-    parse_words,
+    parse_parameters,
     read_system,
 )
 from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
@@ -146,7 +146,7 @@ def test_impossible_systems_are_refused(kind, values, message):
 @given(st.text(max_size=60))
 def test_words_are_read_or_refused(text):
     with contextlib.suppress(InputError):
-        assert isinstance(parse_words(text), dict)
+        assert isinstance(parse_parameters(text), dict)
 
 
 @given(
