@@ -32,7 +32,7 @@ def lambertian(
     if min(transmittance, reflectance) < 0 or transmittance + reflectance > 1:
         raise InputError(
             f"transmittance {transmittance} and reflectance {reflectance};"
-            " shares of 1 together expected"
+            " non-negative values with a sum of at most 1 expected"
         )
     even = np.full((len(partition), len(partition)), 1 / np.pi)
     return _symmetric(

@@ -42,7 +42,12 @@ def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
                 yield finding
     for note in bsdf.notes:
         yield Finding(
-            "reading", "info", 0.0, note, "file", "other programs may read it otherwise"
+            "reading",
+            "info",
+            0.0,
+            note,
+            "file",
+            "other programs may read the file differently",
         )
 
 
@@ -67,7 +72,7 @@ def _label(partition: RingPartition) -> Finding | None:
         float(len(partition) - len(usual)),
         what,
         "angle basis",
-        "programs that go by the name refuse the file or read light at wrong angles",
+        "programs that use the name reject the file or assign wrong angles",
     )
 
 
@@ -129,7 +134,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         )
         advice = (
             f"; with the reflection of the {other} it would be"
-            f" {swapped.max():.3f}: front and back are swapped in one of them"
+            f" {swapped.max():.3f}: front and back are exchanged in one of them"
             if fits
             else ""
         )
@@ -137,10 +142,9 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
             "order" if fits else "energy",
             severity,
             excess,
-            f"{share[worst]:.4f} times the arriving light leaves the layer{advice}",
+            f"transmittance and reflectance sum to {share[worst]:.4f}{advice}",
             f"{channel} {side}, {patch_label(part.incidents, worst)}",
-            f"rooms get up to {excess:.1%} too much light from there; interreflections"
-            " may not fade",
+            f"results are up to {excess:.1%} too high; interreflections may diverge",
         )
 
 
@@ -181,11 +185,11 @@ def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
                 "scaling",
                 "warning",
                 float(share.max()),
-                f"at most {share.max():.2%} of the light leaves the layer, but the bare"
-                f" values of a direction add up to {np.max(sums):.3f}",
+                f"transmittance and reflectance sum to {share.max():.2%} at most, but"
+                f" the values of an incident direction add up to {np.max(sums):.3f}",
                 f"{channel} {side}",
-                "if the values are shares of flux instead of 1/sr, light is about"
-                f" {1 / _mean_size(dark):.0f} times too weak",
+                "if the values are flux fractions instead of 1/sr, results are about"
+                f" {1 / _mean_size(dark):.0f} times too low",
             )
 
 
@@ -206,11 +210,11 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
             "order",
             "warning",
             above / max(below, 1e-9),
-            f"{above:.3f} of the light from above passes, {below:.3f} of the light from"
-            " below",
+            f"the transmittance is {above:.3f} for light from above, {below:.3f} for"
+            " light from below",
             f"{channel} transmission front, 30° to 70° off the normal",
-            "right for louvres that guide light in; for a shading blind front and back"
-            " are swapped, or it hangs upside down, and shade turns into sun",
+            "plausible for light-redirecting louvres; a shading blind has its sides"
+            " exchanged or is upside down, and transmits the sun that it should block",
         )
 
 
@@ -231,11 +235,13 @@ def _shape(channel: str, tables: Tables) -> Iterator[Finding]:
         quarter = turned_mismatch(part, "a quarter turn")
         isotropic = max(sides, quarter) < _ALIKE
         if isotropic:
-            what = "the layer looks alike at every azimuth"
+            what = "the layer is isotropic"
         elif sides < _ALIKE:
-            what = "left and right mirror each other"
+            what = "the layer is symmetric left to right"
         else:
-            what = f"left and right differ by {sides:.0%}, a quarter turn {quarter:.0%}"
+            what = (
+                f"left and right differ by {sides:.0%}, a quarter turn by {quarter:.0%}"
+            )
         yield Finding(
             "isotropy" if isotropic else "symmetry",
             "info",

@@ -53,18 +53,18 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
                 f"reciprocity fails by {size:.0%}, and by {left[turn]:.0%} with the"
                 f" incident directions changed by {turn}",
                 f"{channel} {title}",
-                "light leaves towards the wrong side; azimuths of incident directions"
-                " are counted another way than in WINDOW's files",
+                "light is scattered to the wrong side; the azimuths of incident"
+                " directions follow another convention than in WINDOW",
             )
         else:
             yield Finding(
                 "reciprocity",
                 severity,
                 size,
-                f"{size:.1%} of the light takes other ways back than forth",
+                f"{size:.1%} of the flux violates reciprocity",
                 f"{channel} {title}",
-                "results change with the side that a program reads, and light traced"
-                " from the eye differs from light traced from the sun",
+                "results depend on the side that a program reads and on the sense in"
+                " which paths are traced",
             )
 
 
@@ -99,8 +99,8 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
             "sides",
             severity,
             size,
-            f"diffuse light passes with {front:.4f} from the front and {back:.4f} from"
-            " the back; equal shares expected",
+            f"the diffuse transmittance is {front:.4f} from the front and {back:.4f}"
+            " from the back; equal values expected",
             f"{channel} transmission",
             f"daylight differs by {size:.0%} with the side that a program reads",
         )
@@ -132,8 +132,8 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
                 f"reciprocity fails by {size:.1%}, and by {left[name]:.1%} once values"
                 f" are divided by {name}",
                 f"{channel} {title}",
-                "values may hold that weight already; light is then too weak or wrong"
-                " by patch",
+                "values may include this weight already; results are then too low or"
+                " wrong per patch",
             )
 
 

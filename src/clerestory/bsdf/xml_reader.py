@@ -120,12 +120,12 @@ def _read_matrix(
     if lost > _NEGLIGIBLE_NEGATIVE:
         raise document.error(
             data,
-            f"negative values down to {table.min():.3g}/sr take away {lost:.2%} of the"
-            " light; a BSDF without negative values expected",
+            f"negative values down to {table.min():.3g}/sr change the flux by"
+            f" {lost:.2%}; a BSDF without negative values expected",
         )
     if lost > 0:
         notes.append(
-            f"line {document.line(data)}: negative values, {lost:.1e} of the light, are"
+            f"line {document.line(data)}: negative values, {lost:.1e} of the flux, are"
             " read as zero"
         )
     return ScatteringMatrix(np.maximum(table, 0), exits, incidents)
@@ -139,8 +139,8 @@ def _warn_of_energy(bsdf: Bsdf, path: str | Path) -> None:
         most = float(part.hemispherical(incidents.centres() * [-1, -1, 1]).max())
         if most > _ENERGY_LIMIT:
             warnings.warn(
-                f"{path}: {channel} {name.replace('_', ' ')} sends on {most:.3f} times"
-                " the light that arrives; 1 at most expected",
+                f"{path}: {channel} {name.replace('_', ' ')} scatters {most:.3f} times"
+                " the incident flux; 1 at most expected",
                 ClerestoryWarning,
                 stacklevel=3,
             )
@@ -172,7 +172,7 @@ def read_tree(
     number = document.trees.find(data.text)
     if len(data):
         raise document.error(
-            data, "an element or a comment in a tensor tree; numbers alone expected"
+            data, "an element or a comment in a tensor tree; only numbers expected"
         )
     if number is None:
         found = " ".join((data.text or "").split())[:40]
@@ -188,11 +188,11 @@ def read_tree(
     if lost > _NEGLIGIBLE_NEGATIVE:
         raise document.error(
             data,
-            f"negative values take away {lost:.2%} of the light; a BSDF without"
+            f"negative values change the flux by {lost:.2%}; a BSDF without"
             " negative values expected",
         )
     if lost > 0:
         notes.append(
-            f"line {line}: negative values, {lost:.1e} of the light, are read as zero"
+            f"line {line}: negative values, {lost:.1e} of the flux, are read as zero"
         )
     return ScatteringTree(table.slots, rank, table.depth)

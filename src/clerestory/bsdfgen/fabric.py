@@ -70,7 +70,7 @@ def diffuse_material(
     if np.any(both > 1):
         raise InputError(
             f"reflectance {reflected.tolist()} and transmittance {passed.tolist()};"
-            " 1 together at most expected"
+            " a sum of at most 1 expected"
         )
     if not passed.any():
         return Plastic(name, reflected)

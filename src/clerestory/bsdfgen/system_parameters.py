@@ -29,12 +29,12 @@ def channel_values(name: str, value: Share, solar: float | None = None) -> Vecto
     if channels.shape not in ((1,), (3,)) or not np.all(
         (channels >= 0) & (channels <= 1)
     ):
-        raise InputError(f"{name} = {value}; one or three shares from 0 to 1 expected")
+        raise InputError(f"{name} = {value}; one or three values from 0 to 1 expected")
     if solar is None:
         return np.broadcast_to(channels, 3).copy()
     if len(channels) == 3 or not 0 <= solar <= 1:
         raise InputError(
-            f"{name} = {value} and {solar} in the solar band; one share from 0 to 1 for"
+            f"{name} = {value} and {solar} in the solar band; one value from 0 to 1 for"
             " each expected"
         )
     return np.array([channels[0], solar, solar])

@@ -65,8 +65,8 @@ class BsdfLayer(Layer):
         for lacking, used in (("solar", "visible"), ("visible", "solar")):
             if not self.bsdf.has("transmission_front", channel=lacking):
                 warnings.warn(
-                    f"BSDF {self.bsdf.product.name!r} has no {lacking} data; the"
-                    f" {used} ones are taken",
+                    f"BSDF {self.bsdf.product.name!r} has no {lacking} data; its"
+                    f" {used} data are used",
                     ClerestoryWarning,
                     stacklevel=3,
                 )
@@ -74,7 +74,7 @@ class BsdfLayer(Layer):
             if not self.bsdf.has(part, channel=self.channel("visible")):
                 warnings.warn(
                     f"BSDF {self.bsdf.product.name!r} has no"
-                    f" {part.replace('_', ' ')}; that side counts as black",
+                    f" {part.replace('_', ' ')}; it is taken as zero",
                     ClerestoryWarning,
                     stacklevel=3,
                 )

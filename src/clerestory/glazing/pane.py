@@ -81,12 +81,12 @@ class Pane:
             part = np.stack(np.broadcast_arrays(*vars(optics).values()))
             if part.shape[1:] != self.wavelength_nm.shape:
                 raise InputError(
-                    f"pane {self.name!r} has {part.shape[1:]} shares at"
+                    f"pane {self.name!r} has {part.shape[1:]} values at"
                     f" {len(self.wavelength_nm)} wavelengths; one each expected"
                 )
             if not np.all(np.isfinite(part) & (part >= 0)):
                 raise InputError(
-                    f"pane {self.name!r} has a share of {np.nanmin(part):g}; numbers of"
+                    f"pane {self.name!r} has a value of {np.nanmin(part):g}; numbers of"
                     " 0 or more expected"
                 )
         if not (self.thickness > 0 and self.conductivity > 0):

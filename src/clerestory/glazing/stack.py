@@ -198,7 +198,7 @@ def _layer_band(
         )
         total = shares if total is None else _add(total, shares)
     if total is None:
-        raise InputError(f"layer {layer.name!r} is not known in the {channel} band")
+        raise InputError(f"layer {layer.name!r} has no data in the {channel} band")
     return total
 
 

@@ -26,7 +26,7 @@ def load_engine() -> ModuleType:
         return importlib.import_module("pywincalc")
     except ImportError as error:
         raise ClerestoryError(
-            "heat needs pywincalc, which is not installed; pip install"
+            "thermal properties need pywincalc, which is not installed; pip install"
             " 'clerestory[thermal]' where it has a wheel"
         ) from error
 
@@ -66,7 +66,7 @@ def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> 
         return _matrices(engine, layer, partition)
     if isinstance(layer, Diffuser):
         return _even(engine, layer, partition)
-    raise InputError(f"pywincalc knows no layers like {layer.name!r}")
+    raise InputError(f"pywincalc has no model for the layer {layer.name!r}")
 
 
 def _sheet(engine: ModuleType, pane: Pane) -> Any:

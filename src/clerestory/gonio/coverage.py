@@ -88,7 +88,7 @@ class Coverage:
         for report in self.scans:
             place = f"(θ {report.theta_deg:.1f}°, φ {report.phi_deg:.1f}°)"
             if report.in_plane:
-                lines.append(f"{place}: only the plane of incidence is measured")
+                lines.append(f"{place}: only the plane of incidence was measured")
             elif report.gap > 0.02:
                 lines.append(
                     f"{place}: {report.gap:.0%} of the hemisphere has no data,"
@@ -97,15 +97,17 @@ class Coverage:
             if report.negative > 0.01:
                 lines.append(f"{place}: {report.negative:.0%} of values are negative")
             if report.flux > 1:
-                lines.append(f"{place}: {report.flux:.3f} of the light is scattered")
+                lines.append(
+                    f"{place}: {report.flux:.3f} is the total flux; 1 at most expected"
+                )
         symmetry = self.claimed or self.implied
         found = None if symmetry is None else self.asymmetry.get(symmetry)
         if symmetry == "isotropic" and self.asymmetry:
             found = max(self.asymmetry.values())
         if found is not None and found > _ALIKE:
             lines.append(
-                f"{symmetry} by its incident directions, but {found:.0%} of the light"
-                " differs between images"
+                f"{symmetry} by its incident directions, but {found:.0%} of the flux"
+                " differs between mirror images"
             )
         if len(self.scans) < 2:
             lines.append("one incident direction; two or more are needed for a fit")

@@ -157,8 +157,8 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
     points = condensed_points(scan)
     if points.flux <= 0:
         raise InputError(
-            f"{points.flux:.3g} of the light from {scan.words} is scattered; more than"
-            " zero expected: is the blank reading too large?",
+            f"a total flux of {points.flux:.3g} from {scan.words}; more than zero"
+            " expected: is the blank reading too large?",
             file=scan.source,
         )
     lobes = _fitted(points, options, options.lobes)

@@ -52,8 +52,7 @@ def join(
     """
     if len(fits) < 2:
         raise InputError(
-            f"{len(fits)} incident direction; two or more expected: nothing can be"
-            " said about light from elsewhere"
+            f"{len(fits)} incident direction; two or more expected for interpolation"
         )
     if symmetry == "isotropic":
         mesh, lobes = _isotropic(incidents, fits)
@@ -104,7 +103,7 @@ def _isotropic(
     if len(same):
         raise InputError(
             f"two scans at θ {np.degrees(theta[same[0]]):.1f}° of an isotropic layer;"
-            " one a polar angle expected"
+            " one per polar angle expected"
         )
     if theta[0] > SAME_DIRECTION:
         theta = np.concatenate([[-theta[0]], theta])
