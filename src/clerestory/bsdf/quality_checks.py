@@ -6,7 +6,6 @@ finding has a measured size.
 """
 
 from collections.abc import Callable, Iterator
-from typing import Literal
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from clerestory.bsdf.reciprocity import (
     check_scaling,
     check_sides,
 )
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import OF_SIDE, SIDES, Side
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
@@ -88,9 +87,6 @@ _FROM_ABOVE = 1.5
 # Mismatch below which a layer is taken as symmetric or isotropic.
 _ALIKE = 0.025
 
-_Side = Literal["front", "back"]
-_SIDES: tuple[_Side, _Side] = ("front", "back")
-
 
 def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     """Return the findings about a BSDF, errors first.
@@ -115,7 +111,7 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
 
 
 def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
-    for side in _SIDES:
+    for side in SIDES:
         share, part = _scattered(tables, side, reflection_of=side)
         if part is None:
             continue
@@ -125,7 +121,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         if severity is None:
             continue
         # Test whether the reflection of the other side satisfies the balance
-        other: _Side = "back" if side == "front" else "front"
+        other: Side = "back" if side == "front" else "front"
         swapped, _ = _scattered(tables, side, reflection_of=other)
         fits = (
             excess > _ENERGY[1]
@@ -149,18 +145,10 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def _scattered(
-    tables: Tables, side: _Side, *, reflection_of: _Side
+    tables: Tables, side: Side, *, reflection_of: Side
 ) -> tuple[Values, ScatteringMatrix | None]:
     # Transmittance plus reflectance, on the incident patches of one of them
-    transmission: dict[_Side, Function] = {
-        "front": "transmission_front",
-        "back": "transmission_back",
-    }
-    reflection: dict[_Side, Function] = {
-        "front": "reflection_front",
-        "back": "reflection_back",
-    }
-    names = (transmission[side], reflection[reflection_of])
+    names = OF_SIDE[side][0], OF_SIDE[reflection_of][1]
     parts = [tables[name] for name in names if name in tables]
     alike = parts and all(p.incidents.matches(parts[0].incidents) for p in parts)
     if not alike:
@@ -171,7 +159,7 @@ def _scattered(
 
 def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
     # Very low values suggest flux fractions instead of 1/sr
-    for side in _SIDES:
+    for side in SIDES:
         share, dark = _scattered(tables, side, reflection_of=side)
         if dark is None:
             continue

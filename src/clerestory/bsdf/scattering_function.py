@@ -22,6 +22,16 @@ FUNCTIONS: tuple[Function, ...] = get_args(Function)
 # Pairs per chunk, so that arrays fit into the cache of the processor.
 CHUNK = 1 << 15
 
+Side = Literal["front", "back"]
+SIDES: tuple[Side, ...] = get_args(Side)
+
+# Transmission and reflection of the light that is incident on each side
+OF_SIDE: dict[Side, tuple[Function, Function]] = {
+    "front": ("transmission_front", "reflection_front"),
+    "back": ("transmission_back", "reflection_back"),
+}
+
+# Functions whose reciprocals are each other
 OTHER_SIDE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
     "transmission_back": "transmission_front",

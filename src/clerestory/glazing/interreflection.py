@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.glazing.optics import Optics, Side
+from clerestory.bsdf.scattering_function import Side
+from clerestory.glazing.optics import Optics
 
 
 class StackProperties(NamedTuple):

@@ -19,7 +19,7 @@ from clerestory.array_types import Directions, Indices, Mask, Values
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import full_tree
-from clerestory.bsdf.scattering_function import Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import OF_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.errors import InputError
 from clerestory.glazing.layer import Layer
@@ -113,8 +113,9 @@ def walk_layers(
                 _Tally.of(plan, np.random.default_rng(child))
                 for child in seeds[part].spawn(batches)
             ]
-            for passed, function in _NAMES[back].items():
-                counts = [tally.passed if passed else tally.sent for tally in tallies]
+            passed, sent = OF_SIDE["back" if back else "front"]
+            for function in (passed, sent):
+                counts = [t.passed if function == passed else t.sent for t in tallies]
                 functions[channel, function] = _tree(counts, halvings)
                 diffuse[channel, function] = _diffuse(counts, halvings)
             report((part + 1) / (2 * len(channels)), f"{channel}")
@@ -125,12 +126,6 @@ def walk_layers(
         thickness=sum(layer.thickness for layer in layers),
     )
     return WalkedLayers(Bsdf(functions, product), diffuse)
-
-
-_NAMES: dict[bool, dict[bool, Function]] = {
-    False: {True: "transmission_front", False: "reflection_front"},
-    True: {True: "transmission_back", False: "reflection_back"},
-}
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,16 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.scattering_function import FUNCTIONS, Function
-
-Side = Literal["front", "back"]
-SIDES: tuple[Side, ...] = ("front", "back")
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function, Side
 
 
 @final

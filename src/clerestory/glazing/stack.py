@@ -15,13 +15,19 @@ from jaxtyping import Float
 from clerestory.array_types import ExitIncident, Values
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import (
+    FUNCTIONS,
+    SIDES,
+    Function,
+    ScatteringFunction,
+    Side,
+)
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.interreflection import StackProperties, stack_properties
 from clerestory.glazing.layer import Layer, diagonal
-from clerestory.glazing.optics import SIDES, Optics, Side
+from clerestory.glazing.optics import Optics
 from clerestory.glazing.standard import CHANNELS, Band, Channel, Standard, nfrc
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition

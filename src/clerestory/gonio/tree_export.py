@@ -6,7 +6,7 @@ merged, so that the 268 million values of a tree of 2^7 cells along each axis ar
 in memory.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -22,7 +22,7 @@ from clerestory.gonio.angles import undeviated
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.raster import Raster
-from clerestory.gonio.symmetry import Symmetry
+from clerestory.gonio.symmetry import Symmetry, images
 from clerestory.hemisphere.shirley_chiu import directions_from_square
 
 # Halvings of a block, counted from the smallest cells.
@@ -83,8 +83,8 @@ def to_tree(
     work = [(interpolant, block, halvings, within, tolerance) for block in chosen]
     drawn = map_in_order(_drawn_block, work, processes=processes, report=report)
     forests: dict[tuple[int, int], _Forest] = {}
-    for images in drawn:
-        forests.update(images)
+    for part in drawn:
+        forests.update(part)
     return _assembled([forests[block] for block in blocks], halvings, within)
 
 
@@ -105,29 +105,19 @@ def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringT
     return ScatteringTree(slots, 3, halvings)
 
 
-_Mirror = Callable[[Float[np.ndarray, "a b c d"]], Float[np.ndarray, "a b c d"]]
-
-# Images of a block under each symmetry: which of its two axes are reversed.
-_IMAGES: dict[str, tuple[tuple[bool, bool], ...]] = {
-    "quadrilateral": ((False, False), (True, False), (False, True), (True, True)),
-    "bilateral-x": ((False, False), (True, False)),
-    "bilateral-y": ((False, False), (False, True)),
-    "rotational": ((False, False), (True, True)),
-    "none": ((False, False),),
-}
-
-
 def _images(
     interpolant: Source, block: tuple[int, int], wide: int
 ) -> dict[tuple[int, int], tuple[bool, bool]]:
-    images: dict[tuple[int, int], tuple[bool, bool]] = {}
-    for flip in _IMAGES[interpolant.symmetry]:
+    # Images of a block, and which of its two axes are reversed
+    found: dict[tuple[int, int], tuple[bool, bool]] = {}
+    for x, y, _ in images(interpolant.symmetry) < 0:
+        flip = bool(x), bool(y)
         place = tuple(
             wide - 1 - n if backwards else n
             for n, backwards in zip(block, flip, strict=True)
         )
-        images.setdefault((place[0], place[1]), flip)
-    return images
+        found.setdefault((place[0], place[1]), flip)
+    return found
 
 
 def _first_image(interpolant: Source, block: tuple[int, int], wide: int) -> bool:
