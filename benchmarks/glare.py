@@ -63,7 +63,7 @@ def their_time(path: Path) -> float:
 
 def command_time(path: Path) -> float:
     """Processor seconds of `clerestory glare`, start of the program and all."""
-    start = "from clerestory.cli.start import main; raise SystemExit(main())"
+    start = "from clerestory.cli.main import main; raise SystemExit(main())"
     return child_time(sys.executable, "-c", start, "glare", path)
 
 

@@ -20,9 +20,10 @@ import clerestory as cl
 from clerestory.hemisphere.klems import klems
 from clerestory.matrix.axis import pixel_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_equation import Skies, WindowMatrices, window_chain
+from clerestory.phases.methods import THREE_PHASE
 from clerestory.phases.picture_matrices import Camera
-from clerestory.phases.picture_series import PicturePhases, pictures_over_time
-from clerestory.phases.three import WindowPhases
+from clerestory.phases.picture_series import pictures_over_time
 from clerestory.scene.view import View
 from clerestory.sky.patch_radiance import SkyMatrix
 
@@ -43,7 +44,7 @@ def sky(steps: int) -> SkyMatrix:
     return cl.sky_matrix(weather, subdivision=4)
 
 
-def window(pixels: int, partition) -> PicturePhases:
+def window(pixels: int, partition) -> WindowMatrices:
     """Return one window whose V is kept as studies keep it: half precision, grey."""
     patches = klems("full")
     rng = np.random.default_rng(1)
@@ -54,8 +55,8 @@ def window(pixels: int, partition) -> PicturePhases:
     transmission = TransferMatrix(np.full((1, 145, 145), 1e-3), inner, outer)
     columns = sky_axis(partition)
     daylight = TransferMatrix(np.full((1, 145, columns.size), 1e-3), outer, columns)
-    return PicturePhases(
-        WindowPhases(
+    return WindowMatrices(
+        window_chain(
             TransferMatrix(view, pixel_axis(pixels), inner), transmission, daylight
         )
     )
@@ -69,7 +70,7 @@ def measure(size: int, steps: int) -> tuple[float, float]:
     weights = np.maximum(EYE.rays(size, size).direction @ EYE.direction, 0).ravel()
 
     start, before = time.perf_counter(), time.process_time()
-    for picture in pictures_over_time([part], camera, whole):
+    for picture in pictures_over_time([part], THREE_PHASE, camera, Skies(whole)):
         luminance = picture.luminance().ravel()
         luminance @ weights, luminance.mean(), np.median(luminance), luminance.max()
     wall, processor = time.perf_counter() - start, time.process_time() - before

@@ -61,7 +61,7 @@ def rows(epw: Path, subdivision: int, runs: int, folder: Path) -> list[str]:
     ours = [
         sys.executable,
         "-c",
-        "from clerestory.cli.start import main; raise SystemExit(main())",
+        "from clerestory.cli.main import main; raise SystemExit(main())",
         *("sky", "matrix", str(epw), "--subdivision", m, "-o", out, "-q"),
     ]
     call = [sys.executable, "-c", _CALL, str(epw), m]

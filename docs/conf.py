@@ -55,7 +55,11 @@ html_static_path: list[str] = []
 _ELSEWHERE = re.compile(
     r"\[([^\]]+)\]\(\.\./(?!docs|[\w-]+\.md|[\w-]+/[\w-]+\.md)[^)]*\)"
 )
-_SHOWN = {"readme": "README.md", "changelog": "CHANGELOG.md"}
+_SHOWN = {
+    "readme": "README.md",
+    "changelog": "CHANGELOG.md",
+    "contributing": "CONTRIBUTING.md",
+}
 
 
 def _within_site(_app: object, page: str, source: list[str]) -> None:

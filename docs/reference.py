@@ -25,7 +25,7 @@ _PAGES = (
         "matrices",
         "Matrices and tracing",
         "From scenes to matrices, from matrices to light.",
-        ("matrix", "phases", "cluster", "engine"),
+        ("bands", "colorimetry", "matrix", "phases", "cluster", "engine"),
     ),
     (
         "pictures",

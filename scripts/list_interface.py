@@ -17,8 +17,14 @@ from typing import Any
 import typer
 
 import clerestory
-from clerestory.cli.main import app
 from clerestory.study.config import Study
+
+try:
+    from clerestory.cli.program import program
+
+    app = program()
+except ImportError:  # before version 0.2
+    from clerestory.cli.main import app
 
 
 def python_names() -> Iterator[str]:

@@ -61,4 +61,4 @@ def pytest_collection_modifyitems(config, items):
 
 
 def pytest_report_collectionfinish(config):
-    return config.slow_report
+    return getattr(config, "slow_report", None)

@@ -7,6 +7,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_equation import WindowMatrices, window_chain
 from clerestory.sky.patch_radiance import SkyMatrix
 
 KLEMS, SKY = klems("quarter"), reinhart(1)
@@ -53,3 +54,8 @@ def daylight(window, *, rng=None, count=0):
         components = rng.normal(size=(count, *values.shape)) * 0.001
     rows = window_axis("exterior", KLEMS, window)
     return TransferMatrix(values, rows, sky_axis(SKY), components)
+
+
+def window_matrices(view, transmission, daylight):
+    """V, T and D of a window, without direct correction."""
+    return WindowMatrices(window_chain(view, transmission, daylight))

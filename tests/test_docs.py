@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from clerestory.cli.main import app
+from clerestory.cli.program import program
 from clerestory.study.demo_study import write_demo
 
 REPOSITORY = Path(__file__).parents[1]
@@ -55,7 +55,7 @@ def shell_commands(page):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_commands_have_the_options_that_pages_use(page):
     for words in shell_commands(page):
-        command = typer.main.get_command(app)
+        command = typer.main.get_command(program())
         while words and words[0] in getattr(command, "commands", {}):
             command = command.commands[words.pop(0)]
         assert not hasattr(command, "commands"), f"not a command: {words}"

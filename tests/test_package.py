@@ -69,7 +69,7 @@ def test_a_sky_matrix_waits_for_no_package_that_it_does_not_need(tmp_path):
     lines += ["site_elevation 110", "weather_data_file_units 1", "3 21 11.5 300 120"]
     wea.write_text("\n".join(lines) + "\n")
     words = ["sky", "matrix", str(wea), "-q", "-o", str(tmp_path / "S.smx")]
-    code = f"from clerestory.cli.start import main\nassert main({words!r}) == 0"
+    code = f"from clerestory.cli.main import main\nassert main({words!r}) == 0"
     needless = {"pandas", "pvlib", "xarray", "h5py", "matplotlib", "rich"}
     assert not loaded_after(code) & needless
 
@@ -79,7 +79,7 @@ def test_the_glare_of_a_picture_waits_for_no_package_that_it_does_not_need(tmp_p
     eye = View(kind="angular", horizontal=180, vertical=180)
     path = tmp_path / "even.hdr"
     write_picture(Picture(np.ones((160, 160, 3), np.float32), view=eye), path)
-    code = "from clerestory.cli.start import main\n"
+    code = "from clerestory.cli.main import main\n"
     code += f"assert main(['glare', {str(path)!r}, '--trust', '-q']) == 0"
     needless = {"pandas", "pvlib", "xarray", "h5py", "matplotlib", "rich", "lxml"}
     assert not loaded_after(code) & (needless | set(TRACERS))

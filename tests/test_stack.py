@@ -12,7 +12,7 @@ import pytest
 import clerestory
 
 STACK = (
-    ("array_types", "errors", "constants", "progress"),
+    ("array_types", "errors", "constants", "options", "progress"),
     ("files", "directions", "bands"),
     ("colorimetry",),
     ("hemisphere", "spectra"),

@@ -7,15 +7,20 @@ import numpy as np
 import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Skies,
+    WindowMatrices,
+    window_chain,
+)
+from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE, five_phase
 from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,
 )
-from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
+from clerestory.phases.picture_series import pictures_over_time
 from clerestory.phases.sun_coefficients import blackened, sun_coefficients
-from clerestory.phases.three import WindowPhases
 from clerestory.sky.sun_matrix import sun_matrix
 from truth.setting import Kind, cameras, demo, pictured, weather
 
@@ -50,7 +55,9 @@ def illuminances(
         scene, [window], window.name, fine, sensors=sensors,
         suns=suns.directions, peak=kind.peak, samples=1024, seed=5,
     )  # fmt: skip
-    parts = FivePhases(WindowPhases(V, T, D), WindowPhases(V_d, T, D_d), C_ds)
+    parts = WindowMatrices(
+        window_chain(V, T, D), window_chain(V_d, T, D_d), MatrixChain((C_ds,))
+    )
     result = five_phase([parts], *_skies(weather()), suns)
     return result["three_phase"].values, result["illuminance"].values
 
@@ -76,13 +83,12 @@ def pictures(
             scene, [window], window.name, fine, camera,
             suns=suns.directions, peak=kind.peak, samples=32, seed=10 + number,
         )  # fmt: skip
-        whole = WindowPhases(V, T, D)
-        both = PicturePhases(whole, WindowPhases(V_d, T, D_d), kept(C_ds))
-        three.append(
-            _shown(camera, pictures_over_time([PicturePhases(whole)], camera, S))
+        window = WindowMatrices(
+            window_chain(V, T, D), window_chain(V_d, T, D_d), MatrixChain((C_ds,))
         )
-        extended = pictures_over_time([both], camera, S, sun_in_patches=S_ds, suns=suns)
-        five.append(_shown(camera, extended))
+        for terms, found in ((THREE_PHASE, three), (FIVE_PHASE, five)):
+            made = pictures_over_time([window], terms, camera, Skies(S, S_ds, suns))
+            found.append(_shown(camera, made))
     return np.array(three), np.array(five)
 
 

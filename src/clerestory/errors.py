@@ -9,6 +9,8 @@
 Every message is one line: the place, what is wrong, what was expected.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -53,6 +55,32 @@ class DeviceError(ClerestoryError):
 
 class OutputError(ClerestoryError):
     """A result could not be written."""
+
+
+@contextmanager
+def located(
+    *, file: str | Path | None, line: int | None = None, subject: str = ""
+) -> Iterator[None]:
+    """Add a place to the input errors that are raised within and have none.
+
+    Parameters
+    ----------
+    subject : what the message is about; begins it
+
+    Examples
+    --------
+    >>> with located(file="room.rad", line=41, subject='sphere "s"'):
+    ...     raise InputError("radius is 0")
+    Traceback (most recent call last):
+    clerestory.errors.InputError: room.rad:41: sphere "s": radius is 0
+    """
+    try:
+        yield
+    except InputError as error:
+        if error.file is not None:
+            raise
+        message = f"{subject}: {error.message}" if subject else error.message
+        raise InputError(message, file=file, line=line) from error
 
 
 class ClerestoryWarning(UserWarning):

@@ -183,7 +183,7 @@ def test_a_fault_of_our_own_is_one_line_too(call, monkeypatch):
     assert outcome.status == 1
     assert outcome.err == (
         "unexpected ZeroDivisionError: division by zero;"
-        " set CLERESTORY_TRACEBACK=1 to see where\n"
+        " set CLERESTORY_TRACEBACK=1 for the traceback\n"
     )
     monkeypatch.setenv("CLERESTORY_TRACEBACK", "1")
     assert "Traceback" in call("bsdf", "info", "diffuser.xml").err

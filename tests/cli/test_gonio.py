@@ -40,7 +40,7 @@ def test_a_fit_is_exported_as_matrix_and_as_tree(call, fitted):
     words = ("--to", "tree", "--halvings", "4", "--conserve", "-o", "tree.xml")
     outcome = call("gonio", "export", fitted, *words)
     assert outcome.status == 0
-    assert "0 directions dimmed" in outcome.out
+    assert "0 directions scaled down" in outcome.out
     tree = read_bsdf("tree.xml").scattering("transmission_front")
     assert isinstance(tree, ScatteringTree)
     assert tree.rank == 3

@@ -50,7 +50,7 @@ def test_a_picture_is_rendered_at_a_time_of_the_weather(call, room):
     assert read_picture("a.hdr").luminance().max() > 0
 
 
-def test_windows_become_lamps_in_a_file(call, room):
+def test_window_emitters_are_written_to_a_file(call, room):
     Path("cloth.rad").write_text("void trans cloth 0 0 7 .9 .9 .9 0 0 .6 0\n")
     corners = "0 0 0 0 0 3 3 0 3 3 0 0"
     Path("panes.rad").write_text(f"cloth polygon pane 0 0 12 {corners}\n")
@@ -59,7 +59,7 @@ def test_windows_become_lamps_in_a_file(call, room):
         *("illum", *scene, "--panes", "panes.rad", "--rings", 4, "-o", "lamps.rad")
     )
     assert outcome.status == 0, outcome.err
-    assert "1 pieces of windows as lamps" in outcome.out
+    assert "1 window emitters" in outcome.out
     lit = ("--scene", "room.rad", "cloth.rad", "lamps.rad", *scene[3:])
     outcome = call(
         *("render", *lit, "--view", EYE, "--resolution", 12, "-o", "a.hdr", "--quiet")

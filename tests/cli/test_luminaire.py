@@ -26,10 +26,10 @@ def test_files_are_described(call, lamp):
     assert outcome.status == 0
     assert outcome.out.splitlines() == [
         "lamp.ies: Spot 7",
-        "  maker: Acme",
+        "  manufacturer: Acme",
         "  flux: 328 lm, 32.8% of the 1000 lm of its lamps; 20 W, 16 lm/W",
         "  intensity: type C, up to 100 cd; 1 horizontal × 3 vertical angles",
-        "  body: cylinder 0.2 × 0.2 × 0 m",
+        "  luminous body: cylinder 0.2 × 0.2 × 0 m",
     ]
 
 

@@ -46,7 +46,7 @@ def test_a_window_that_turns_its_back_is_turned_round(call, demo):
     (demo / "window.rad").write_text("\n".join(lines[:-4] + corners[::-1]) + "\n")
     outcome = call(*COMMAND.split())
     assert outcome.status == 0, outcome.err
-    assert 'window "window_glow" turned round' in outcome.out
+    assert 'window "window_glow" reversed' in outcome.out
     (turned,) = read_windows(demo / "office" / "window.rad")
     assert turned.frame.normal.tolist() == pytest.approx([0, 1, 0])
     assert turned.frame.up.tolist() == pytest.approx([0, 0, 1])

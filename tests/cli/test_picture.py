@@ -97,7 +97,7 @@ def test_convert_keeps_values(call, pictures):
         ("sum ramp.hdr flat.exr --weight 1 -o a.hdr", "1 weights for 2 pictures"),
         ("reduce ramp.hdr -o a.hdr", "either --factor or --size"),
         ("crop ramp.hdr --corner 0 0 --size 99 9 -o a.hdr", "within 40 × 30"),
-        ("convert ramp.hdr --half -o a.hdr", "--half belongs to .exr"),
+        ("convert ramp.hdr --half -o a.hdr", "--half is for .exr"),
         ("convert ramp.hdr -o a.tif", ".hdr, .pic or .exr expected"),
     ],
 )

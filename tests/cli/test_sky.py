@@ -217,7 +217,7 @@ BAD = {
         "sky sun two_days.wea --occurring --reinhart 6 -o s.csv",
         "both --occ",
     ),
-    "plot of another kind": ("sky plot two_days.wea -o sky.gif", ".png or .svg"),
+    "plot of another kind": ("sky plot two_days.wea -o sky.gif", ".png, .svg"),
     "dome at night": ("sky plot two_days.wea --time 06-21T00:30 -o s.png", "by day"),
     "unknown sky": ("sky vector foggy --sun 40 0 -o S.vec", "unknown sky 'foggy'"),
     "perez without sun": (

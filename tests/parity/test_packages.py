@@ -91,7 +91,7 @@ def test_xform_turns_and_remakes_what_is_in_place(tmp_path):
         ("genclock -t 12", 'a.rad:2: "genclock" in the command'),
         ("genworm grey w 0 0 t -1 5", "a.rad:2: genworm: the radius is -1"),
         ("genrev grey r 1/t 1 5", "a.rad:2: genrev: a formula has no value"),
-        ("gensurf grey s s t +* 5 5", 'a.rad:2: "*" stands where a value'),
+        ("gensurf grey s s t +* 5 5", 'a.rad:2: "*" is found where a value'),
         ("genblinds grey b 1 1 1 0 45", "a.rad:2: genblinds: number of slats is 0"),
         ("genprism grey p 3 0 0 1 0 1 1 -l 1 0 0", "a.rad:2: genprism: the vector"),
     ],

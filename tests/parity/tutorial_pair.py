@@ -13,15 +13,22 @@ from tutorial import SUN_SR, Tutorial
 import clerestory as cl
 from clerestory.bands import RGB
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    WindowMatrices,
+    window_chain,
+)
+from clerestory.phases.matrix_equation import (
+    Skies as OurSkies,
+)
+from clerestory.phases.methods import FIVE_PHASE, five_phase
 from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,
 )
-from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
+from clerestory.phases.picture_series import pictures_over_time
 from clerestory.phases.sun_coefficients import blackened, sun_coefficients
-from clerestory.phases.three import WindowPhases
 from clerestory.sky.sun_matrix import patch_suns
 
 VIEWS = ("south", "eastBlinds")
@@ -217,10 +224,10 @@ class Pair:
         """Ours, its standard error, and theirs (sensor, hour) [lux]."""
         first = {key: matrices[0] for key, matrices in self.our_matrices.items()}
         T = self.ours.transmission
-        parts = FivePhases(
-            WindowPhases(first["V"], T, first["D"]),
-            WindowPhases(first["V_d"], T, first["D_d"]),
-            first["C"],
+        parts = WindowMatrices(
+            window_chain(first["V"], T, first["D"]),
+            window_chain(first["V_d"], T, first["D_d"]),
+            MatrixChain((first["C"],)),
         )
         found = five_phase([parts], *self.ours.skies())
 
@@ -286,13 +293,12 @@ class Pair:
     def _ours(self, view: str, shape: tuple[int, int], run: int) -> np.ndarray:
         made, T = self.ours, self.ours.transmission
         D, D_d = (self.our_matrices[symbol][0] for symbol in ("D", "D_d"))
-        window = PicturePhases(
-            WindowPhases(made.pixels(view, shape, run, direct=False), T, D),
-            WindowPhases(made.pixels(view, shape, run, direct=True), T, D_d),
-            kept(made.sun_pixels(view, shape, run)),
+        window = WindowMatrices(
+            window_chain(made.pixels(view, shape, run, direct=False), T, D),
+            window_chain(made.pixels(view, shape, run, direct=True), T, D_d),
+            MatrixChain((made.sun_pixels(view, shape, run),)),
         )
-        sky, spread, suns = made.skies()
         pictures = pictures_over_time(
-            [window], made.camera(view, shape), sky, sun_in_patches=spread, suns=suns
+            [window], FIVE_PHASE, made.camera(view, shape), OurSkies(*made.skies())
         )
         return np.stack([p.luminance().ravel() for p in pictures], axis=1)

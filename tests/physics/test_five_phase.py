@@ -12,16 +12,21 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError, MatrixError
 from clerestory.hemisphere.klems import klems
 from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
-from clerestory.phases.five import FivePhases, five_phase
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Skies,
+    WindowMatrices,
+    window_chain,
+)
+from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE, five_phase
 from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
     picture_view_matrices,
 )
-from clerestory.phases.picture_series import PicturePhases, kept, pictures_over_time
+from clerestory.phases.picture_series import pictures_over_time
 from clerestory.phases.rendering import irradiance, render
 from clerestory.phases.sun_coefficients import blackened, sun_coefficients
-from clerestory.phases.three import WindowPhases
 from clerestory.phases.traced_matrices import (
     daylight_matrices,
     daylight_matrix,
@@ -170,12 +175,12 @@ def phases(scene, south, bsdf, points, weather, device, **options):
     transmission = bsdf.transmission_matrix(window="south")
     black = blackened(scene)
     shared = {"device": device, "samples": options.pop("samples", 16384)}
-    whole = WindowPhases(
+    whole = window_chain(
         view_matrix(scene, south, sensors=points, seed=1, **shared),
         transmission,
         daylight_matrix(scene, south, subdivision=4, seed=2, **shared),
     )
-    direct = WindowPhases(
+    direct = window_chain(
         view_matrix(black, south, sensors=points, bounces=1, seed=3, **shared),
         transmission,
         daylight_matrix(black, south, subdivision=4, bounces=0, seed=4, **shared),
@@ -186,7 +191,7 @@ def phases(scene, south, bsdf, points, weather, device, **options):
         samples=4096, device=device, **options,
     )  # fmt: skip
     sky = sky_matrix(weather, subdivision=4, include="sun")
-    return FivePhases(whole, direct, sun), sky, suns
+    return WindowMatrices(whole, direct, MatrixChain((sun,))), sky, suns
 
 
 @pytest.mark.parametrize("reflectance", [0.0, 0.5], ids=["black", "grey"])
@@ -272,11 +277,11 @@ def test_six_phases_equal_path_tracing_behind_an_overhang(device):
         options |= shared
         F = facade_matrices(scene, south, ports, seed=seed, **options)
         D = daylight_matrices(Scene(), ports, subdivision=4, seed=seed + 1, **options)
-        return replace(part, daylight=facade_daylight(F, D))
+        return window_chain(*part.receiving, part.factors[0][0], facade_daylight(F, D))
 
     whole = behind(shaded, plain.whole, 5)
     direct = behind(blackened(shaded), plain.direct, 25, bounces=0)
-    six = FivePhases(whole, direct, plain.sun)
+    six = WindowMatrices(whole, direct, plain.sun)
     result = five_phase([six], sky, sky, suns)
     [number] = np.flatnonzero(suns.direct_normal.toarray()[:, 0])
     traced = irradiance(
@@ -342,12 +347,12 @@ def test_picture_shows_the_sun_patch_and_the_sun(device):
     )
     transmission = half.transmission_matrix(window="south")
     shared = {"samples": 4096, "device": device}
-    whole = WindowPhases(
+    whole = window_chain(
         picture_view_matrices(scene, [south], camera, seed=1, **shared)["south"],
         transmission,
         daylight_matrix(scene, south, subdivision=4, seed=2, **shared),
     )
-    direct = WindowPhases(
+    direct = window_chain(
         picture_view_matrices(scene, [south], camera, direct=True, seed=3, **shared)[
             "south"
         ],
@@ -361,14 +366,10 @@ def test_picture_shows_the_sun_patch_and_the_sun(device):
         suns=suns.directions, peak=True, samples=256, device=device,
     )  # fmt: skip
     sky = sky_matrix(weather, subdivision=4, include="sun")
-    [five] = pictures_over_time(
-        [PicturePhases(whole, direct, kept(sun))],
-        camera,
-        sky,
-        sun_in_patches=sky,
-        suns=suns,
-    )
-    [three] = pictures_over_time([PicturePhases(whole)], camera, sky)
+    skies = Skies(sky, sky, suns)
+    windows = [WindowMatrices(whole, direct, MatrixChain((sun,)))]
+    [five] = pictures_over_time(windows, FIVE_PHASE, camera, skies)
+    [three] = pictures_over_time(windows, THREE_PHASE, camera, skies)
     traced = render(
         sunlit(scene, south, half, suns.directions[0], peak=True), view,
         columns=24, rows=24, samples=2048, device=device,

@@ -1,8 +1,8 @@
 """Channels of a generated BSDF as weighted sums of the scene's bands.
 
-A scene has three bands, as a rule red, green and blue. They may as well be others,
-such as the visible and the solar reflectance of grey materials: all three are traced
-in one pass, and a channel of the BSDF is any weighted sum of them.
+All bands of a scene are traced in one pass, and a channel of the BSDF is any weighted
+sum of them. Scenes in RGB may hold other values in their three bands, such as the
+visible and the solar reflectance of grey materials.
 """
 
 from collections.abc import Mapping
@@ -11,11 +11,11 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bands import RGB
+from clerestory.bands import RGB, Bands
 from clerestory.colorimetry import RADIANCE
 from clerestory.errors import InputError
 
-Weights = tuple[float, float, float]
+Weights = tuple[float, ...]
 
 # Luminous values, from red, green and blue.
 VISIBLE: Mapping[str, Weights] = MappingProxyType(
@@ -31,13 +31,24 @@ VISIBLE_AND_SOLAR: Mapping[str, Weights] = MappingProxyType(
 _WHITE_UV = 4 / 19, 9 / 19
 
 
-def check_bands(bands: Mapping[str, Weights]) -> None:
-    """Refuse bands that are not sums of the three channels."""
+def default_weights(bands: Bands) -> Mapping[str, Weights]:
+    """Return the channels of a BSDF in some bands: visible, and each band but RGB's."""
+    if bands == RGB:
+        return VISIBLE
+    each = map(tuple, np.eye(len(bands)).tolist())
+    single = dict(zip(bands.names, each, strict=True))
+    if bands.efficacy is None:
+        return single
+    return {"visible": tuple(bands.shares.tolist()), **single}
+
+
+def check_bands(bands: Mapping[str, Weights], count: int) -> None:
+    """Refuse bands that are not sums of the `count` bands of the scene."""
     for name, weights in bands.items():
-        if len(weights) != 3 or min(weights) < 0 or not sum(weights) > 0:
+        if len(weights) != count or min(weights) < 0 or not sum(weights) > 0:
             raise InputError(
-                f"band {name!r} with the weights {tuple(weights)}; three numbers ≥ 0,"
-                " not all zero, expected"
+                f"band {name!r} with the weights {tuple(weights)}; {count} numbers from"
+                " 0, not all zero, expected"
             )
     if not bands:
         raise InputError('no band; at least one such as "visible" expected')

@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal, Unpack
 
+from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Geometry, Product
-from clerestory.bsdfgen.channel_weights import VISIBLE, Weights, check_bands
+from clerestory.bsdfgen.channel_weights import Weights, check_bands, default_weights
 from clerestory.bsdfgen.geometry_checks import check_system
 from clerestory.bsdfgen.mgf_text import mgf_text
 from clerestory.bsdfgen.postprocessing import (
@@ -77,9 +78,9 @@ def generate_bsdf(
     area : sample area; the bounding box if None
     periodic : whether the sample area is the unit cell of an endless system, so that no
         light is lost at its sides
-    bands : for each band of the result, weights of the three channels of the scene;
-        luminance of red, green and blue if None
-    colour : whether to add CIE X and Z, or u' and v' of trees
+    bands : for each band of the result, weights of the bands of the scene; if None,
+        luminance, and each band of scenes in other bands than RGB
+    colour : whether to add CIE X and Z, or u' and v' of trees; in RGB only
     samples : paths per incident patch, or average per finest incident cell of a tree;
         2000 if neither this nor an error is given
     relative_error : instead of samples, target root mean square of the standard errors
@@ -88,7 +89,7 @@ def generate_bsdf(
     symmetry : for matrices, whether to trace only one of two mirror-symmetric patches
     reciprocal : whether to average with the reciprocal; only for periodic sample areas
     reduction : blocks of smallest cells of a tree to merge [%]
-    geometry : whether the result holds the geometry as MGF
+    geometry : whether the result holds the geometry as MGF; in RGB only
     name : of the product
     seed : whole number ≥ 0; results are bitwise reproducible for a seed on one device
     device : "auto" selects a GPU if there is one
@@ -119,7 +120,9 @@ def generate_bsdf(
         without=("batches", "components"),
     )
     system = _system(scene, area, periodic, bands, name)
-    check_bands(system.bands)
+    check_bands(system.bands, len(system.scene.bands))
+    if colour and system.scene.bands != RGB:
+        raise InputError(f"colour of a scene in {system.scene.bands}; {RGB} expected")
     if not 2 <= halvings <= _DEEPEST:
         raise InputError(f"{halvings} halvings; 2 to {_DEEPEST} expected")
     if sides not in _BACKS:
@@ -167,7 +170,9 @@ def _system(
     if isinstance(scene, System):
         system = replace(scene, area=area or scene.area, bands=bands or scene.bands)
     else:
-        system = System(scene, area or area_of(scene), bands or dict(VISIBLE))
+        system = System(
+            scene, area or area_of(scene), bands or default_weights(scene.bands)
+        )
     if periodic:
         system = replace(system, area=replace(system.area, periodic=True))
     if name:
@@ -177,7 +182,8 @@ def _system(
 
 def _product(system: System, geometry: bool) -> Product:
     width, height, _ = system.area.size.tolist()
-    text = mgf_text(system.scene, system.area) if geometry else ""
+    in_mgf = geometry and system.scene.bands == RGB
+    text = mgf_text(system.scene, system.area) if in_mgf else ""
     return replace(
         system.product,
         thickness=system.area.thickness,

@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.errors import InputError
 from clerestory.scene.model import Dielectric, Interface, Scene, Surface
+from clerestory.scene.surface import extent
 from clerestory.scene.tessellate import Mesh, meshes
 
 # Largest z of surfaces [m], as in genBSDF.
@@ -70,9 +71,7 @@ def _units(scene: Scene) -> Iterator[str]:
 
 
 def _in_room(scene: Scene) -> Iterator[str]:
-    high = np.array(
-        [Scene(scene.materials, (s,)).bounds()[1, 2] for s in scene.surfaces]
-    )
+    high = np.array([extent(surface)[:, 2].max() for surface in scene.surfaces])
     inside = np.flatnonzero(high > _IN_ROOM)
     if len(inside):
         worst = scene.surfaces[int(inside[np.argmax(high[inside])])]

@@ -12,7 +12,7 @@ from jaxtyping import Float
 from clerestory.array_types import Values
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.colorimetry import RADIANCE
-from clerestory.errors import InputError
+from clerestory.scene.material import error_at
 from clerestory.scene.materials.highlight import Roughness
 from clerestory.scene.model import (
     Cone,
@@ -95,12 +95,10 @@ def _material(material: Material) -> Iterator[str]:
         case _:
             given = material.specification()
             kind = given.kind if given else type(material).__name__.lower()
-            source = material.source
-            raise InputError(
+            raise error_at(
+                material.source,
                 f'{kind} "{material.name}" has no counterpart in MGF; leave the'
                 " geometry out of the BSDF",
-                file=None if source is None else source.file,
-                line=None if source is None else source.line,
             )
 
 

@@ -98,7 +98,7 @@ class System:
     ----------
     scene : in the frame of genBSDF [m]
     area : sample area
-    bands : for each band of the BSDF, weights of the three channels of the scene
+    bands : for each band of the BSDF, weights of the bands of the scene
     product : name and dimensions, for the file
     """
 

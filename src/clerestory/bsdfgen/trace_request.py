@@ -19,7 +19,7 @@ class TraceRequest:
     ----------
     area : sample area
     backs : for each incident side, whether it is that of the room
-    bands : of the result, with weights of the three channels
+    bands : of the result, with weights of the bands of the scene
     colour : whether to add colour
     effort : sampling effort
     symmetry : whether only one of two mirror-symmetric patches is traced

@@ -1,14 +1,13 @@
-"""`clerestory compare`: measured against simulated."""
+"""`clerestory compare`: a simulation compared with measurements."""
 
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from clerestory.cli.options import Quiet
+from clerestory.cli.requests.study import Compare
 from clerestory.comparison.comparison_notes import comparison_notes
 from clerestory.comparison.comparison_tables import shares_table, write_tables
 from clerestory.comparison.logger_files import read_plain
@@ -19,65 +18,21 @@ from clerestory.comparison.mapping import (
 )
 from clerestory.comparison.series import Series
 from clerestory.comparison.series_comparison import (
-    ABOVE_LUX,
     Comparison,
     Rules,
     compare_series,
 )
 from clerestory.comparison.simulated_series import simulated_series
-from clerestory.comparison.time_alignment import COVERAGE
 from clerestory.errors import InputError
 from clerestory.files import make_folder
 from clerestory.report.comparison_page import write_comparison
 from clerestory.study.results import read_results
 
 
-def compare(
-    measured: Annotated[
-        Path,
-        typer.Argument(
-            metavar="MEASURED",
-            help="CSV with a column of times and one for each sensor; or a mapping"
-            " (.toml) that says which file and column belongs to which sensor.",
-        ),
-    ],
-    simulated: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="SIMULATED…",
-            help="Folders of runs (results.nc), or CSV files; several side by side.",
-        ),
-    ] = None,
-    output: Annotated[
-        Path,
-        typer.Option("--output", "-o", help="Folder for the page, tables, pictures."),
-    ] = Path("comparison"),
-    name: Annotated[
-        list[str] | None,
-        typer.Option("--name", help="What a simulation is called; one each."),
-    ] = None,
-    above: Annotated[
-        float, typer.Option("--above", help="Darker values do not count [lux].", min=0)
-    ] = ABOVE_LUX,
-    shift: Annotated[
-        float, typer.Option("--shift", help="Move the measured times by [min].")
-    ] = 0.0,
-    coverage: Annotated[
-        float,
-        typer.Option("--coverage", help="How far a step must be filled.", min=0, max=1),
-    ] = COVERAGE,
-    sensors: Annotated[
-        Path | None,
-        typer.Option(
-            "--sensors", help="Write the sensors of a mapping's scans here; then stop."
-        ),
-    ] = None,
-    quiet: Quiet = False,
-) -> None:
-    """Tell how well a study agrees with measurements: shares within 5, 10, 20 %, bias.
-
-    A shift of the clock that would fit better is told, never applied.
-    """
+def compare(request: Compare) -> None:
+    """Compare simulations with measurements; write tables, figures and a page."""
+    measured, simulated, name = request.measured, request.simulated, request.name
+    sensors, output, quiet = request.sensors, request.output, request.quiet
     if sensors is not None:
         count = write_layout_sensors(sensors, read_mapping(measured))
         if not quiet:
@@ -89,7 +44,7 @@ def compare(
         raise InputError(
             f"{len(name)} names for {len(simulated)} simulations; one each expected"
         )
-    rules = Rules(above, shift, coverage)
+    rules = Rules(request.above, request.shift, request.coverage)
     found: list[Comparison] = []
     places: dict[str, np.ndarray] = {}
     for number, path in enumerate(simulated):

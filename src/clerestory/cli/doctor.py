@@ -1,12 +1,13 @@
-"""`clerestory doctor`: whether this machine has what tracing needs."""
+"""`clerestory doctor`: whether this machine has what ray tracing needs."""
 
 import typer
 
+from clerestory.cli.requests.study import Doctor
 from clerestory.engine.device import describe
 
 
-def doctor() -> None:
-    """Check the compute devices and libraries; exit status 1 if one is broken."""
+def doctor(_request: Doctor) -> None:
+    """Print devices and libraries; exit with status 1 if one is broken."""
     findings = describe()
     width = max(len(finding.name) for finding in findings)
     for finding in findings:

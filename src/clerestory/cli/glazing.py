@@ -1,10 +1,8 @@
-"""`clerestory glazing`: stacks of panes and shades, and what files of them hold."""
+"""`clerestory glazing`: stacks of panes and shades, and product files."""
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 import typer
@@ -12,8 +10,8 @@ import typer
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.cli.options import Quiet, Seed
 from clerestory.cli.progress import progress_display
+from clerestory.cli.requests.glazing import GlazingInfo, StackLayers
 from clerestory.errors import InputError
 from clerestory.glazing.glazing_system import (
     Gap,
@@ -30,100 +28,42 @@ from clerestory.glazing.standard import standard as standard_named
 from clerestory.glazing.thermal import ThermalFigures, thermal_figures
 from clerestory.hemisphere.klems import klems
 
-app = typer.Typer(no_args_is_help=True, help="Stack panes, gaps and shades.")
-
 _DIGITS = 7
 _SHOWN: tuple[Channel, Channel] = ("visible", "solar")
 _MILLIMETRE = 1e-3
 
 
-class Basis(StrEnum):
-    """Klems bases."""
-
-    full = "full"
-    half = "half"
-    quarter = "quarter"
-
-
-class StandardName(StrEnum):
-    """Standards of spectral averages."""
-
-    nfrc = "nfrc"
-    en410 = "en410"
-
-
-@app.command(
-    epilog="Example: clerestory glazing stack clear.dat blind.xml -o system.xml"
-)
-def stack(
-    layer: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="LAYER…",
-            help="From the sky to the room: .json, .dat, .xml; or one .toml.",
-        ),
-    ],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="BSDF file to write.")
-    ] = None,
-    gap: Annotated[
-        float, typer.Option("--gap", help="Thickness of all gaps [mm].", min=0.01)
-    ] = 12.7,
-    gas: Annotated[
-        str, typer.Option("--gas", help="Gas in them, as argon=0.9,air=0.1.")
-    ] = "air",
-    basis: Annotated[Basis, typer.Option("--basis", help="Klems basis.")] = Basis.full,
-    standard: Annotated[
-        StandardName, typer.Option("--standard", help="Spectral averages.")
-    ] = StandardName.nfrc,
-    bands: Annotated[
-        bool, typer.Option("--bands", help="Combine averages, not each wavelength.")
-    ] = False,
-    tree: Annotated[
-        int | None,
-        typer.Option(
-            "--tree", help="Walk to a tree of 2^N cells a side.", min=1, max=6
-        ),
-    ] = None,
-    walkers: Annotated[
-        int, typer.Option("--walkers", help="Per incident cell, for --tree.", min=8)
-    ] = 256,
-    thermal: Annotated[
-        bool, typer.Option("--thermal", help="Tell U, SHGC and temperatures too.")
-    ] = False,
-    seed: Seed = 1,
-    quiet: Quiet = False,
-) -> None:
-    """Turn layers behind each other into one BSDF, and tell what it does to light."""
-    system = _system(layer, gap, gas)
-    averages = standard_named(standard.value)
-    with progress_display(quiet=quiet) as display:
+def stack(request: StackLayers) -> None:
+    """Combine layers into one BSDF, and print its properties."""
+    system = _system(request.layer, request.gap, request.gas)
+    averages = standard_named(request.standard)
+    with progress_display(quiet=request.quiet) as display:
         stacked = stack_layers(
             system.layers,
-            partition=klems(basis.value),
+            partition=klems(request.basis),
             standard=averages,
-            method="bands" if bands else "wavelengths",
+            method="bands" if request.bands else "wavelengths",
             name=system.name,
             gap_thickness=sum(space.thickness for space in system.gaps),
             report=display("layers"),
         )
         bsdf = stacked.bsdf
-        if tree is not None:
+        if request.tree is not None:
             bsdf = walk_layers(
                 system.layers,
-                halvings=tree,
-                walkers=walkers,
-                seed=seed,
+                halvings=request.tree,
+                walkers=request.walkers,
+                seed=request.seed,
                 standard=averages,
                 name=system.name,
-                report=display("walk"),
+                report=display("random walk"),
             ).bsdf
-    if output is not None:
-        _write(output, bsdf, system)
-    if not quiet:
+    if request.output is not None:
+        _write(request.output, bsdf, system)
+    if not request.quiet:
         for line in _figures(stacked):
             typer.echo(line)
-    if thermal:
+    if request.thermal:
         scattering = any(not isinstance(one, Glass) for one in system.layers)
         figures = thermal_figures(
             system.layers,
@@ -134,15 +74,9 @@ def stack(
             typer.echo(line)
 
 
-@app.command(epilog="Example: clerestory glazing info clear.dat")
-def info(
-    file: Annotated[
-        list[Path],
-        typer.Argument(metavar="FILE…", help="Products, or folders of them."),
-    ],
-) -> None:
-    """Tell what products hold; list the products of a folder."""
-    for path in file:
+def info(request: GlazingInfo) -> None:
+    """Describe products; list the products of folders."""
+    for path in request.file:
         if path.is_dir():
             for entry in read_catalogue(path):
                 number = "-" if entry.nfrc_id is None else str(entry.nfrc_id)

@@ -1,272 +1,191 @@
-"""`clerestory gonio`: from goniophotometer measurements to BSDFs, with their error."""
-
-from pathlib import Path
-from typing import Annotated
+"""`clerestory gonio`: BSDFs from goniophotometer measurements, with their errors."""
 
 import typer
 
+from clerestory.array_types import Directions
 from clerestory.bsdf.quality_checks import check as check_bsdf
 from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.cli.gonio_input import direction_of, picture_format, read_files
-from clerestory.cli.gonio_options import (
-    Blank,
-    FacingChoice,
-    Files,
-    Fits,
-    Form,
-    FunctionChoice,
-    Merge,
-    MostLobes,
-    Picture,
-    Processes,
-    Smoothing,
-    SymmetryChoice,
-)
+from clerestory.cli.angle_pair import angle_pair
 from clerestory.cli.gonio_text import (
     direction_lines,
     fit_lines,
     measurement_lines,
     validation_lines,
 )
-from clerestory.cli.options import Quiet
 from clerestory.cli.progress import progress_display
+from clerestory.cli.requests.gonio import (
+    CrossValidation,
+    ExportBsdf,
+    FitMeasurement,
+    MeasurementFiles,
+    MeasurementInfo,
+    PlotMeasurement,
+)
 from clerestory.errors import InputError
-from clerestory.files import replace_file
-from clerestory.gonio.bsdf_export import Target, export_bsdf
+from clerestory.gonio.angles import from_degrees
+from clerestory.gonio.bsdf_export import export_bsdf
 from clerestory.gonio.coverage import measure_coverage
 from clerestory.gonio.cross_validation import smoothing_study
 from clerestory.gonio.energy_conservation import conserve_energy
 from clerestory.gonio.fit_storage import read_fits, write_fits
 from clerestory.gonio.fitted_measurement import Fitted, fit_measurement
 from clerestory.gonio.lobe_fitting import FitOptions
+from clerestory.gonio.measurement_files import read_measurement
 from clerestory.gonio.measurement_planning import recommended_directions
+from clerestory.gonio.scattering_measurement import Measurement
+from clerestory.report.figure_file import figure_format, write_figure
 from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure
-
-app = typer.Typer(no_args_is_help=True, help="Goniophotometer measurements.")
 
 _DIGITS = 6
 
 
-@app.command(epilog="Example: clerestory gonio info scans/*.txt")
-def info(
-    files: Files,
-    form: Form = None,
-    function: FunctionChoice = None,
-    facing: FacingChoice = "room",
-    blank: Blank = None,
-    merge: Merge = False,
-) -> int:
-    """Say what measurements cover: angles, gaps, noise, symmetry, flux.
-
-    Exit status: 1 if there are doubts that can change results.
-    """
-    doubts = 0
-    for measurement in read_files(files, form, function, facing, blank, merge=merge):
+def info(request: MeasurementInfo) -> int:
+    """Print the coverage of measurements."""
+    findings = 0
+    for measurement in _read(request.measurement):
         coverage = measure_coverage(measurement)
-        doubts += len(coverage.doubts())
+        findings += len(coverage.doubts())
         for line in measurement_lines(measurement, coverage):
             typer.echo(line)
-    return int(doubts > 0)
+    return int(findings > 0)
 
 
-@app.command(epilog="Example: clerestory gonio fit scans/*.txt -o film.nc")
-def fit(
-    files: Files,
-    output: Annotated[Path, typer.Option("--output", "-o", help="File to write, .nc.")],
-    form: Form = None,
-    function: FunctionChoice = None,
-    facing: FacingChoice = "room",
-    blank: Blank = None,
-    merge: Merge = False,
-    symmetry: SymmetryChoice = None,
-    lobes: MostLobes = 200,
-    smoothing: Smoothing = 1.0,
-    processes: Processes = 1,
-    quiet: Quiet = False,
-) -> None:
-    """Fit lobes to every scan and plan how light moves between them."""
-    measurements = read_files(files, form, function, facing, blank, merge=merge)
-    options = FitOptions(lobes=lobes, smoothing=smoothing)
-    with progress_display(quiet=quiet) as progress:
+def fit(request: FitMeasurement) -> None:
+    """Fit lobes and transport plans."""
+    with progress_display(quiet=request.quiet) as progress:
         fits = [
             fit_measurement(
                 measurement,
-                symmetry=symmetry,
-                options=options,
-                processes=processes,
+                symmetry=request.fit.symmetry,
+                options=FitOptions(
+                    lobes=request.fit.lobes, smoothing=request.fit.smoothing
+                ),
+                processes=request.fit.processes,
                 progress=progress,
             )
-            for measurement in measurements
+            for measurement in _read(request.measurement)
         ]
-    write_fits(output, fits)
-    if not quiet:
+    write_fits(request.output, fits)
+    if not request.quiet:
         for line in fit_lines(fits):
             typer.echo(line)
 
 
-@app.command(epilog="Example: clerestory gonio check scans/*.txt -o errors.png")
-def check(
-    files: Files,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Map of the errors.")
-    ] = None,
-    form: Form = None,
-    function: FunctionChoice = None,
-    facing: FacingChoice = "room",
-    blank: Blank = None,
-    merge: Merge = False,
-    symmetry: SymmetryChoice = None,
-    lobes: MostLobes = 200,
-    smoothing: Annotated[
-        list[float] | None,
-        typer.Option("--smoothing", help="Factor to try; repeatable. 1 if not given."),
-    ] = None,
-    more: Annotated[
-        int,
-        typer.Option("--next", help="Name so many directions worth a scan.", min=0),
-    ] = 0,
-    processes: Processes = 1,
-    quiet: Quiet = False,
-) -> None:
-    """Leave out each incident direction in turn and compare what the others predict."""
-    kind = None if output is None else picture_format(output)
-    measurements = read_files(files, form, function, facing, blank, merge=merge)
+def check(request: CrossValidation) -> None:
+    """Print the errors of a cross-validation, and draw a map of them."""
+    output = request.output
+    if output is not None:
+        figure_format(output)
+    measurements = _read(request.measurement)
     if output is not None and len(measurements) > 1:
         raise InputError(
-            f"{len(measurements)} functions for one picture; files of one expected"
+            f"{len(measurements)} functions for one figure; files of one expected"
         )
     for measurement in measurements:
-        with progress_display(quiet=quiet) as progress:
+        with progress_display(quiet=request.quiet) as progress:
             results = smoothing_study(
                 measurement,
-                smoothing or [1.0],
-                symmetry=symmetry,
-                lobes=lobes,
-                processes=processes,
+                request.smoothing or [1.0],
+                symmetry=request.symmetry,
+                lobes=request.lobes,
+                processes=request.processes,
                 progress=progress,
             )
         for result in results:
             for line in validation_lines(result):
                 typer.echo(line)
-        if more:
+        if request.more:
+            symmetry = request.symmetry or measurement.symmetry
             found = recommended_directions(
-                results[0],
-                symmetry=symmetry or measurement.symmetry,
-                count=more,
+                results[0], symmetry=symmetry, count=request.more
             )
             for line in direction_lines(found):
                 typer.echo(line)
         if output is not None:
-            with replace_file(output) as stream:
-                error_figure(results[0]).savefig(stream, format=kind, dpi=150)
+            write_figure(error_figure(results[0]), output)
 
 
-@app.command(epilog="Example: clerestory gonio export film.nc --to tree -o film.xml")
-def export(
-    files: Fits,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="BSDF file to write, .xml.")
-    ],
-    to: Annotated[
-        Target, typer.Option("--to", help="Klems basis, or a tensor tree.")
-    ] = "full",
-    halvings: Annotated[
-        int, typer.Option("--halvings", help="2^N cells along each axis of a tree.")
-    ] = 5,
-    tolerance: Annotated[
-        float, typer.Option("--tolerance", help="Join cells that differ by less.")
-    ] = 0.05,
-    reciprocal: Annotated[
-        bool, typer.Option("--reciprocal", help="Average with the reverse.")
-    ] = False,
-    conserve: Annotated[
-        bool, typer.Option("--conserve", help="Dim what scatters more than it meets.")
-    ] = False,
-    processes: Processes = 1,
-    quiet: Quiet = False,
-) -> None:
-    """Write fits as one BSDF file for Radiance, WINDOW and clerestory."""
-    fits: tuple[Fitted, ...] = tuple(part for file in files for part in read_fits(file))
+def export(request: ExportBsdf) -> None:
+    """Write fits as a BSDF file."""
+    fits: tuple[Fitted, ...] = tuple(
+        part for file in request.files for part in read_fits(file)
+    )
     said: list[str] = []
-    if conserve:
+    if request.conserve:
         conserved = conserve_energy(fits)
         fits = conserved.fits
         said.append(
             f"up to {conserved.largest:.4f} of the light scattered from one direction;"
-            f" {conserved.changed} directions dimmed"
+            f" {conserved.changed} directions scaled down"
         )
-    with progress_display(quiet=quiet) as progress:
+    with progress_display(quiet=request.quiet) as progress:
         bsdf = export_bsdf(
             fits,
-            to,
-            halvings=halvings,
-            tolerance=tolerance,
-            processes=processes,
+            request.to,
+            halvings=request.halvings,
+            tolerance=request.tolerance,
+            processes=request.processes,
             progress=progress,
         )
-    if reciprocal:
-        mended = reciprocal_mean(bsdf)
+    if request.reciprocal:
+        mean = reciprocal_mean(bsdf)
         for channel, name in bsdf.functions:
-            before, after = (b.diffuse(name, channel=channel) for b in (bsdf, mended))
+            before, after = (b.diffuse(name, channel=channel) for b in (bsdf, mean))
             said.append(
-                f"{channel} {name.replace('_', ' ')}: {before:.5f} of diffuse light"
+                f"{channel} {name.replace('_', ' ')}: diffuse {before:.5f}"
                 f" before the mean with its reverse, {after:.5f} after"
             )
-        bsdf = mended
-    write_bsdf(output, bsdf, digits=_DIGITS, comment=f"clerestory gonio export to {to}")
-    if not quiet:
+        bsdf = mean
+    comment = f"clerestory gonio export to {request.to}"
+    write_bsdf(request.output, bsdf, digits=_DIGITS, comment=comment)
+    if not request.quiet:
         said += [str(finding) for finding in check_bsdf(bsdf) if finding.matters]
         for line in said:
             typer.echo(line)
-        typer.echo(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
+        typer.echo(f"{request.output}: {request.output.stat().st_size / 1e6:.1f} MB")
 
 
-@app.command(epilog="Example: clerestory gonio plot scans/*.txt --scan 3 -o scan.png")
-def plot(
-    files: Files,
-    output: Picture,
-    scan: Annotated[
-        int, typer.Option("--scan", help="Which scan, counted from 0.", min=0)
-    ] = 0,
-    between: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--between",
-            help="Two incident directions; draw the light half-way between them.",
-            metavar="THETA,PHI",
-        ),
-    ] = None,
-    form: Form = None,
-    function: FunctionChoice = None,
-    facing: FacingChoice = "room",
-    blank: Blank = None,
-    merge: Merge = False,
-    symmetry: SymmetryChoice = None,
-    lobes: MostLobes = 200,
-    smoothing: Smoothing = 1.0,
-    processes: Processes = 1,
-    quiet: Quiet = False,
-) -> None:
-    """Draw measured points, fitted lobes and the mesh, or light between two scans."""
-    kind = picture_format(output)
-    measurement = read_files(files, form, function, facing, blank, merge=merge)[0]
+def plot(request: PlotMeasurement) -> None:
+    """Plot a scan and its fit, or the interpolation between two directions."""
+    figure_format(request.output)
+    scan, between = request.scan, request.between
+    measurement = _read(request.measurement)[0]
     if scan >= len(measurement.scans):
         raise InputError(f"scan {scan}; 0 to {len(measurement.scans) - 1} expected")
     if between and len(between) != 2:
         raise InputError(f"{len(between)} times --between; twice expected")
-    with progress_display(quiet=quiet) as progress:
+    with progress_display(quiet=request.quiet) as progress:
         fitted = fit_measurement(
             measurement,
-            symmetry=symmetry,
-            options=FitOptions(lobes=lobes, smoothing=smoothing),
-            processes=processes,
+            symmetry=request.fit.symmetry,
+            options=FitOptions(
+                lobes=request.fit.lobes, smoothing=request.fit.smoothing
+            ),
+            processes=request.fit.processes,
             progress=progress,
         )
     if between:
-        start, end = (direction_of(text) for text in between)
+        start, end = (_direction(text) for text in between)
         figure = between_figure(fitted.interpolant, start, end)
     else:
         figure = fit_figure(measurement, fitted.interpolant, scan)
-    with replace_file(output) as stream:
-        figure.savefig(stream, format=kind, dpi=150)
+    write_figure(figure, request.output)
+
+
+def _read(files: MeasurementFiles) -> tuple[Measurement, ...]:
+    return read_measurement(
+        *files.files,
+        form=files.form,
+        function=files.function,
+        facing=files.facing,
+        blank=files.blank,
+        merge=files.merge,
+    )
+
+
+def _direction(text: str) -> Directions:
+    theta, phi = angle_pair(text)
+    if not 0 <= theta < 90:
+        raise InputError(f"direction {text!r}; θ from 0 to below 90° expected")
+    return from_degrees(theta, phi)

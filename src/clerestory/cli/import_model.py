@@ -1,11 +1,10 @@
-"""`clerestory import`: models of other programs as files of ours."""
+"""`clerestory import`: models of other programs as scenes and studies."""
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from clerestory.cli.options import Quiet
+from clerestory.cli.requests.study import ImportModel
 from clerestory.errors import InputError
 from clerestory.formats.gltf import read_gltf
 from clerestory.formats.hbjson import read_hbjson
@@ -17,36 +16,15 @@ from clerestory.study.model_import import Written, write_honeybee_model, write_s
 _HONEYBEE, _MESHES = (".hbjson", ".json"), (".obj", ".gltf", ".glb")
 
 
-def import_model(
-    model: Annotated[
-        Path,
-        typer.Argument(metavar="MODEL", help="A .hbjson, .obj, .gltf or .glb file."),
-    ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder for the files.")
-    ],
-    weather: Annotated[
-        Path | None,
-        typer.Option("--weather", help="Weather for the study of a honeybee model."),
-    ] = None,
-    materials: Annotated[
-        Path | None,
-        typer.Option(
-            "--materials", help="Material map (.toml) of an OBJ or glTF file."
-        ),
-    ] = None,
-    quiet: Quiet = False,
-) -> None:
-    """Turn a honeybee model into a study, or an OBJ or glTF file into a scene.
-
-    A honeybee model gives scene, windows, BSDFs, sensors, views and, with weather, a
-    study. What could not be taken over is told.
-    """
+def import_model(request: ImportModel) -> None:
+    """Convert a model, and print what was written and what was left out."""
+    model, output, quiet = request.model, request.output, request.quiet
+    weather, materials = request.weather, request.materials
     kind = model.suffix.lower()
     if kind in _HONEYBEE:
         read = read_hbjson(model)
         if weather is not None and not weather.is_file():
-            raise InputError("is not there; a weather file expected", file=weather)
+            raise InputError("no such file; a weather file expected", file=weather)
         _tell(write_honeybee_model(read, output, weather=weather), quiet)
         for left_out in () if quiet else read.unsupported:
             typer.echo(f"left out: {left_out}")
@@ -60,7 +38,7 @@ def import_model(
 
 
 def _mesh_scene(model: Path, kind: str, given: MaterialMap, *, colours: bool) -> Scene:
-    # Without a map, the file's own colours are matt plastics
+    # Without a material map, the colours of the file become diffuse plastics
     if kind == ".obj":
         if given.up == "y":
             raise InputError(

@@ -1,56 +1,31 @@
-"""`clerestory luminaire`: what photometric files say, and their polar diagrams."""
+"""`clerestory luminaire`: descriptions and polar diagrams of photometric files."""
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from clerestory.errors import InputError
-from clerestory.files import replace_file
+from clerestory.cli.requests.luminaire import LuminaireInfo, PlotLuminaire
 from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.formats.photometry.read import read_luminaire
+from clerestory.report.figure_file import write_figure
 from clerestory.report.luminaire_plot import polar_figure
 
-app = typer.Typer(no_args_is_help=True, help="Luminaires: IES and EULUMDAT files.")
-
-_PICTURES = (".png", ".svg", ".pdf")
-
-# Keywords worth a line, and what they are called here
-_SHOWN = {"MANUFAC": "maker", "LUMINAIRE": "luminaire", "LAMP": "lamp"}
+# Keywords of IES files that are printed, and their names here
+_SHOWN = {"MANUFAC": "manufacturer", "LUMINAIRE": "luminaire", "LAMP": "lamp"}
 
 
-@app.command(epilog="Example: clerestory luminaire info downlight.ies panel.ldt")
-def info(
-    files: Annotated[
-        list[Path], typer.Argument(metavar="FILE…", help="IES or EULUMDAT files.")
-    ],
-) -> None:
-    """Say what photometric files hold: flux, power, intensities, the shining body."""
-    for file in files:
+def info(request: LuminaireInfo) -> None:
+    """Print a description of photometric files."""
+    for file in request.files:
         for line in _lines(file, read_luminaire(file)):
             typer.echo(line)
 
 
-@app.command(epilog="Example: clerestory luminaire plot downlight.ies -o polar.png")
-def plot(
-    file: Annotated[Path, typer.Argument(help="IES or EULUMDAT file.")],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="Picture: .png, .svg or .pdf.")
-    ],
-    plane: Annotated[
-        list[float] | None,
-        typer.Option("--plane", help="Horizontal angle [°]; may be repeated."),
-    ] = None,
-) -> None:
-    """Draw the polar diagram, in the planes of 0° and 90° or in those named."""
-    kind = output.suffix.lower()
-    if kind not in _PICTURES:
-        raise InputError(
-            f"picture {output.name!r}; a name in {', '.join(_PICTURES)} expected"
-        )
-    figure = polar_figure(read_luminaire(file), planes_deg=plane or (0.0, 90.0))
-    with replace_file(output) as stream:
-        figure.savefig(stream, format=kind[1:], dpi=150)
+def plot(request: PlotLuminaire) -> None:
+    """Draw a polar diagram."""
+    planes = request.plane or (0.0, 90.0)
+    figure = polar_figure(read_luminaire(request.file), planes_deg=planes)
+    write_figure(figure, request.output)
 
 
 def _lines(file: Path, luminaire: Luminaire) -> list[str]:
@@ -72,5 +47,7 @@ def _lines(file: Path, luminaire: Luminaire) -> list[str]:
         f" {luminaire.intensity.max():.0f} cd; {horizontal} horizontal × {vertical}"
         " vertical angles"
     )
-    lines.append(f"  body: {shape.kind} {shape.x:g} × {shape.y:g} × {shape.z:g} m")
+    lines.append(
+        f"  luminous body: {shape.kind} {shape.x:g} × {shape.y:g} × {shape.z:g} m"
+    )
     return lines

@@ -1,55 +1,107 @@
-"""The whole command line: `clerestory …` with all its groups and commands."""
+"""Entry point of `clerestory`: one command, its errors as messages, its exit status.
 
-from typing import Annotated
+Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings are one
+line each on the error stream.
+"""
+
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Sequence
+from typing import Any
 
 import typer
 
 from clerestory import __version__
-from clerestory.cli import bsdf, glazing, gonio, luminaire, picture, sky, trace
-from clerestory.cli.picture_capture import calibrate, merge, reproject
-from clerestory.cli.start import COMMANDS, main, new_app
+from clerestory.cli.program import program
+from clerestory.errors import ClerestoryError, ClerestoryWarning
 
-__all__ = ["app", "main"]
+TRACEBACK = "CLERESTORY_TRACEBACK"
+INTERRUPTED = 130
 
-app = new_app()
-app.add_typer(trace.app, name="trace")
-app.add_typer(sky.app, name="sky")
-app.add_typer(bsdf.app, name="bsdf")
-app.add_typer(glazing.app, name="glazing")
-app.add_typer(gonio.app, name="gonio")
-app.add_typer(luminaire.app, name="luminaire")
-app.add_typer(picture.app, name="picture")
-picture.app.command(
-    epilog="Example: clerestory picture merge bracket_*.jpg -o scene.hdr"
-)(merge)
-picture.app.command(
-    epilog="Example: clerestory picture reproject scene.hdr --lens equisolid"
-    " --circle 2736 1824 1793 -o fisheye.hdr"
-)(reproject)
-picture.app.command(
-    epilog="Example: clerestory picture calibrate fisheye.hdr --before 1520"
-    " --after 1490 -o desk.hdr"
-)(calibrate)
-for name, command in COMMANDS.items():
-    command.add_to(app, name)
+# Options that take every word up to the next option
+_GREEDY = ("--scene", "--window")
+
+# Typer's base of usage errors, which it does not export
+_UsageError: type[Exception] = next(
+    cls for cls in typer.BadParameter.__mro__ if cls.__name__ == "ClickException"
+)
 
 
-def _show_version(wanted: bool | None) -> None:
-    if wanted:
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status.
+
+    Parameters
+    ----------
+    arguments : those after the program's name; of this process if not given
+    """
+    words = spread(list(sys.argv[1:] if arguments is None else arguments))
+    if words == ["--version"]:
         typer.echo(f"clerestory {__version__}")
-        raise typer.Exit
+        return 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", ClerestoryWarning)
+        warnings.showwarning = _show_warning
+        try:
+            status = program(words)(
+                words, prog_name="clerestory", standalone_mode=False
+            )
+            return _interrupted() if status == INTERRUPTED else int(status or 0)
+        except ClerestoryError as error:
+            return _fail(str(error), error.exit_status, error)
+        except (KeyboardInterrupt, typer.Abort):
+            return _interrupted()
+        except _UsageError as error:
+            return _usage(error)
+        except Exception as error:  # what no other handler expects
+            kind = type(error).__name__
+            text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 for the traceback"
+            return _fail(text, 1, error)
 
 
-@app.callback()
-def clerestory(
-    version: Annotated[
-        bool | None,
-        typer.Option(
-            "--version",
-            callback=_show_version,
-            is_eager=True,
-            help="Say which version this is.",
-        ),
-    ] = None,
-) -> None:
-    """Annual daylight behind complex fenestration: BSDFs, matrices, error bars."""
+def spread(words: list[str]) -> list[str]:
+    """Repeat an option that takes several files before each of them.
+
+    >>> spread(["--scene", "a.rad", "b.rad", "-o", "V.mtx"])
+    ['--scene', 'a.rad', '--scene', 'b.rad', '-o', 'V.mtx']
+    """
+    result: list[str] = []
+    option = ""
+    for word in words:
+        if word.startswith("-"):
+            option = word if word in _GREEDY else ""
+            result += [] if option else [word]
+        else:
+            result += [option, word] if option else [word]
+    return result
+
+
+def _show_warning(message: Warning | str, *_place: Any, **_more: Any) -> None:
+    typer.echo(f"warning: {_one_line(str(message))}", err=True)
+
+
+def _usage(error: Any) -> int:
+    # Usage errors of Typer in one line, with the command whose help explains them
+    if type(error).__name__ == "NoArgsIsHelpError":
+        error.show()
+        return int(error.exit_code)
+    path = error.ctx.command_path if getattr(error, "ctx", None) else "clerestory"
+    text = f"{_one_line(error.format_message())} (see {path} --help)"
+    return _fail(text, int(error.exit_code), error)
+
+
+def _fail(text: str, status: int, error: BaseException) -> int:
+    if os.environ.get(TRACEBACK):
+        traceback.print_exception(error)
+    typer.echo(_one_line(text), err=True)
+    return status
+
+
+def _interrupted() -> int:
+    typer.echo("interrupted; run again to resume", err=True)
+    return INTERRUPTED
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

@@ -1,16 +1,15 @@
-"""`clerestory metrics`: figures of merit of a run, or of a honeybee results folder."""
+"""`clerestory metrics`: daylight metrics of a run, or of a honeybee results folder."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Literal
 
 import numpy as np
 import typer
 import xarray as xr
 
-from clerestory.cli.options import Quiet
+from clerestory.cli.requests.study import Metrics
 from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
@@ -49,13 +48,6 @@ from clerestory.study.results import read_results
 _HOURS_A_YEAR = 8760
 
 
-class Leed(StrEnum):
-    """Versions of LEED."""
-
-    v4 = "v4"
-    v41 = "v4.1"
-
-
 @dataclass(frozen=True, eq=False)
 class _Grid:
     # Illuminance of one grid, its error, and that of the sun alone if known
@@ -66,63 +58,28 @@ class _Grid:
     step_hours: float = 1.0
 
 
-def metrics(
-    results: Annotated[
-        Path,
-        typer.Argument(
-            metavar="RESULTS",
-            help="Folder of a run (results.nc), or honeybee's results folder.",
-        ),
-    ],
-    grid: Annotated[
-        list[str] | None, typer.Option("--grid", help="Only these grids.")
-    ] = None,
-    from_hour: Annotated[
-        float, typer.Option("--from", help="Day begins [h].", min=0, max=24)
-    ] = 8.0,
-    to_hour: Annotated[
-        float, typer.Option("--to", help="Day ends [h].", min=0, max=24)
-    ] = 18.0,
-    target: Annotated[
-        float, typer.Option("--target", help="Daylight autonomy asks for [lux].", min=1)
-    ] = 300.0,
-    weather: Annotated[
-        Path | None,
-        typer.Option("--weather", help="Year whose brightest half EN 17037 counts."),
-    ] = None,
-    states: Annotated[
-        Path | None,
-        typer.Option("--states", help="CSV of states over the year (honeybee)."),
-    ] = None,
-    operate: Annotated[
-        bool,
-        typer.Option("--lm83", help="Operate blinds by LM-83's rule (honeybee)."),
-    ] = False,
-    leed: Annotated[
-        Leed, typer.Option("--leed", help="Version whose points are told.")
-    ] = Leed.v41,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="CSV with a line per sensor.")
-    ] = None,
-    honeybee: Annotated[
-        Path | None,
-        typer.Option("--honeybee", help="Write a folder that honeybee loads."),
-    ] = None,
-    quiet: Quiet = False,
-) -> None:
-    """Tell daylight autonomy, useful illuminance, sDA, ASE, EN 17037, LEED per grid."""
+def metrics(request: Metrics) -> None:
+    """Print the metrics of each grid, and write tables of sensors."""
+    results, grid, quiet = request.results, request.grid, request.quiet
+    from_hour, to_hour, target = request.from_hour, request.to_hour, request.target
     grids = [
-        one for one in _grids(results, states, operate) if not grid or one.name in grid
+        one
+        for one in _grids(results, request.states, request.operate)
+        if not grid or one.name in grid
     ]
     if not grids:
         raise InputError(f"no grid called {' or '.join(grid or [])}", file=results)
     hours = occupied_hours(
         grids[0].lux["time"].values, from_hour=from_hour, to_hour=to_hour
     )
-    half = None if weather is None else _brightest_half(weather, grids[0].lux)
+    half = (
+        None
+        if request.weather is None
+        else _brightest_half(request.weather, grids[0].lux)
+    )
     rows: list[str] = []
     for one in grids:
-        lines = list(_room(one, hours, half, target, leed))
+        lines = list(_room(one, hours, half, target, request.leed))
         rows += _sensors(one, hours, target)
         if not quiet:
             typer.echo(f"{one.name}: {one.lux.sizes['sensor']} sensors")
@@ -130,12 +87,12 @@ def metrics(
                 typer.echo(f"  {line}")
     for line in () if quiet else _rest(results, from_hour, to_hour):
         typer.echo(line)
-    if output is not None:
-        write_text(output, "\n".join([_HEAD, *rows]) + "\n")
-    if honeybee is not None:
+    if request.output is not None:
+        write_text(request.output, "\n".join([_HEAD, *rows]) + "\n")
+    if request.honeybee is not None:
         direct = {g.name: g.direct.values for g in grids if g.direct is not None}
         write_honeybee(
-            honeybee,
+            request.honeybee,
             {g.name: g.lux.values.astype(float) for g in grids},
             grids[0].lux["time"].values,
             direct=direct,
@@ -237,7 +194,11 @@ def _brightest_half(path: Path, lux: xr.DataArray) -> np.ndarray:
 
 
 def _room(
-    grid: _Grid, hours: np.ndarray, half: np.ndarray | None, target: float, leed: Leed
+    grid: _Grid,
+    hours: np.ndarray,
+    half: np.ndarray | None,
+    target: float,
+    leed: Literal["v4", "v4.1"],
 ) -> Iterator[str]:
     autonomy = daylight_autonomy(grid.lux, hours, target_lux=target)
     continuous = continuous_autonomy(grid.lux, hours, target_lux=target)
@@ -254,9 +215,9 @@ def _room(
         most = float(hours_above(grid.direct, hours, step_hours=grid.step_hours).max())
         part = _part_of_year(grid)
         yield f"{'ASE1000,250':28}{_share(found)}, {most:.0f} h at most{part}"
-        credit = simulated_daylight(reached.value, exposure, version=leed.value)
+        credit = simulated_daylight(reached.value, exposure, version=leed)
         note = f" ({credit.note})" if credit.note else ""
-        yield f"{'LEED ' + leed.value + ' option 1':28}{credit.points} points{note}"
+        yield f"{'LEED ' + leed + ' option 1':28}{credit.points} points{note}"
     else:
         yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
     if half is not None:

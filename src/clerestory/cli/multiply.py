@@ -5,66 +5,60 @@ from functools import reduce
 from itertools import pairwise
 from operator import matmul
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from clerestory.cli.matrix_files import read_any_matrix
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.cli.matrix_output import write_any_matrix
-from clerestory.cli.options import Format, Output, Quiet
-from clerestory.cli.picture_sets import (
+from clerestory.cli.progress import progress_display
+from clerestory.cli.requests.render import Multiply
+from clerestory.errors import InputError, MatrixError
+from clerestory.image.picture_sets import (
     is_picture_set,
     read_picture_set,
     write_picture_set,
 )
-from clerestory.cli.progress import progress_display
-from clerestory.errors import InputError, MatrixError
+from clerestory.matrix.netcdf import read_netcdf
+from clerestory.matrix.radiance_format import read_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.facade_matrices import joint_sum
 
-Factors = Annotated[
-    list[Path],
-    typer.Argument(
-        metavar="A B [C D E] [+ A B …]",
-        help="Matrix files (.mtx .smx .nc), a BSDF (.xml) for its transmission, or"
-        " first a set of pictures (V_%03d.hdr). A + adds products.",
-    ),
-]
+_COMMAND = "clerestory multiply"
 
 
-def multiply(
-    factors: Factors, output: Output, encoding: Format = "float", quiet: Quiet = False
-) -> None:
-    """Multiply two to five matrices, from left to right, and add such products.
-
-    V.mtx T.xml D.mtx S.smx gives the irradiance [W/m²] of every sensor at every
-    time step, as dctimestep does; times 47.4, 119.9 and 11.6 it is illuminance. With
-    a set of pictures V_%03d.hdr first, OUT is a set too, one picture a time step.
-    Behind a shade with several ports, F-a.nc D-a.nc + F-b.nc D-b.nc is the D of the
-    window.
-    """
-    terms = _terms(factors)
-    with progress_display(quiet=quiet) as display:
+def multiply(request: Multiply) -> None:
+    """Multiply matrices and write their product, or pictures of it."""
+    terms = _terms(request.factors)
+    with progress_display(quiet=request.quiet) as display:
         progress = display("multiply")
-        like = None
-        if is_picture_set(factors[0]):
-            view, like = read_picture_set(factors[0])
-            matrices = [view, *(read_any_matrix(path) for path in factors[1:])]
-            progress(0.3, "multiplying")
-            product = _product(matrices, factors)
+        progress(0.1, "multiplying")
+        if is_picture_set(request.factors[0]):
+            view, like = read_picture_set(request.factors[0])
+            others = [read_any_matrix(path) for path in request.factors[1:]]
+            product = _product([view, *others], request.factors)
+            progress(0.8, "writing")
+            write_picture_set(request.output, product, like, command=_COMMAND)
         else:
-            progress(0.1, "multiplying")
             product = _sum(terms)
-        progress(0.8, "writing")
-        command = "clerestory multiply"
-        if like is None:
-            write_any_matrix(output, product, encoding=encoding, command=command)
-        else:
-            write_picture_set(output, product, like, command=command)
+            progress(0.8, "writing")
+            write_any_matrix(
+                request.output, product, encoding=request.encoding, command=_COMMAND
+            )
         progress(1.0, "done")
-    if not quiet:
+    if not request.quiet:
         size = f"{product.rows.describe()} by {product.columns.describe()}"
-        typer.echo(f"{output}: {size}")
+        typer.echo(f"{request.output}: {size}")
+
+
+def read_any_matrix(path: Path) -> TransferMatrix:
+    """Return a matrix by the suffix; of a BSDF file its front transmission."""
+    match path.suffix.lower():
+        case ".nc":
+            return read_netcdf(path)
+        case ".xml":
+            return read_bsdf(path).transmission_matrix()
+        case _:
+            return read_matrix(path)
 
 
 def _terms(factors: list[Path]) -> list[list[Path]]:

@@ -1,34 +1,35 @@
-"""`clerestory trace`: transfer matrices by tracing."""
+"""`clerestory trace`: transfer matrices by ray tracing."""
 
 import time
-from dataclasses import replace
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
 
+import numpy as np
 import typer
 
-from clerestory.cli.options import (
-    ClusterAddress,
-    DeviceOption,
-    Format,
-    Output,
-    Quiet,
-    Resolution,
-    SceneFiles,
-    Seed,
-    SensorFile,
-    SensorsOrView,
-    Subdivision,
-    ViewText,
-    WindowFiles,
-)
+from clerestory.cli.effort import effort_of
+from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.progress import progress_display
-from clerestory.cli.trace_facade import facade
-from clerestory.cli.trace_options import TraceOptions, spelt_out
-from clerestory.cli.traced import receiver_of, warn_of_doubts, write_traced
+from clerestory.cli.requests.common import EffortOptions, MatrixFile, SensorsOrView
+from clerestory.cli.requests.trace import (
+    DaylightCoefficients,
+    DaylightMatrix,
+    FacadeMatrix,
+    SunCoefficients,
+    ViewMatrix,
+)
 from clerestory.cluster.cluster import executor_at
 from clerestory.engine.effort import Effort
+from clerestory.engine.work_units import Executor
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.gonio.layer_file import read_layer
+from clerestory.image.picture_files import write_picture
+from clerestory.image.picture_sets import numbered
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.facade_matrices import facade_matrices
 from clerestory.phases.picture_matrices import (
     Camera,
     picture_sun_coefficients,
@@ -40,221 +41,183 @@ from clerestory.phases.traced_matrices import (
     daylight_matrices,
     view_matrices,
 )
+from clerestory.progress import Progress
 from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.view_text import view_of
 from clerestory.radiance.window_reader import read_windows
-from clerestory.scene.sensors import read_sensors
+from clerestory.scene.model import Scene
+from clerestory.scene.scene_checks import check_scene
+from clerestory.scene.sensors import Sensors, read_sensors
+from clerestory.scene.window import Window
 from clerestory.sky.sun_matrix import sun_matrix
 from clerestory.sky.weather_formats import read_weather
 
-Direct = Annotated[
-    bool,
-    typer.Option("--direct", help="Direct light alone: V_d of the five-phase method."),
-]
-BsdfFile = Annotated[
-    Path, typer.Option("--bsdf", help="BSDF of the windows (.xml).", metavar="F")
-]
-WeatherOfSuns = Annotated[
-    Path, typer.Option("--weather", help="Weather that the suns are of.", metavar="F")
-]
-Tolerance = Annotated[
-    float,
-    typer.Option("--tolerance", help="Suns no farther apart share one [°].", min=0),
-]
-Peak = Annotated[
-    bool,
-    typer.Option("--peak", help="Keep light that passes straight as sharp as the sun."),
-]
-SunSamples = Annotated[
-    int, typer.Option("--samples", help="Paths per row and sun.", min=1, metavar="N")
-]
 
-app = typer.Typer(no_args_is_help=True, help="Trace transfer matrices.")
-app.command(
-    epilog="Example: clerestory trace facade --scene materials.rad room.rad awning.rad"
-    " --window window.rad --port ports.rad --relative-error 0.01 -o F.nc"
-)(spelt_out(facade))
-
-
-@app.command(
-    epilog="Example: clerestory trace view --scene materials.rad room.rad"
-    " --window window.rad --sensors desks.pts --relative-error 0.01 -o V.mtx"
-)
-@spelt_out
-def view(
-    scene: SceneFiles,
-    window: WindowFiles,
-    output: Output,
-    sensors: SensorsOrView = None,
-    camera: ViewText = None,
-    resolution: Resolution = 400,
-    direct: Direct = False,
-    *,
-    options: TraceOptions,
-) -> None:
-    """View matrix: irradiance of sensors per radiance of window patches [sr].
-
-    With --view, radiance of pixels per radiance of patches: an output such as
-    V_%03d.hdr becomes one picture a patch. Windows of several groups write one file
-    each: V.mtx becomes V-south.mtx.
-    """
-    begin = time.perf_counter()
-    room, windows = read_rad(*scene), read_windows(*window)
-    receiver = receiver_of(sensors, camera, resolution)
-    warn_of_doubts(room, windows, receiver)
-    with (
-        executor_at(options.cluster) as executor,
-        progress_display(quiet=options.quiet) as display,
-    ):
-        effort = options.effort(executor, display("view matrix"))
+def view(request: ViewMatrix) -> None:
+    """Trace view matrices."""
+    room, windows = read_rad(*request.scene), read_windows(*request.window)
+    receiver = _receiver(request.receiver)
+    _warn_of_scene(room, windows, receiver)
+    with _run("view", request.file, request.effort.cluster) as run:
+        effort = run.effort(request.effort, "view matrix")
         if isinstance(receiver, Camera):
             traced = picture_view_matrices(
-                room, windows, receiver, direct=direct, effort=effort
+                room, windows, receiver, direct=request.direct, effort=effort
             )
         else:
-            if direct:
+            if request.direct:
                 room, effort = blackened(room), replace(effort, bounces=1)
             traced = view_matrices(room, windows, sensors=receiver, effort=effort)
-    write_traced(
-        "view",
-        traced,
-        output,
-        encoding=options.encoding,
-        quiet=options.quiet,
-        begin=begin,
-        receiver=receiver,
-    )
+        run.write(traced, receiver)
 
 
-@app.command(
-    epilog="Example: clerestory trace sun --scene materials.rad room.rad --window"
-    " window.rad --bsdf blind.xml --sensors desks.pts --weather oakland.epw -o C.nc"
-)
-def sun(
-    scene: SceneFiles,
-    window: WindowFiles,
-    bsdf: BsdfFile,
-    weather: WeatherOfSuns,
-    output: Output,
-    sensors: SensorsOrView = None,
-    camera: ViewText = None,
-    resolution: Resolution = 400,
-    tolerance: Tolerance = 0.25,
-    peak: Peak = False,
-    samples: SunSamples = 64,
-    seed: Seed = 1,
-    device: DeviceOption = "auto",
-    cluster: ClusterAddress = None,
-    encoding: Format = "float",
-    quiet: Quiet = False,
-) -> None:
-    """Direct-sun coefficients: irradiance per direct normal irradiance of each sun.
+def daylight(request: DaylightMatrix) -> None:
+    """Trace daylight matrices."""
+    room, windows = read_rad(*request.scene), read_windows(*request.window)
+    _warn_of_scene(room, windows)
+    with _run("daylight", request.file, request.effort.cluster) as run:
+        effort = run.effort(request.effort, "daylight matrix")
+        run.write(
+            daylight_matrices(
+                room, windows, subdivision=request.subdivision, effort=effort
+            )
+        )
 
-    The suns are those of the weather, at their true places. With --view, radiance of
-    pixels per normal irradiance [1/sr].
-    """
-    begin = time.perf_counter()
-    room, windows, layer = read_rad(*scene), read_windows(*window), read_layer(bsdf)
-    receiver = receiver_of(sensors, camera, resolution)
-    warn_of_doubts(room, windows, receiver)
-    suns = sun_matrix(read_weather(weather), tolerance_deg=tolerance).directions
-    effort = Effort(samples=samples, seed=seed, device=device)
+
+def coefficients(request: DaylightCoefficients) -> None:
+    """Trace daylight coefficients."""
+    room, points = read_rad(*request.scene), read_sensors(request.sensors)
+    _warn_of_scene(room, (), points)
+    with _run("coefficients", request.file, request.effort.cluster) as run:
+        effort = run.effort(request.effort, "daylight coefficients")
+        found = daylight_coefficients(
+            room, sensors=points, subdivision=request.subdivision, effort=effort
+        )
+        run.write({"": found})
+
+
+def facade(request: FacadeMatrix) -> None:
+    """Trace façade matrices of shades at a distance from their window."""
+    room, windows = read_rad(*request.scene), read_windows(*request.window)
+    ports = read_windows(*request.port)
+    _warn_of_scene(room, windows)
+    traced: dict[str, TransferMatrix] = {}
+    with _run("facade", request.file, request.effort.cluster) as run:
+        for number, each in enumerate(windows):
+            effort = run.effort(request.effort, f"façade matrix of {each.name}")
+            effort = replace(effort, seed=request.effort.seed + number)
+            found = facade_matrices(room, each, ports, effort=effort)
+            prefix = f"{each.name}-" if len(windows) > 1 else ""
+            traced |= {prefix + name: matrix for name, matrix in found.items()}
+        run.write(traced)
+
+
+def sun(request: SunCoefficients) -> None:
+    """Trace direct-sun coefficients."""
+    room, windows = read_rad(*request.scene), read_windows(*request.window)
+    layer, receiver = read_layer(request.bsdf), _receiver(request.receiver)
+    _warn_of_scene(room, windows, receiver)
+    weather = read_weather(request.weather)
+    suns = sun_matrix(weather, tolerance_deg=request.tolerance).directions
+    effort = Effort(samples=request.samples, seed=request.seed, device=request.device)
     traced = {}
-    with executor_at(cluster) as executor, progress_display(quiet=quiet) as display:
+    with _run("sun", request.file, request.cluster) as run:
         for each in windows:
-            progress = display(f"direct sun through {each.name}")
-            own = replace(effort, executor=executor, progress=progress)
+            progress = run.progress(f"direct sun through {each.name}")
+            own = replace(effort, executor=run.executor, progress=progress)
             common = room, windows, each.name, layer
             if isinstance(receiver, Camera):
                 traced[each.name] = picture_sun_coefficients(
-                    *common, receiver, suns=suns, peak=peak, effort=own
+                    *common, receiver, suns=suns, peak=request.peak, effort=own
                 )
             else:
                 traced[each.name] = sun_coefficients(
-                    *common, sensors=receiver, suns=suns, peak=peak, effort=own
+                    *common, sensors=receiver, suns=suns, peak=request.peak, effort=own
                 )
-    write_traced(
-        "sun",
-        traced,
-        output,
-        encoding=encoding,
-        quiet=quiet,
-        begin=begin,
-        receiver=receiver,
-    )
+        run.write(traced, receiver)
 
 
-@app.command(
-    epilog="Example: clerestory trace daylight --scene materials.rad room.rad"
-    " --window window.rad --sky-subdivision 4 --relative-error 0.01 -o D.mtx"
-)
-@spelt_out
-def daylight(
-    scene: SceneFiles,
-    window: WindowFiles,
-    output: Output,
-    subdivision: Subdivision = 4,
-    *,
-    options: TraceOptions,
-) -> None:
-    """Daylight matrix: radiance of window patches per radiance of sky patches.
+@dataclass(frozen=True)
+class _Run:
+    # A command that traces: its workers, its progress display, its output
+    kind: str
+    file: MatrixFile
+    executor: Executor
+    progress: Callable[[str], Progress]
+    begin: float
 
-    Windows of several groups write one file each: D.mtx becomes D-south.mtx.
-    """
+    def effort(self, options: EffortOptions, title: str) -> Effort:
+        """Return the effort of a matrix, with a progress display of its own."""
+        return effort_of(options, self.executor, self.progress(title))
+
+    def write(
+        self,
+        traced: dict[str, TransferMatrix],
+        receiver: Camera | Sensors | None = None,
+    ) -> None:
+        """Write matrices, one file each, and print a summary."""
+        output, command = self.file.output, f"clerestory trace {self.kind}"
+        for name, matrix in traced.items():
+            path = output
+            if len(traced) > 1:
+                path = output.with_name(f"{output.stem}-{name}{output.suffix}")
+            if isinstance(receiver, Camera) and "%" in path.name:
+                _write_pictures(path, matrix, receiver)
+            else:
+                encoding = self.file.encoding
+                write_any_matrix(path, matrix, encoding=encoding, command=command)
+            if not self.file.quiet:
+                typer.echo(f"{path}: {_summary(matrix)}")
+        if not self.file.quiet:
+            typer.echo(f"done in {time.perf_counter() - self.begin:.1f} s")
+
+
+@contextmanager
+def _run(kind: str, file: MatrixFile, cluster: str | None) -> Iterator[_Run]:
     begin = time.perf_counter()
-    room, windows = read_rad(*scene), read_windows(*window)
-    warn_of_doubts(room, windows)
     with (
-        executor_at(options.cluster) as executor,
-        progress_display(quiet=options.quiet) as display,
+        executor_at(cluster) as executor,
+        progress_display(quiet=file.quiet) as display,
     ):
-        traced = daylight_matrices(
-            room,
-            windows,
-            subdivision=subdivision,
-            effort=options.effort(executor, display("daylight matrix")),
-        )
-    write_traced(
-        "daylight",
-        traced,
-        output,
-        encoding=options.encoding,
-        quiet=options.quiet,
-        begin=begin,
-    )
+        yield _Run(kind, file, executor, display, begin)
 
 
-@app.command(
-    epilog="Example: clerestory trace coefficients --scene materials.rad room.rad"
-    " glazing.rad --sensors desks.pts --sky-subdivision 4 --samples 4096 -o C.mtx"
-)
-@spelt_out
-def coefficients(
-    scene: SceneFiles,
-    sensors: SensorFile,
-    output: Output,
-    subdivision: Subdivision = 4,
-    *,
-    options: TraceOptions,
+def _receiver(chosen: SensorsOrView) -> Camera | Sensors:
+    if chosen.sensors is not None and chosen.view is None:
+        return read_sensors(chosen.sensors)
+    if chosen.view is not None and chosen.sensors is None:
+        view = view_of(chosen.view)
+        return Camera(view, *view.size_for(chosen.resolution))
+    raise InputError("either --sensors or --view expected")
+
+
+def _warn_of_scene(
+    scene: Scene,
+    windows: Sequence[Window],
+    receiver: Camera | Sensors | None = None,
 ) -> None:
-    """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
-    begin = time.perf_counter()
-    room, points = read_rad(*scene), read_sensors(sensors)
-    warn_of_doubts(room, (), points)
-    with (
-        executor_at(options.cluster) as executor,
-        progress_display(quiet=options.quiet) as display,
-    ):
-        traced = daylight_coefficients(
-            room,
-            sensors=points,
-            subdivision=subdivision,
-            effort=options.effort(executor, display("daylight coefficients")),
-        )
-    write_traced(
-        "coefficients",
-        {"": traced},
-        output,
-        encoding=options.encoding,
-        quiet=options.quiet,
-        begin=begin,
-    )
+    sensors = receiver if isinstance(receiver, Sensors) else None
+    for finding in check_scene(scene, windows, sensors):
+        warnings.warn(finding, ClerestoryWarning, stacklevel=2)
+
+
+def _write_pictures(path: Path, matrix: TransferMatrix, camera: Camera) -> None:
+    # One picture per column
+    for column in range(matrix.columns.size):
+        picture = camera.picture(matrix.values[:, :, column])
+        write_picture(picture, numbered(path, column))
+
+
+def _summary(matrix: TransferMatrix) -> str:
+    # Size, and the error of the row sums: what a uniform source would give
+    size = f"{matrix.rows.describe()} by {matrix.columns.describe()}"
+    luminance = matrix.weighted(matrix.bands.shares)
+    if luminance.components is None:
+        return size
+    total = luminance.values[0].sum(axis=1)
+    error = np.sqrt(np.square(luminance.components[:, 0].sum(axis=2)).sum(axis=0))
+    lit = total > 0
+    if not lit.any():
+        return f"{size}; no light arrives"
+    relative = float(np.median(error[lit] / total[lit]))
+    return f"{size}; standard error of the row sums {relative:.2%} (median)"

@@ -1,39 +1,99 @@
-"""Whether a scene treats all channels alike, so that one channel says all."""
+"""Channels of the engine: a scene's bands, traced three at a time.
+
+The engine traces three values per path. A scene in more bands is traced once for each
+group of three, by the same paths: the seed is the same. One channel is enough for a
+scene whose materials are grey.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
+from jaxtyping import Float, Int
 
+from clerestory.bands import RGB
 from clerestory.bsdf.scattering_function import FUNCTIONS
-from clerestory.radiance.function_pattern import FunctionPattern
-from clerestory.scene.material import Emitter, Material, colours, parts
+from clerestory.errors import InputError
+from clerestory.scene.material import (
+    Colour,
+    Emitter,
+    Material,
+    colours,
+    parts,
+    with_colours,
+)
 from clerestory.scene.model import BsdfSurface, Illum, Patterned, Scene
-from clerestory.scene.pattern import Pattern, Product
+
+# Channels of a group
+GROUP = 3
 
 
 def channels_of(scene: Scene) -> int:
-    """Return the channels that traces through a scene need: one, or three."""
-    return 1 if all(is_grey(m) for m in scene.materials.values()) else 3
+    """Return the channels of a scene's matrices: one per band, or one for all."""
+    grey = all(is_grey(m) for m in scene.materials.values())
+    return 1 if grey else len(scene.bands)
+
+
+@lru_cache(maxsize=2)
+def band_groups(scene: Scene) -> tuple[Scene, ...]:
+    """Return scenes of three channels each that together hold all bands of a scene.
+
+    The last group repeats the last band if fewer than three remain. A scene in RGB is
+    its own group.
+
+    Raises
+    ------
+    InputError : a pattern or BSDF is in RGB, and the scene in other bands
+    """
+    if scene.bands == RGB:
+        return (scene,)
+    for material in scene.materials.values():
+        _refuse_rgb(material)
+    count = len(scene.bands)
+    groups = []
+    for first in range(0, count, GROUP):
+        chosen = np.minimum(np.arange(first, first + GROUP), count - 1)
+
+        def group(
+            colour: Colour, chosen: Int[np.ndarray, "3"] = chosen
+        ) -> Float[np.ndarray, "3"]:
+            grey = len(colour) != count
+            return np.full(GROUP, colour[0]) if grey else colour[chosen]
+
+        materials = {
+            name: with_colours(material, group)
+            for name, material in scene.materials.items()
+        }
+        groups.append(replace(scene, materials=materials, bands=RGB))
+    return tuple(groups)
 
 
 def is_grey(material: Material) -> bool:
-    """Whether a material treats all channels alike; what it sends does not count."""
+    """Whether a material is the same in all bands, whatever it emits."""
     if isinstance(material, Emitter):
         return not isinstance(material, Illum) or is_grey(material.alternate)
-    if not all(is_grey(part) for part in parts(material)):
-        return False
-    if isinstance(material, Patterned) and not _is_grey_pattern(material.pattern):
-        return False
-    if isinstance(material, BsdfSurface) and any(
-        material.bsdf.in_colour(name) for name in FUNCTIONS if material.bsdf.has(name)
-    ):
-        return False
-    return all(bool(np.ptp(colour) == 0) for colour in colours(material))
+    return (
+        not _has_rgb(material)
+        and all(is_grey(part) for part in parts(material))
+        and all(bool(np.ptp(colour) == 0) for colour in colours(material))
+    )
 
 
-def _is_grey_pattern(pattern: Pattern) -> bool:
-    match pattern:
-        case FunctionPattern():
-            return len(pattern.expressions) == 1
-        case Product():
-            return all(_is_grey_pattern(factor) for factor in pattern.factors)
-        case _:
-            return False
+def _refuse_rgb(material: Material) -> None:
+    if _has_rgb(material):
+        raise InputError(
+            f'the material "{material.name}" has a pattern or BSDF in red, green and'
+            " blue; one that is the same in all bands of the scene expected"
+        )
+    for part in parts(material):
+        _refuse_rgb(part)
+
+
+def _has_rgb(material: Material) -> bool:
+    # Whether a pattern or a BSDF of a material is in colour, and so in RGB
+    if isinstance(material, BsdfSurface):
+        bsdf = material.bsdf
+        return any(bsdf.in_colour(name) for name in FUNCTIONS if bsdf.has(name))
+    if isinstance(material, Patterned | Emitter) and material.pattern is not None:
+        return not material.pattern.grey
+    return False

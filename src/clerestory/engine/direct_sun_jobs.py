@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine.channels import channels_of
 from clerestory.engine.work_units import Executor, Goal, Local, Unit, evenly_spaced
 from clerestory.progress import Progress
 from clerestory.scene.model import Scene
@@ -56,6 +57,21 @@ class SunJob:
         return max(1, -(-self.samples // BATCHES))
 
     @property
+    def columns(self) -> int:
+        """Number of suns."""
+        return len(self.suns)
+
+    @property
+    def channels(self) -> int:
+        """One for a grey BSDF, else three."""
+        return 3 if self.bsdf.in_colour("transmission_front") else 1
+
+    @property
+    def lanes(self) -> int:
+        """Lanes of a sensor and a sun; each takes all points of a batch."""
+        return BATCHES
+
+    @property
     def receivers(self) -> int:
         """Pairs of a sensor and a sun."""
         return len(self.sensors) * len(self.suns)
@@ -64,6 +80,59 @@ class SunJob:
         """Return a unit of some sensors and suns."""
         pairs = max(1, paths // (BATCHES * self.points))
         return _trial(len(self.sensors), len(self.suns), pairs, self.points)
+
+
+@dataclass(frozen=True, eq=False)
+class UnscatteredJob:
+    """Irradiance of sensors from far away that glass at most passes.
+
+    Attributes
+    ----------
+    directions : sample points of each column, batch by batch, to where light comes from
+    """
+
+    tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
+    batches: ClassVar[int] = BATCHES
+
+    scene: Scene
+    sensors: Sensors
+    directions: Float[np.ndarray, "column point 3"]
+    device: Literal["cpu", "cuda"]
+
+    @property
+    def samples(self) -> int:
+        """Rays of a sensor and a column."""
+        return int(self.directions.shape[1])
+
+    @property
+    def points(self) -> int:
+        """Sample points of a batch."""
+        return self.samples // BATCHES
+
+    @property
+    def columns(self) -> int:
+        """Number of columns, such as suns or patches."""
+        return len(self.directions)
+
+    @property
+    def channels(self) -> int:
+        """One in a grey scene, else three."""
+        return channels_of(self.scene)
+
+    @property
+    def lanes(self) -> int:
+        """Lanes of a sensor and a column: one for each ray."""
+        return self.samples
+
+    @property
+    def receivers(self) -> int:
+        """Pairs of a sensor and a column."""
+        return len(self.sensors) * self.columns
+
+    def pilot_unit(self, paths: int) -> Unit:
+        """Return a unit of some sensors and columns."""
+        pairs = max(1, paths // self.samples)
+        return _trial(len(self.sensors), self.columns, pairs, self.points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,11 +188,13 @@ class SunEstimate:
 
 
 def trace_sun(
-    job: SunJob, *, executor: Executor | None = None, progress: Progress | None = None
+    job: SunJob | UnscatteredJob,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
 ) -> SunEstimate:
-    """Trace direct sun through one window to sensors, in a black scene."""
-    rows, count = len(job.sensors), len(job.suns)
-    channels = 3 if job.bsdf.in_colour("transmission_front") else 1
+    """Trace direct light to sensors, through one window or through glass at most."""
+    rows, count, channels = len(job.sensors), job.columns, job.channels
     executor = executor or Local()
     if not executor.accepts(job, Goal(job.samples)):
         nothing = np.broadcast_to(0.0, (channels, rows, count))
@@ -131,8 +202,8 @@ def trace_sun(
         return SunEstimate(nothing, none)
     values = np.zeros((channels, rows, count))
     components = np.zeros((BATCHES, channels, rows, count), dtype=np.float32)
-    block = max(1, min(rows, _LANES // BATCHES))
-    places = _places(rows, count, block, max(1, _LANES // (BATCHES * block)))
+    block = max(1, min(rows, _LANES // job.lanes))
+    places = _places(rows, count, block, max(1, _LANES // (job.lanes * block)))
     units = [_unit(place, job.points, np.arange(count)) for place in places]
     traced, done = executor.map(job, units), 0
     for (row, sun), part in zip(places, traced, strict=True):
@@ -162,15 +233,15 @@ def trace_pixel_sun(
     executor : the same for all calls with one job, so that its scene is built once
     """
     pixels, count = job.columns * job.rows, len(numbers)
-    values = np.zeros((3, pixels, count), np.float32)
+    values = np.zeros((len(job.scene.bands), pixels, count), np.float32)
     every = max(1, min(count, _LANES // job.samples))
     block = max(1, _LANES // (job.samples * every))
     places = _places(pixels, count, block, every)
     units = [_unit(place, job.samples, numbers) for place in places]
     done = 0
     for (row, sun), part in zip(places, executor.map(job, units), strict=True):
-        values[:, row, sun] = part
-        done += part[0].size
+        values[:, row, sun] = np.moveaxis(part, -1, 0)
+        done += part[..., 0].size
         if progress is not None:
             progress(done / values[0].size, f"{count} suns")
     return values

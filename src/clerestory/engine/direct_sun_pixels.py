@@ -38,7 +38,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
     rays = PixelRays.of(job.view, job.columns, job.rows)
     sequence = points(0, job.samples)
 
-    def trace(unit: Unit) -> Float[np.ndarray, "channel pixel sun"]:
+    def trace(unit: Unit) -> Float[np.ndarray, "pixel sun channel"]:
         suns, samples = len(unit.columns), unit.count
         lane = dr.arange(mi.UInt32, len(unit.rows) * suns * samples)
         index = lane % dr.opaque(mi.UInt32, samples)
@@ -62,7 +62,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
             light = _seen(window, ray, middle, on_disc(middle, a, b), draw, valid)
             dr.eval(light)
             total = dr.block_reduce(dr.ReduceOp.Add, light, samples).numpy()
-        return (total / samples).reshape(3, len(unit.rows), suns)
+        return (total / samples).T.reshape(len(unit.rows), suns, -1)
 
     return trace
 

@@ -5,9 +5,11 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.engine.direct_sun_jobs import BATCHES, UnscatteredJob
 from clerestory.engine.lower import lower
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.walk import passed
+from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 
 
@@ -32,3 +34,28 @@ def direct_transmittance(
         share = passed(model, start, lambda at: mi.Ray3f(at, towards), mi.Bool(True))
         found = np.asarray(dr.mean(share))
     return np.broadcast_to(found, len(points) * count).reshape(-1, count).astype(float)
+
+
+def prepare_unscattered(job: UnscatteredJob) -> Tracer:
+    """Return what traces light that glass at most passes, to sensors."""
+    origin = job.sensors.position.mean(axis=0)
+    model = lower(job.scene, origin=origin)
+
+    def trace(unit: Unit) -> Float[np.ndarray, "row column batch 3"]:
+        rows, columns = len(unit.rows), len(unit.columns)
+        normal = job.sensors.direction[unit.rows]
+        flat = job.directions[unit.columns].reshape(-1, 3)
+        point = np.repeat(job.sensors.position[unit.rows] - origin, len(flat), axis=0)
+        with launching():
+            start = vectors(mi.Point3f, point)
+            towards = vectors(mi.Vector3f, np.tile(flat, (rows, 1)))
+            aim = lambda at: mi.Ray3f(at, towards)  # noqa: E731
+            share = passed(model, start, aim, mi.Bool(True))
+            dr.eval(share)
+            found = share.numpy()
+        share = np.broadcast_to(found, (3, rows * len(flat))).reshape(3, rows, -1)
+        light = share * np.maximum(normal @ flat.T, 0)
+        shape = 3, rows, columns, BATCHES, job.points
+        return np.moveaxis(light.reshape(shape).mean(axis=-1), 0, -1).astype(float)
+
+    return trace

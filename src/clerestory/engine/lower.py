@@ -12,6 +12,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.bands import RGB
 from clerestory.engine import materials
 from clerestory.engine.analytic_shapes import round_shape, without_round
 from clerestory.engine.channels import channels_of
@@ -19,6 +20,7 @@ from clerestory.engine.emitters import Emitters, split_by_surface
 from clerestory.engine.scene_cache import cached
 from clerestory.engine.upload import on_device
 from clerestory.engine.windows import WindowTable, window_shapes
+from clerestory.errors import InputError
 from clerestory.scene.model import BsdfSurface, Emitter, Scene
 from clerestory.scene.tessellate import Mesh, meshes
 from clerestory.scene.window import Window
@@ -75,7 +77,13 @@ def lower(
     ----------
     origin : point of the scene that comes to lie at the device's origin [m]
     receivers : windows that are surfaces of the scene and end the paths that meet them
+
+    Raises
+    ------
+    InputError : the scene is not in three channels; see `channels.band_groups`
     """
+    if scene.bands != RGB:
+        raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")
     key = mi.variant(), scene, tuple(origin.tolist()), receivers
     lowered: LoweredScene = cached(key, lambda: _lowered(scene, origin, receivers))
     return lowered

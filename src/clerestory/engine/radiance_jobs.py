@@ -42,14 +42,14 @@ class RadianceEstimate:
 
     Attributes
     ----------
-    value : RGB radiance of pixels or irradiance of sensors
+    value : radiance of pixels or irradiance of sensors
     error : standard error of each
     paths : traced in all
     reached : whether the relative error aimed at was reached
     """
 
-    value: Float[np.ndarray, "row 3"]
-    error: Float[np.ndarray, "row 3"]
+    value: Float[np.ndarray, "row band"]
+    error: Float[np.ndarray, "row band"]
     paths: int
     reached: bool
 
@@ -58,15 +58,15 @@ class RadianceEstimate:
 class Batches:
     """Sums over the sample points of each batch."""
 
-    total: Float[np.ndarray, "batch row 3"]
+    total: Float[np.ndarray, "batch row band"]
     count: int = 0
 
-    def mean(self) -> Float[np.ndarray, "row 3"]:
+    def mean(self) -> Float[np.ndarray, "row band"]:
         """Mean over all batches."""
         mean: np.ndarray = self.total.mean(axis=0) / self.count
         return mean
 
-    def error(self) -> Float[np.ndarray, "row 3"]:
+    def error(self) -> Float[np.ndarray, "row band"]:
         """Standard error of the mean."""
         spread: np.ndarray = self.total.std(axis=0, ddof=1)
         return spread / (self.count * math.sqrt(len(self.total)))
@@ -188,10 +188,10 @@ def trace_irradiance(
 
 def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
     """Trace a job until its samples are taken or its error is reached."""
-    batches, rows = job.batches, job.receivers
+    batches, shape = job.batches, (job.receivers, len(job.scene.bands))
     if not effort.executor.accepts(job, effort.goal):
-        return RadianceEstimate(np.zeros((rows, 3)), np.zeros((rows, 3)), 0, True)
-    sums = Batches(np.zeros((batches, rows, 3)))
+        return RadianceEstimate(np.zeros(shape), np.zeros(shape), 0, True)
+    sums = Batches(np.zeros((batches, *shape)))
     length = _PILOT
     if effort.samples is not None:
         length = max(1, -(-effort.samples // batches))
@@ -211,7 +211,7 @@ def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
     if effort.progress:
         effort.progress(1.0, "done")
     return RadianceEstimate(
-        sums.mean(), sums.error(), rows * batches * sums.count, reached
+        sums.mean(), sums.error(), job.receivers * batches * sums.count, reached
     )
 
 

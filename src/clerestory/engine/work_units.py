@@ -12,12 +12,13 @@ as well, which takes note of every job and does none (`engine.cost_estimate`).
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
+from clerestory.engine.channels import GROUP, band_groups, channels_of
 from clerestory.engine.device import Device, free_memory, load, resolve
 from clerestory.engine.scene_cache import SceneCache
 from clerestory.scene.model import Scene
@@ -49,7 +50,7 @@ class Unit:
     columns: Int[np.ndarray, " column"] | None = None
 
 
-Tracer = Callable[[Unit], np.ndarray]
+Tracer = Callable[[Unit], Float[np.ndarray, "*shape channel"]]
 
 
 def evenly_spaced(count: int, most: int) -> Int[np.ndarray, " number"]:
@@ -139,6 +140,30 @@ class Executor(Protocol):
         """Yield what each unit adds, in the order of the units."""
 
 
+def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
+    """Return what traces the units of a job in all bands of its scene.
+
+    Groups of three bands are traced by the same seeds; their channels lie side by side.
+    """
+    tracers = [prepare(_with_scene(job, scene)) for scene in band_groups(job.scene)]
+    bands, grey = len(job.scene.bands), channels_of(job.scene) == 1
+
+    def trace(unit: Unit) -> np.ndarray:
+        first = tracers[0](unit)
+        if len(tracers) == 1 or (grey and first.shape[-1] == 1):
+            return first[..., :bands]
+        parts = [first, *(tracer(unit) for tracer in tracers[1:])]
+        shape = *first.shape[:-1], GROUP
+        every = [np.broadcast_to(part, shape) for part in parts]
+        return np.concatenate(every, axis=-1)[..., :bands]
+
+    return trace
+
+
+def _with_scene(job: Job, scene: Scene) -> Job:
+    return job if scene is job.scene else replace(job, scene=scene)  # type: ignore[type-var]
+
+
 class Local:
     """Does units one after the other in this process; keeps the last job prepared.
 
@@ -187,5 +212,6 @@ class Local:
             # Let go of the former tables before the next ones are built
             self._job = self._tracer = None
             with self._cache.preparing():
-                self._tracer, self._job = getattr(module, prepare)(job), job
+                self._tracer = tracer_of_bands(job, getattr(module, prepare))
+            self._job = job
         return self._tracer(unit)

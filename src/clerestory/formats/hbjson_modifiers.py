@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.errors import located
 from clerestory.formats.json_item import Item
 from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.model import Glass, Material, Metal, Mirror, Plastic, Trans
@@ -117,7 +117,7 @@ def _modifier(item: Item, unsupported: list[str]) -> Modifier | None:
     if item.value.get("modifier") not in (None, "void") and not _is_void(item):
         unsupported.append(f'the pattern or texture under modifier "{name}"')
     plain = _name(name)
-    try:
+    with located(file=item.file, subject=item.where):
         match kind:
             case "Plastic":
                 return Plastic(plain, _colour(item, "reflectance"), *_gloss(item))
@@ -137,10 +137,6 @@ def _modifier(item: Item, unsupported: list[str]) -> Modifier | None:
                 return Glow(plain, _colour(item, "emittance"), radius)
             case "BSDF":
                 return _bsdf(plain, item, unsupported)
-    except InputError as error:
-        if error.file is not None:
-            raise
-        raise InputError(f"{item.where}: {error.message}", file=item.file) from error
     unsupported.append(f'modifier "{name}" of type {kind}')
     return None
 

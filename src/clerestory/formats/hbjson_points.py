@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.errors import located
 from clerestory.formats.json_item import Item
 from clerestory.scene.projection import Kind
 from clerestory.scene.sensors import Sensors
@@ -46,7 +46,7 @@ def read_views(radiance: Item, scale: float) -> list[tuple[str, View]]:
         kind = _VIEWS.get(item.text("view_type", "v"))
         if kind is None:
             raise item.wrong("view_type", f"one of {', '.join(_VIEWS)}")
-        try:
+        with located(file=item.file, subject=item.where):
             view = View(
                 kind=kind,
                 position=item.vector("position") * scale,
@@ -57,12 +57,6 @@ def read_views(radiance: Item, scale: float) -> list[tuple[str, View]]:
                 shift=item.number("shift", 0.0),
                 lift=item.number("lift", 0.0),
             )
-        except InputError as error:
-            if error.file is not None:
-                raise
-            raise InputError(
-                f"{item.where}: {error.message}", file=item.file
-            ) from error
         name = item.text("display_name", "") or item.text("identifier")
         found.append((_unique(name, found), view))
     return found

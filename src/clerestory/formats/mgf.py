@@ -14,11 +14,12 @@ materials are those of Radiance's mgf2rad.
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.files import read_text
 from clerestory.formats.mgf_context import MgfMaterial, MgfVertex
 from clerestory.formats.mgf_definitions import DEFINING, Definitions, numbers
@@ -36,6 +37,7 @@ from clerestory.scene.model import (
     Surface,
     insert_material,
 )
+from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
 # Statements gone through, arrays included.
@@ -96,7 +98,7 @@ def parse_mgf(
     while at < len(statements):
         number_of_line, words = statements[at]
         reading.line = number_of_line
-        try:
+        with located(file=file, line=number_of_line):
             count += 1
             if count > _MOST_STATEMENTS:
                 raise InputError(
@@ -104,8 +106,6 @@ def parse_mgf(
                     " expected"
                 )
             back = reading.follow(words, at)
-        except InputError as error:
-            raise InputError(error.message, file=file, line=number_of_line) from error
         at = at + 1 if back is None else back
     return Scene(reading.materials, tuple(reading.surfaces))
 
@@ -205,71 +205,44 @@ class _Reading:
         if keyword == "sph":
             if radii[0] == 0:
                 raise InputError("a sphere of radius 0; a radius expected")
-            centre = self.place.transform.points(np.array(vertex.point))
-            size, inward = self.place.transform.scale * abs(radii[0]), radii[0] < 0
-            ball = Sphere(
-                centre, size, inward, self.key(), self.name("s"), self.source()
-            )
-            self.surfaces.append(ball)
+            centre, inward = np.array(vertex.point), radii[0] < 0
+            self.add("s", partial(Sphere, centre, abs(radii[0]), inward))
         elif keyword == "ring":
-            self.add_ring(vertex, *radii)
+            if vertex.normal is None or not 0 <= radii[0] < radii[1]:
+                raise InputError(
+                    f"ring from {radii[0]:g} to {radii[1]:g}; growing radii and a"
+                    " vertex with a normal expected"
+                )
+            centre, normal = np.array(vertex.point), np.array(vertex.normal)
+            self.add("r", partial(Ring, centre, normal, radii[0], radii[1]))
         else:
             for part in torus(vertex, *radii):
                 self.add_frustum(part)
 
     def add_face(self, corner: list[MgfVertex]) -> None:
-        """Add polygons in their place."""
-        move = self.place.transform
+        """Add the polygons of a face."""
         for piece in faces(corner):
-            ordered = piece[::-1] if move.mirrored else piece
-            vertices = move.points(np.array([v.point for v in ordered]))
-            name = self.name("f")
-            self.surfaces.append(Polygon(vertices, self.key(), name, self.source()))
+            self.add("f", partial(Polygon, np.array([v.point for v in piece])))
 
     def add_frustum(self, part: Frustum) -> None:
-        """Add a cone in its place."""
+        """Add a cone."""
         radii = part.base_radius, part.top_radius
         if radii == (0, 0) or min(radii) < 0 < max(radii):
             raise InputError(
                 f"cone of radii {radii[0]:g} and {radii[1]:g}; one at least other than"
                 " 0, and no change of sign, expected"
             )
-        move = self.place.transform
-        base, top = move.points(part.base), move.points(part.top)
-        if np.array_equal(base, top):
+        if np.array_equal(part.base, part.top):
             raise InputError("a cone without height; two different points expected")
-        self.surfaces.append(
-            Cone(
-                base,
-                top,
-                move.scale * abs(radii[0]),
-                move.scale * abs(radii[1]),
-                min(radii) < 0,
-                self.key(),
-                self.name("c"),
-                self.source(),
-            )
-        )
+        low, high = map(abs, radii)
+        self.add("c", partial(Cone, part.base, part.top, low, high, min(radii) < 0))
 
-    def add_ring(self, vertex: MgfVertex, inner: float, outer: float) -> None:
-        """Add a ring in its place."""
-        if vertex.normal is None or not 0 <= inner < outer:
-            raise InputError(
-                f"ring from {inner:g} to {outer:g}; growing radii and a vertex with a"
-                " normal expected"
-            )
-        move = self.place.transform
-        self.surfaces.append(
-            Ring(
-                move.points(np.array(vertex.point)),
-                move.vectors(np.array(vertex.normal)) / move.scale,
-                move.scale * inner,
-                move.scale * outer,
-                self.key(),
-                self.name("r"),
-                self.source(),
-            )
-        )
+    def add(
+        self, letter: str, make: Callable[[str, str, Source | None], Surface]
+    ) -> None:
+        """Add a surface in its place, of the current material."""
+        made = make(self.key(), self.name(letter), self.source())
+        self.surfaces.append(transformed(made, self.place.transform))
 
     def key(self) -> str:
         """Return the key of the current material in the scene."""

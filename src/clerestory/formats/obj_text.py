@@ -247,7 +247,7 @@ class _Reading:
                 except ValueError:
                     shown = word[:40].decode("latin-1")
                     return InputError(
-                        f'"{shown}" stands where a number is expected',
+                        f'"{shown}" is found where a number is expected',
                         file=self.file,
                         line=line + i,
                     )

@@ -7,7 +7,7 @@ kept in a file, or read from one of hdrgen's .rsp files.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -70,6 +70,17 @@ def srgb_response() -> ResponseCurve:
 def linear_response() -> ResponseCurve:
     """Return the curve of photographs developed from raw data without a tone curve."""
     return ResponseCurve(np.repeat(np.arange(LEVELS, dtype=float)[:, None], 3, axis=1))
+
+
+def response_named(
+    name: str, photographs: Sequence[Photograph], exposures: Sequence[Exposure]
+) -> ResponseCurve:
+    """Return a response by its name: debevec, robertson, srgb, linear, or a file."""
+    if name in get_args(Method):
+        return recover_response(photographs, exposures, method=name)  # type: ignore[arg-type]
+    if name == "srgb":
+        return srgb_response()
+    return linear_response() if name == "linear" else read_response(name)
 
 
 def recover_response(

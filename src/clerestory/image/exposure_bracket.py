@@ -1,15 +1,29 @@
-"""Brackets to pictures: each pixel from the photographs that show it well."""
+"""High-dynamic-range pictures from exposure brackets of photographs.
 
-from collections.abc import Sequence
+Each pixel is the mean of its radiances in all photographs, weighted by reliability.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool
 
 from clerestory.errors import InputError
-from clerestory.image.camera_response import LEVELS, ResponseCurve, check_bracket
+from clerestory.image.camera_response import (
+    LEVELS,
+    ResponseCurve,
+    check_bracket,
+    response_named,
+)
 from clerestory.image.opencv import opencv
-from clerestory.image.photograph import Exposure, Photograph
+from clerestory.image.photograph import (
+    Exposure,
+    Photograph,
+    read_exposure,
+    read_photograph,
+)
 from clerestory.image.picture import Picture
 
 # Values below and above are noise and overflow
@@ -31,15 +45,58 @@ class Merged(NamedTuple):
     underflow: Bool[np.ndarray, "row column"]
 
 
+def merge_photographs(
+    files: Sequence[str | Path],
+    *,
+    times: Sequence[float] | None = None,
+    response: str = "debevec",
+    align_first: bool = False,
+    progress: Callable[[float, str], None] | None = None,
+) -> tuple[Merged, ResponseCurve]:
+    """Return the picture of photographs in files, and the camera response.
+
+    Parameters
+    ----------
+    times : exposure time of each photograph [s]; from the EXIF data if not given
+    response : as for `response_named`
+    align_first : shift the photographs of a camera that moved onto each other
+    progress : called with the share done and a note
+
+    Raises
+    ------
+    InputError : a file that is no photograph, times that are not one per photograph
+    """
+    report = progress or (lambda _share, _note: None)
+    photographs = [read_photograph(file) for file in files]
+    if not times:
+        exposures = [read_exposure(file) for file in files]
+    elif len(times) != len(files):
+        raise InputError(
+            f"{len(times)} exposure times for {len(files)} photographs; one each"
+            " expected"
+        )
+    else:
+        exposures = [Exposure(time=time) for time in times]
+    if align_first:
+        report(0.2, "aligning")
+        photographs = align(photographs)
+    report(0.4, "response")
+    curve = response_named(response, photographs, exposures)
+    report(0.7, "merging")
+    merged = merge_bracket(photographs, exposures, curve)
+    report(1.0, "done")
+    return merged, curve
+
+
 def merge_bracket(
     photographs: Sequence[Photograph],
     exposures: Sequence[Exposure],
     response: ResponseCurve,
 ) -> Merged:
-    """Return the picture that a bracket of photographs shows.
+    """Return the picture of a bracket of photographs.
 
-    Each value counts by its distance from both ends of the scale and by the light it
-    stands for, so that noise is least where it can be.
+    The weight of a value is its distance from both ends of the scale times its
+    exposure, which keeps the noise low.
 
     Raises
     ------

@@ -101,6 +101,12 @@ class ImageCircle:
             )
 
 
+def largest_circle(picture: Picture) -> ImageCircle:
+    """Return the largest image circle centred in a picture."""
+    middle = picture.rows / 2, picture.columns / 2
+    return ImageCircle(row=middle[0], column=middle[1], radius=min(middle))
+
+
 def reproject(
     picture: Picture,
     lens: Lens,

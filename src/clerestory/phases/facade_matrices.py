@@ -19,6 +19,7 @@ methods, LBNL, 2017, chapter 7; the F matrix is due to G. Ward (2015).
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -102,7 +103,7 @@ def facade_matrices(
     estimate = trace_facade(scene, window, tuple(ports), effort)
     warn_if_short(estimate, f"façade matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    found = by_window(estimate, rows, ports, "exterior")
+    found = by_window(estimate, rows, ports, "exterior", scene.bands)
     for name, matrix in found.items():
         if estimate.paths and not matrix.values.any():
             warnings.warn(
@@ -152,7 +153,7 @@ def joint_sum(terms: Sequence[TransferMatrix]) -> TransferMatrix:
         joint = _joint_components(total, term)
         total = total + term
         if joint is not None:
-            total = TransferMatrix(total.values, total.rows, total.columns, joint)
+            total = replace(total, components=joint)
     return total
 
 

@@ -18,6 +18,7 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.bands import RGB, Bands
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
 from clerestory.engine.effort import EffortKeywords
@@ -65,10 +66,16 @@ class Camera:
     def __len__(self) -> int:
         return self.columns * self.rows
 
-    def picture(self, radiance: Float[np.ndarray, "3 pixel"], *header: str) -> Picture:
+    def picture(
+        self,
+        radiance: Float[np.ndarray, "band pixel"],
+        *header: str,
+        bands: Bands = RGB,
+    ) -> Picture:
         """Return the picture with the given radiance of its pixels."""
-        pixels = np.moveaxis(radiance, 0, -1).reshape(self.rows, self.columns, 3)
-        return Picture(pixels.astype(np.float32), view=self.view, header=header)
+        pixels = np.moveaxis(radiance, 0, -1).reshape(self.rows, self.columns, -1)
+        values = pixels.astype(np.float32)
+        return Picture(values, view=self.view, header=header, bands=bands)
 
 
 def picture_view_matrices(
@@ -110,8 +117,11 @@ def picture_view_matrices(
     for window in windows:
         columns = window_axis("interior", window.partition, window.name)
         part = estimate.values[:, :, first : first + columns.size]
-        values = _three(part.astype(np.float32))
-        found[window.name] = TransferMatrix(values, pixel_axis(len(camera)), columns)
+        # Pictures have all bands; those of grey rooms are equal
+        shape = len(scene.bands), *part.shape[1:]
+        values = np.broadcast_to(part.astype(np.float32), shape)
+        pixels = pixel_axis(len(camera))
+        found[window.name] = TransferMatrix(values, pixels, columns, bands=scene.bands)
         first += columns.size
     return found
 
@@ -139,6 +149,12 @@ def sun_pictures(
     """
     effort = sun_effort(sun_pictures, keywords, samples=_SUN_SAMPLES)
     number = check_window(windows, window, bsdf, suns)
+    if scene.bands != RGB and bsdf.in_colour("transmission_front"):
+        raise InputError(
+            f"the BSDF is in {RGB}, the scene in {scene.bands}; a BSDF that is the same"
+            " in all bands expected",
+            file=bsdf.source,
+        )
     behind = suns @ windows[number].frame.normal < 0
     job = PixelSunJob(
         scene,
@@ -159,7 +175,7 @@ def sun_pictures(
     accepted = effort.executor.accepts(job, effort.goal)
 
     def coefficients(asked: np.ndarray) -> np.ndarray:
-        shape = 3, len(camera), len(asked)
+        shape = len(scene.bands), len(camera), len(asked)
         if not accepted:
             return np.broadcast_to(np.float32(0), shape)
         values = np.zeros(shape, np.float32)
@@ -199,9 +215,5 @@ def picture_sun_coefficients(
         scene, windows, window, bsdf, camera, suns=suns, peak=peak, effort=effort
     )
     values = trace(np.arange(len(suns)))
-    return TransferMatrix(values, pixel_axis(len(camera)), sun_axis(len(suns)))
-
-
-def _three(values: Float[np.ndarray, "channel row column"]) -> np.ndarray:
-    # Pictures have three channels; grey rooms have three equal ones
-    return np.broadcast_to(values, (3, *values.shape[1:]))
+    axes = pixel_axis(len(camera)), sun_axis(len(suns))
+    return TransferMatrix(values, *axes, bands=scene.bands)

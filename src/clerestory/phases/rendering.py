@@ -136,12 +136,13 @@ def _picture(
     lit = trace_picture(scene, view, columns, rows, effort, quantity=quantity)
     warn_if_short(lit, "picture", effort)
     picture = Picture(
-        lit.value.reshape(rows, columns, 3).astype(np.float32),
+        lit.value.reshape(rows, columns, -1).astype(np.float32),
         view=view,
         header=(f"SOFTWARE= clerestory {__version__}",),
         quantity=quantity,
+        bands=scene.bands,
     )
-    return Rendering(picture, lit.error.reshape(rows, columns, 3), lit.paths)
+    return Rendering(picture, lit.error.reshape(rows, columns, -1), lit.paths)
 
 
 def irradiance(
@@ -159,7 +160,7 @@ def irradiance(
     _check_light(scene)
     lit = trace_irradiance(scene, sensors, effort)
     warn_if_short(lit, "irradiance", effort)
-    return Gathered(lit.value, lit.error, lit.paths)
+    return Gathered(lit.value, lit.error, lit.paths, scene.bands)
 
 
 def _check_light(scene: Scene) -> None:

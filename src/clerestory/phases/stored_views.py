@@ -6,18 +6,20 @@ that a run that was killed goes on with the next one. Sixteen batches are traced
 everywhere; their deviations are pooled into four error components.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Unpack
 
 import numpy as np
-from jaxtyping import Float32, Int
+from jaxtyping import Float, Float32, Int
 
+from clerestory.bands import Bands
 from clerestory.engine.controller import estimate_rows, row_blocks
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.matrix_jobs import ViewJob, view_job
-from clerestory.matrix.axis import sensor_axis, unknown_axis
+from clerestory.matrix.axis import Axis, sensor_axis, unknown_axis, window_axis
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import BlockStore
@@ -33,14 +35,11 @@ from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-
-@dataclass(frozen=True, eq=False)
-class ViewBlock:
-    """View matrices of some consecutive sensors, of all windows side by side."""
-
-    rows: slice
-    values: Float32[np.ndarray, "channel row column"]
-    components: Float32[np.ndarray, "component channel row column"]
+# Coefficients of some rows, and their error components
+Entries = tuple[
+    Float[np.ndarray, "channel row column"],
+    Float[np.ndarray, "component channel row column"] | None,
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,65 +49,151 @@ class StoredViews:
     Attributes
     ----------
     files : of the blocks of sensors
-    rows : numbers of the sensors in each
+    blocks : numbers of the sensors in each
     """
 
     files: tuple[Path, ...]
-    rows: tuple[slice, ...]
+    blocks: tuple[slice, ...]
+    _last: dict[int, TransferMatrix] = field(default_factory=dict)
 
     @property
     def sensors(self) -> int:
         """How many sensors there are."""
-        return int(self.rows[-1].stop)
+        return int(self.blocks[-1].stop)
 
+    @cached_property
     def channels(self) -> int:
-        """Return how many there are: one where the room is grey, else three.
+        """Number of channels: one where the room is grey, else one per band.
 
         Raises
         ------
         InputError : a file is damaged
         """
-        return len(read_netcdf(self.files[0]).values)
+        return len(self._block(0).values)
 
-    def blocks(self, most: int) -> Iterator[ViewBlock]:
-        """Yield blocks of at most so many sensors, in order.
+    @cached_property
+    def components(self) -> int:
+        """Number of error components.
 
         Raises
         ------
         InputError : a file is damaged
         """
-        for file, rows in zip(self.files, self.rows, strict=True):
-            matrix = read_netcdf(file)
-            values, components = matrix.values, matrix.components
-            if components is None:
-                components = np.zeros((FEW, *values.shape), np.float32)
-            for first in range(0, values.shape[1], most):
-                part = slice(first, min(first + most, values.shape[1]))
-                place = slice(rows.start + part.start, rows.start + part.stop)
-                yield ViewBlock(place, values[:, part], components[:, :, part])
+        parts = self._block(0).components
+        return 0 if parts is None else len(parts)
+
+    @cached_property
+    def bands(self) -> Bands:
+        """Spectral bands.
+
+        Raises
+        ------
+        InputError : a file is damaged
+        """
+        return self._block(0).bands
+
+    def cut(self, most: int) -> list[slice]:
+        """Return the rows in parts of at most so many sensors, none in two files."""
+        return [
+            slice(first, min(first + most, block.stop))
+            for block in self.blocks
+            for first in range(block.start, block.stop, most)
+        ]
+
+    def read(self, rows: slice, columns: slice) -> Entries:
+        """Return some columns of consecutive rows of one file, and their components.
+
+        Raises
+        ------
+        InputError : the file is damaged
+        """
+        stops = [block.stop for block in self.blocks]
+        number = int(np.searchsorted(stops, rows.start, side="right"))
+        start = self.blocks[number].start
+        own = slice(rows.start - start, rows.stop - start)
+        block = self._block(number)
+        parts = block.components
+        errors = None if parts is None else parts[:, :, own, columns]
+        return block.values[:, own, columns], errors
 
     def of(
-        self, sensors: Int[np.ndarray, " row"]
+        self, sensors: Int[np.ndarray, " row"], columns: slice
     ) -> Float32[np.ndarray, "channel row column"]:
-        """Return the coefficients of some sensors, without their errors.
+        """Return some columns of some sensors, without their errors.
 
         Parameters
         ----------
         sensors : their numbers, in growing order
         """
-        parts = [
-            block.values[:, chosen - block.rows.start]
-            for block in self.blocks(self.sensors)
-            for chosen in [_within(sensors, block.rows)]
-            if len(chosen)
-        ]
+        parts = []
+        for number, block in enumerate(self.blocks):
+            inside = sensors[(sensors >= block.start) & (sensors < block.stop)]
+            if len(inside):
+                values = self._block(number).values
+                parts.append(values[:, inside - block.start, columns])
         return np.concatenate(parts, axis=1)
 
+    def _block(self, number: int) -> TransferMatrix:
+        # The block read last is kept, as all windows ask for it in turn
+        if number not in self._last:
+            self._last.clear()
+            self._last[number] = read_netcdf(self.files[number])
+        return self._last[number]
 
-def _within(
-    numbers: Int[np.ndarray, " row"], rows: slice
-) -> Int[np.ndarray, " chosen"]:
-    return np.asarray(numbers[(numbers >= rows.start) & (numbers < rows.stop)])
+
+@dataclass(frozen=True, eq=False)
+class StoredColumns:
+    """View matrix of one window group in files.
+
+    Attributes
+    ----------
+    views : matrices of all window groups side by side
+    columns : patches of this group
+    first : number of the first of them
+    """
+
+    views: StoredViews
+    columns: Axis
+    first: int
+
+    @property
+    def rows(self) -> Axis:
+        """The sensors."""
+        return sensor_axis(self.views.sensors)
+
+    def rows_of(self, rows: slice) -> Axis:
+        """Return the axis of consecutive sensors."""
+        return sensor_axis(rows.stop - rows.start)
+
+    @property
+    def part(self) -> slice:
+        """Columns of this group among those of all."""
+        return slice(self.first, self.first + self.columns.size)
+
+    def read(self, rows: slice) -> Entries:
+        """Return consecutive rows of one file, and their components."""
+        return self.views.read(rows, self.part)
+
+    def of(
+        self, sensors: Int[np.ndarray, " row"]
+    ) -> Float32[np.ndarray, "channel row column"]:
+        """Return some sensors, in growing order, without their errors."""
+        return self.views.of(sensors, self.part)
+
+
+def stored_columns(
+    views: StoredViews, windows: Sequence[Window]
+) -> tuple[StoredColumns, ...]:
+    """Return the view matrix of each window, in the order in which they were traced."""
+    ends = np.cumsum([len(window.partition) for window in windows]).tolist()
+    return tuple(
+        StoredColumns(
+            views,
+            window_axis("interior", window.partition, window.name),
+            end - len(window.partition),
+        )
+        for window, end in zip(windows, ends, strict=True)
+    )
 
 
 def store_views(
@@ -160,7 +245,7 @@ def _block_maker(job: ViewJob, effort: Effort) -> Callable[[slice], TransferMatr
         warn_if_short(block, what, effort)
         assert block.components is not None
         few = pooled(block.components, FEW)
-        return _matrix(block.values.astype(np.float32), few)
+        return _matrix(block.values.astype(np.float32), few, job)
 
     return make
 
@@ -172,12 +257,14 @@ def _blank(job: ViewJob, rows: slice) -> TransferMatrix:
     return _matrix(
         np.broadcast_to(nothing, shape),
         np.broadcast_to(nothing, (FEW, *shape)),
+        job,
     )
 
 
 def _matrix(
     values: Float32[np.ndarray, "channel row column"],
     components: Float32[np.ndarray, "component channel row column"],
+    job: ViewJob,
 ) -> TransferMatrix:
-    _, rows, columns = values.shape
-    return TransferMatrix(values, sensor_axis(rows), unknown_axis(columns), components)
+    axes = sensor_axis(values.shape[1]), unknown_axis(values.shape[2])
+    return TransferMatrix(values, *axes, components, job.scene.bands)

@@ -17,6 +17,7 @@ from typing import Literal, Protocol, Unpack
 
 import numpy as np
 
+from clerestory.bands import Bands
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.matrix_jobs import trace_coefficients, trace_daylight, trace_view
 from clerestory.engine.sums import Estimate
@@ -87,7 +88,7 @@ def view_matrices(
     rows = _sensor_rows(sensors, effort)
     estimate = trace_view(scene, tuple(windows), sensors, effort)
     warn_if_short(estimate, "view matrix", effort)
-    return by_window(estimate, rows, windows, "interior")
+    return by_window(estimate, rows, windows, "interior", scene.bands)
 
 
 def daylight_matrix(
@@ -117,7 +118,7 @@ def daylight_matrix(
     estimate = trace_daylight(scene, window, sky, effort)
     warn_if_short(estimate, f"daylight matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    return traced_matrix(estimate, rows, sky_axis(sky), slice(None))
+    return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
 
 
 def daylight_matrices(
@@ -162,7 +163,7 @@ def daylight_coefficients(
     sky = reinhart(subdivision)
     estimate = trace_coefficients(scene, sky, sensors, effort)
     warn_if_short(estimate, "daylight coefficients", effort)
-    return traced_matrix(estimate, rows, sky_axis(sky), slice(None))
+    return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
 
 
 def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> Effort:
@@ -222,21 +223,22 @@ def by_window(
     rows: Axis,
     windows: Sequence[Window],
     side: Literal["interior", "exterior"],
+    bands: Bands,
 ) -> dict[str, TransferMatrix]:
     """Return the matrices of windows whose columns were traced side by side."""
     found, first = {}, 0
     for window in windows:
         columns = window_axis(side, window.partition, window.name)
         part = slice(first, first + columns.size)
-        found[window.name] = traced_matrix(estimate, rows, columns, part)
+        found[window.name] = traced_matrix(estimate, rows, columns, part, bands)
         first += columns.size
     return found
 
 
 def traced_matrix(
-    estimate: Estimate, rows: Axis, columns: Axis, part: slice
+    estimate: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
 ) -> TransferMatrix:
-    """Return some columns of what was traced, with their axes."""
+    """Return some columns of what was traced, with their axes and bands."""
     values, components = estimate.values[:, :, part], estimate.components
     if components is not None:
         components = components[:, :, :, part]
@@ -245,7 +247,7 @@ def traced_matrix(
         values = np.ascontiguousarray(values)
         if components is not None:
             components = np.ascontiguousarray(components)
-    return TransferMatrix(values, rows, columns, components)
+    return TransferMatrix(values, rows, columns, components, bands)
 
 
 class Traced(Protocol):

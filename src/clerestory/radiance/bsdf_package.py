@@ -14,6 +14,7 @@ from clerestory.errors import InputError
 from clerestory.formats.mgf import parse_mgf
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.model import BsdfSurface, Polygon, Scene
+from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
 # Rectangles keep off the geometry by this share of its thickness, as in pkgBSDF.
@@ -98,8 +99,7 @@ def _face(
     )
     corner = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]) * half
     vertices = np.column_stack([corner, np.full(4, height)])
-    ordered = vertices[::-1] if place.mirrored else vertices
-    polygon = Polygon(place.points(ordered), material.name, name)
+    polygon = transformed(Polygon(vertices, material.name, name), place)
     return Scene({material.name: material}, (polygon,))
 
 

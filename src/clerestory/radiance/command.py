@@ -11,8 +11,8 @@ from pathlib import Path
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.catalogue import GENERATORS, generate
-from clerestory.radiance.generators.command_arguments import Words
 from clerestory.radiance.generators.converters import BUILDERS, Build
 from clerestory.radiance.placement import Placement
 from clerestory.scene.transform import parse_transform
@@ -57,7 +57,7 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     if program in GENERATORS:
         made = generate(program, words[1:], find)
     elif program in BUILDERS:
-        build = BUILDERS[program](Words(program, words[1:]), find)
+        build = BUILDERS[program](WordReader(words[1:], program), find)
     else:
         files, placements = _first_stage(words, text, find)
     for words in stages[1:]:

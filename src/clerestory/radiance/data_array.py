@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 
 # More than this is no table of a luminaire or sky
@@ -79,10 +79,8 @@ def read_data_array(path: str | Path) -> DataArray:
     axes = [_axis(reader) for _ in range(count)]
     shape = tuple(len(a) for a in axes)
     values = reader.take(math.prod(shape), "values").reshape(shape)
-    try:
+    with located(file=path):
         return DataArray(tuple(axes), values)
-    except InputError as error:
-        raise InputError(error.message, file=path) from error
 
 
 @dataclass

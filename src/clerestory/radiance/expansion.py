@@ -1,14 +1,13 @@
 """The items of a .rad file and of all it includes, each in its place in the scene."""
 
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.radiance.command import Inclusion, parse_command
 from clerestory.radiance.instance import INSTANCE_KINDS, Loaded, read_instance
@@ -119,7 +118,7 @@ class _Walk:
             return
         if inclusion.build is not None:
             for inner in placements:
-                with _located(path, command.line):
+                with located(file=path, line=command.line):
                     scene = inclusion.build(inner.transform)
                 yield Placed(scene, str(path), inner)
             return
@@ -136,7 +135,7 @@ class _Walk:
         within: tuple[Path, ...],
     ) -> Iterator[Placed]:
         # What an instance or mesh names, where it puts it
-        with _located(path, item.line):
+        with located(file=path, line=item.line):
             instance = read_instance(
                 item,
                 file=str(path),
@@ -164,7 +163,7 @@ class _Walk:
         self, command: Command, path: Path, placement: Placement
     ) -> tuple[Inclusion, list[Placement]]:
         # What a command stands for, and where its copies come to lie
-        with _located(path, command.line):
+        with located(file=path, line=command.line):
             inclusion = parse_command(
                 command.text, find=lambda name: self._find(name, path)
             )
@@ -177,7 +176,7 @@ class _Walk:
         path: Path,
         within: tuple[Path, ...],
     ) -> list[Path]:
-        with _located(path, command.line):
+        with located(file=path, line=command.line):
             files = [self._find(name, path) for name in inclusion.files]
             for found in files:
                 _refuse_recursion(found, (*within, path))
@@ -190,17 +189,6 @@ class _Walk:
                 return folder / name
         tried = ", ".join(str(f) for f in folders)
         raise InputError(f'the file "{name}" is missing; looked for in {tried}')
-
-
-@contextmanager
-def _located(path: Path, line: int) -> Iterator[None]:
-    # Errors without a place get this one
-    try:
-        yield
-    except InputError as error:
-        if error.file is not None:
-            raise
-        raise InputError(error.message, file=path, line=line) from error
 
 
 def _refuse_recursion(found: Path, within: tuple[Path, ...]) -> None:

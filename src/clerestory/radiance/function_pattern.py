@@ -78,6 +78,11 @@ class FunctionPattern:
         return _aliases(self.program.uses(*self.coordinates, *self.expressions))
 
     @property
+    def grey(self) -> bool:
+        """Whether one expression serves all bands."""
+        return len(self.expressions) == 1
+
+    @property
     def needs_normal(self) -> bool:
         """Whether a function uses the normal."""
         return bool(self.names & _NORMAL)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.errors import located
 from clerestory.files import read_text
 from clerestory.formats.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
 from clerestory.radiance.cal.files import NATIVE_FILES, TEXT_FILES
@@ -72,26 +72,18 @@ def read_vector(
     ----------
     first : string argument with the first expression; file and transform follow
     """
-    try:
+    with given.located():
         vector = _function(given, placed, 3, first)
-    except InputError as error:
-        if error.file is not None:
-            raise
-        raise given.error(error.message) from error
     constant = constant_vector(vector)
     return vector if constant is None else constant
 
 
 def _read(given: Arguments, placed: Transform) -> FunctionPattern:
-    try:
-        count, first, tables = _FORMS[given.item.kind]
+    count, first, tables = _FORMS[given.item.kind]
+    with given.located():
         if tables is None:
             return _function(given, placed, count, first)
         return _data(given, placed, count, first, tables)
-    except InputError as error:
-        if error.file is not None:
-            raise
-        raise given.error(error.message) from error
 
 
 def _function(
@@ -182,10 +174,9 @@ def _transform(given: Arguments, at: int, placed: Transform) -> Transform:
 
 
 def _expression(given: Arguments, text: str) -> Node:
-    try:
+    where = f'{given.subject}: in "{text}"'
+    with located(file=given.file, line=given.item.line, subject=where):
         return parse_expression(text)
-    except InputError as error:
-        raise given.error(f'in "{text}": {error.message}') from error
 
 
 def _program(given: Arguments, at: int) -> Program:

@@ -5,16 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from clerestory.radiance.statements import PolygonRun
-from clerestory.scene.model import (
-    Cone,
-    DistantSource,
-    Polygon,
-    Ring,
-    Simple,
-    Sphere,
-    Surface,
-    TriangleMesh,
-)
+from clerestory.scene.surface import Simple, Surface, transformed
 from clerestory.scene.transform import Transform
 
 
@@ -68,58 +59,10 @@ class Placement:
 
     def surface(self, surface: Simple) -> Simple:
         """Return the surface in its place."""
-        move, scale = self.transform, self.transform.scale
-        match surface:
-            case Sphere():
-                moved: Simple = replace(
-                    surface,
-                    centre=move.points(surface.centre),
-                    radius=surface.radius * scale,
-                    inward=surface.inward != self.inverted,
-                )
-            case Cone():
-                moved = replace(
-                    surface,
-                    base=move.points(surface.base),
-                    top=move.points(surface.top),
-                    base_radius=surface.base_radius * scale,
-                    top_radius=surface.top_radius * scale,
-                    inward=surface.inward != self.inverted,
-                )
-            case Ring():
-                moved = replace(
-                    surface,
-                    centre=move.points(surface.centre),
-                    normal=move.vectors(surface.normal) * self._facing() / scale,
-                    inner_radius=surface.inner_radius * scale,
-                    outer_radius=surface.outer_radius * scale,
-                )
-            case TriangleMesh():
-                turned = move.mirrored != self.inverted
-                moved = replace(
-                    surface,
-                    vertices=move.points(surface.vertices),
-                    faces=surface.faces[:, ::-1] if turned else surface.faces,
-                )
-            case DistantSource():
-                direction = move.vectors(surface.direction) / scale
-                moved = replace(surface, direction=direction)
         material = surface.material if self.modifier is None else self.modifier
+        moved = transformed(surface, self.transform, inverted=self.inverted)
         return replace(moved, material=material, name=self.name(surface.name))
 
     def turned(self, surface: Surface) -> Surface:
-        """Return a surface that is in its place already, inside out if -I says so."""
-        if not self.inverted:
-            return surface
-        match surface:
-            case Polygon():
-                return replace(surface, vertices=surface.vertices[::-1])
-            case Ring():
-                return replace(surface, normal=-surface.normal)
-            case TriangleMesh():
-                return replace(surface, faces=surface.faces[:, ::-1])
-            case Sphere() | Cone():
-                return replace(surface, inward=not surface.inward)
-
-    def _facing(self) -> int:
-        return -1 if self.inverted else 1
+        """Return a surface that is in its place already, inverted if -I says so."""
+        return transformed(surface, Transform(), inverted=self.inverted)

@@ -193,7 +193,7 @@ def _primitive(
 def _count(cursor: _Cursor, what: str) -> int:
     word = cursor.word(what)
     if not (word.isascii() and word.isdecimal() and len(word) < 12):
-        raise cursor.error(f'"{word}" stands where {what} is expected')
+        raise cursor.error(f'"{word}" is found where {what} is expected')
     return int(word)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_bytes
 from clerestory.scene.projection import Kind
 from clerestory.scene.transform import number
@@ -136,10 +136,8 @@ def read_view(path: str | Path) -> View:
     view = None
     for i, line in enumerate(text.split("\n"), start=1):
         if opens_view(line) and "-v" in line:
-            try:
+            with located(file=path, line=i):
                 view = parse_view(line, view)
-            except InputError as error:
-                raise InputError(error.message, file=path, line=i) from error
     if view is None:
         raise InputError(
             "no view; a line such as rvu -vtv -vp x y z -vd x y z expected", file=path

@@ -4,8 +4,6 @@ The dome is drawn like a sun-path diagram: a plan with the zenith in the middle,
 north up and east to the right, altitudes at even distances.
 """
 
-from pathlib import Path
-
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
@@ -17,7 +15,6 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
-from clerestory.files import replace_file
 from clerestory.report.heat_map import day_hour_grid
 from clerestory.sky.point_sky import perez_point
 from clerestory.sky.solar_position import SunFormula, sun_position
@@ -35,21 +32,6 @@ _FEWEST_DAYS = 8
 
 _PALETTE = "inferno"
 _NO_DATA = "#d9d9d9"
-
-
-def write_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure as PNG or SVG, after the suffix of its name.
-
-    Raises
-    ------
-    InputError : another suffix
-    OutputError : the file cannot be written
-    """
-    kind = Path(path).suffix.lower().removeprefix(".")
-    if kind not in ("png", "svg"):
-        raise InputError(f"plot {str(path)!r}; a name ending in .png or .svg expected")
-    with replace_file(path) as stream:
-        figure.savefig(stream, format=kind, dpi=150)
 
 
 def dome_figure(weather: Weather, *, sun_formula: SunFormula = "spa") -> Figure:

@@ -4,11 +4,12 @@ Each type has one file in `scene.materials`, with its value, its arguments in Ra
 scene language (`READERS`, `specification`), what drawings show of it and the Mitsuba
 plugin that renders it. `scene.materials` finds the types by their files.
 
-Colours are values per channel; every field of the type `Colour` is one.
+Colours have one value per band of the scene, or are grey: the same value, given any
+number of times. Every field of the type `Colour` is one.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import ClassVar, TypeVar
 
@@ -16,9 +17,10 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.errors import InputError
 from clerestory.scene.pattern import Pattern
 
-Colour = Float[np.ndarray, " channels"]
+Colour = Float[np.ndarray, " band"]
 Vector = Float[np.ndarray, "3"]
 
 
@@ -41,6 +43,13 @@ class Plugin:
 
     name: str
     parameters: "Mapping[str, Parameter]" = field(default_factory=dict)
+
+
+def error_at(source: Source | None, message: str) -> InputError:
+    """Return an error about what is defined at a place, if that is known."""
+    if source is None:
+        return InputError(message)
+    return InputError(message, file=source.file, line=source.line)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +126,21 @@ def colours(material: Material) -> Iterator[Colour]:
     """Yield the colours of a material, those of its parts left out."""
     known = fields(material)  # type: ignore[arg-type]
     return (getattr(material, f.name) for f in known if f.type is Colour)
+
+
+def with_colours(
+    material: _AnyMaterial, change: Callable[[Colour], Colour]
+) -> _AnyMaterial:
+    """Return a material with other colours, in its parts too."""
+    known = fields(material)  # type: ignore[arg-type]
+    values = {f.name: getattr(material, f.name) for f in known}
+    changed: dict[str, object] = {
+        f.name: change(values[f.name]) for f in known if f.type is Colour
+    }
+    for name, value in values.items():
+        if isinstance(value, Material):
+            changed[name] = with_colours(value, change)
+    return altered(material, **changed)
 
 
 def insert_material(materials: dict[str, Material], material: Material) -> str:

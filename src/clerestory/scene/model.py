@@ -12,11 +12,14 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import RGB, Bands
 from clerestory.errors import InputError
 from clerestory.scene.material import (
     Emitter,
     Material,
     Source,
+    colours,
+    error_at,
     insert_material,
     parts,
     same_material,
@@ -39,6 +42,7 @@ from clerestory.scene.surface import (
     Sphere,
     Surface,
     TriangleMesh,
+    area_vector,
     extent,
 )
 
@@ -88,11 +92,12 @@ class Scene:
     materials : by key; each material carries its key as name
     surfaces : in the order read
     distant : sources at infinity
+    bands : spectral bands of the materials' colours
 
     Raises
     ------
     InputError : a surface is made of a material that is not in the scene, or the up
-        vector of its BSDF is along its normal
+        vector of its BSDF is along its normal; a colour has other bands
 
     Examples
     --------
@@ -106,8 +111,11 @@ class Scene:
     materials: Mapping[str, Material] = field(default_factory=dict)
     surfaces: tuple[Surface, ...] = ()
     distant: tuple[DistantSource, ...] = ()
+    bands: Bands = RGB
 
     def __post_init__(self) -> None:
+        for material in self.materials.values():
+            _check_colours(material, self.bands)
         for item in (*self.surfaces, *self.distant):
             if item.material not in self.materials:
                 raise InputError(
@@ -118,7 +126,19 @@ class Scene:
                 _check_up(item, self.materials[item.material])
 
     def __add__(self, other: "Scene") -> "Scene":
-        """Both scenes in one; equal names of different materials are kept apart."""
+        """Both scenes in one; equal names of different materials are kept apart.
+
+        Raises
+        ------
+        InputError : the scenes have materials in different bands
+        """
+        if other.bands != self.bands and other.materials:
+            if self.materials:
+                raise InputError(
+                    f"scenes in the bands {self.bands} and {other.bands}; the same"
+                    " expected: convert one with `in_bands`"
+                )
+            return replace(self, bands=other.bands) + other
         materials = dict(self.materials)
         key = {
             name: insert_material(materials, m) for name, m in other.materials.items()
@@ -127,6 +147,7 @@ class Scene:
             materials,
             self.surfaces + tuple(_renamed(s, key) for s in other.surfaces),
             self.distant + tuple(_renamed(d, key) for d in other.distant),
+            self.bands,
         )
 
     def bounds(self) -> Float[np.ndarray, "2 3"]:
@@ -135,6 +156,19 @@ class Scene:
             return np.full((2, 3), np.nan)
         points = np.concatenate([extent(s) for s in self.surfaces])
         return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _check_colours(material: Material, bands: Bands) -> None:
+    # Grey is the same in all bands; the colours of RGB scenes have three values
+    for colour in colours(material):
+        if len(colour) != len(bands) and (bands == RGB or np.ptp(colour) > 0):
+            raise error_at(
+                material.source,
+                f'a colour of {len(colour)} values in the material "{material.name}" of'
+                f" a scene in the bands {bands}; one value per band expected",
+            )
+    for part in parts(material):
+        _check_colours(part, bands)
 
 
 def _check_up(surface: Polygon | Ring, material: Material) -> None:
@@ -147,12 +181,10 @@ def _check_up(surface: Polygon | Ring, material: Material) -> None:
     up = material.up @ material.transform
     sine = np.linalg.norm(np.cross(up, normal))
     if sine < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
-        source = surface.source
-        raise InputError(
+        raise error_at(
+            surface.source,
             f'"{surface.name}": the up vector of BSDF "{material.name}" is along its'
             " normal; a vector that points up along the surface expected",
-            file=source.file if source else None,
-            line=source.line if source else None,
         )
 
 
@@ -160,9 +192,7 @@ def _normal(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
     # Normal, of any length
     if isinstance(surface, Ring):
         return surface.normal
-    around = surface.vertices - surface.vertices[0]
-    normal: np.ndarray = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
-    return normal
+    return area_vector(surface.vertices)
 
 
 _Item = TypeVar("_Item", bound=Surface | DistantSource)

@@ -31,6 +31,10 @@ class Pattern(Protocol):
     def needs_point(self) -> bool:
         """Whether the value depends on the point that light leaves from."""
 
+    @property
+    def grey(self) -> bool:
+        """Whether the value is the same in all bands."""
+
     def value(
         self,
         direction: Float[np.ndarray, "rays 3"],
@@ -55,7 +59,7 @@ class Product:
     Examples
     --------
     >>> class Half:
-    ...     needs_normal = needs_point = False
+    ...     needs_normal, needs_point, grey = False, False, True
     ...     def value(self, direction, normal=None, point=None):
     ...         return np.full(direction.shape, 0.5)
     >>> both = Product((Half(), Half()))
@@ -74,6 +78,11 @@ class Product:
     def needs_point(self) -> bool:
         """Whether a factor depends on the point."""
         return any(factor.needs_point for factor in self.factors)
+
+    @property
+    def grey(self) -> bool:
+        """Whether all factors are the same in all bands."""
+        return all(factor.grey for factor in self.factors)
 
     def value(
         self,

@@ -6,6 +6,7 @@ the language is read in `radiance`.
 
 import warnings
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.directions import unit
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.scene.material import Material, Source
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.transform import LARGEST, Transform, number, parse_transform
@@ -111,10 +112,8 @@ class Arguments:
     def transform(self, at: int) -> Transform:
         """Return the transform that the strings from `at` on spell."""
         words = list(self.item.strings[at:])
-        try:
+        with self.located():
             transform, taken = parse_transform(words)
-        except InputError as error:
-            raise self.error(error.message) from error
         if taken < len(words):
             raise self.error(
                 f'"{words[taken]}" among its transform;'
@@ -122,20 +121,23 @@ class Arguments:
             )
         return transform
 
+    @property
+    def subject(self) -> str:
+        """Type and name, for messages."""
+        return f'{self.item.kind} "{self.item.name}"'
+
+    def located(self) -> AbstractContextManager[None]:
+        """Return the context in which errors without a place concern the primitive."""
+        return located(file=self.file, line=self.item.line, subject=self.subject)
+
     def error(self, message: str) -> InputError:
-        """Return the error that says what is wrong with the primitive."""
-        return InputError(
-            f'{self.item.kind} "{self.item.name}": {message}',
-            file=self.file,
-            line=self.item.line,
-        )
+        """Return an error about the primitive."""
+        message = f"{self.subject}: {message}"
+        return InputError(message, file=self.file, line=self.item.line)
 
     def doubt(self, message: str) -> None:
         """Warn of something usable but odd."""
-        text = (
-            f'{self.file}:{self.item.line}: {self.item.kind} "{self.item.name}":'
-            f" {message}"
-        )
+        text = f"{self.file}:{self.item.line}: {self.subject}: {message}"
         warnings.warn(text, ClerestoryWarning, stacklevel=2)
 
 
@@ -162,12 +164,8 @@ class Definition(Arguments):
 
     def oriented(self, at: int) -> Transform:
         """Return the transform of strings from `at` on, then that of the file."""
-        try:
+        with self.located():
             return self.transform(at).then(self.placed)
-        except InputError as error:
-            if error.file is not None:
-                raise
-            raise self.error(error.message) from error
 
     def alternate(self) -> Material | None:
         """Return the material that the only string argument names, if there is one."""

@@ -4,13 +4,15 @@ A surface names its material by a key of the scene. Lengths are in metres. The f
 of a polygon is where its vertices run counter-clockwise.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.errors import InputError
 from clerestory.scene.material import Source
+from clerestory.scene.transform import Transform
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,11 +146,69 @@ def extent(surface: Surface) -> Float[np.ndarray, "points 3"]:
             return _disc_extent(surface.centre, surface.normal, surface.outer_radius)
 
 
+_Item = TypeVar("_Item", bound=Surface | DistantSource)
+
+
+def transformed(
+    surface: _Item, transform: Transform, *, inverted: bool = False
+) -> _Item:
+    """Return a surface or source in the place where a transform puts it.
+
+    Parameters
+    ----------
+    inverted : whether its front becomes its back
+    """
+    move, scale = transform, transform.scale
+    reverse = move.mirrored != inverted
+    changes: dict[str, object]
+    match surface:
+        case Polygon():
+            vertices = move.points(surface.vertices)
+            changes = {"vertices": vertices[::-1] if reverse else vertices}
+        case Sphere():
+            changes = {
+                "centre": move.points(surface.centre),
+                "radius": surface.radius * scale,
+                "inward": surface.inward != inverted,
+            }
+        case Cone():
+            changes = {
+                "base": move.points(surface.base),
+                "top": move.points(surface.top),
+                "base_radius": surface.base_radius * scale,
+                "top_radius": surface.top_radius * scale,
+                "inward": surface.inward != inverted,
+            }
+        case Ring():
+            facing = -1 if inverted else 1
+            changes = {
+                "centre": move.points(surface.centre),
+                "normal": move.vectors(surface.normal) * facing / scale,
+                "inner_radius": surface.inner_radius * scale,
+                "outer_radius": surface.outer_radius * scale,
+            }
+        case TriangleMesh():
+            faces = surface.faces[:, ::-1] if reverse else surface.faces
+            changes = {"vertices": move.points(surface.vertices), "faces": faces}
+        case DistantSource():
+            changes = {"direction": move.vectors(surface.direction) / scale}
+    return replace(surface, **changes)  # type: ignore[arg-type]
+
+
 def _disc_extent(
     centre: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], radius: float
 ) -> Float[np.ndarray, "2 3"]:
     axis = normal / np.linalg.norm(normal)
     return centre + np.outer([-1, 1], radius * np.sqrt(np.clip(1 - axis**2, 0, 1)))
+
+
+def area_vector(
+    vertices: Float[np.ndarray, "vertices 3"],
+) -> Float[np.ndarray, "3"]:
+    """Normal of a polygon by Newell's method, as long as its area [m²]."""
+    local = vertices - vertices[0]
+    area: np.ndarray = np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2
+    return area
 
 
 def area_vectors(

@@ -9,6 +9,7 @@ from clerestory.directions import Frame, unit
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
+from clerestory.scene.material import error_at
 from clerestory.scene.surface import Polygon, area_vectors
 from clerestory.scene.triangulate import Triangles, triangulate
 
@@ -45,12 +46,11 @@ class Window:
         angle = np.degrees(np.arccos(np.clip(cosine[worst], -1, 1)))
         if angle > _SAME_NORMAL_DEG:
             polygon = self.polygons[worst]
-            raise InputError(
+            raise error_at(
+                polygon.source,
                 f'polygon "{polygon.name}" of window "{self.name}" is turned by'
                 f" {angle:.2f}° against the window; one normal expected, give each"
                 " orientation a group (modifier) of its own",
-                file=polygon.source.file if polygon.source else None,
-                line=polygon.source.line if polygon.source else None,
             )
 
     @property
@@ -85,11 +85,8 @@ def window_of(
     try:
         frame = Frame.from_normal_up(normal, up)
     except InputError as error:
-        source = polygons[0].source
-        raise InputError(
-            f'window "{name}": {error.message}',
-            file=source.file if source else None,
-            line=source.line if source else None,
+        raise error_at(
+            polygons[0].source, f'window "{name}": {error.message}'
         ) from error
     return Window(name, polygons, frame, partition or klems("full"))
 

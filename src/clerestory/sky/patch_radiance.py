@@ -22,7 +22,7 @@ from clerestory.matrix.transfer_matrix import (
     illuminance_dataset,
     require_fit,
 )
-from clerestory.sky.product import fold, lit_steps, product_blocks, row_blocks
+from clerestory.sky.sky_product import fold, lit_steps, product_blocks, row_blocks
 
 if TYPE_CHECKING:
     import xarray as xr

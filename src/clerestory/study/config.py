@@ -7,7 +7,7 @@ expect of it. `docs/study-file.md` explains them all.
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any
 
 from pydantic import (
     BeforeValidator,
@@ -21,6 +21,7 @@ from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
 from clerestory.files import read_text
+from clerestory.phases.methods import METHODS, MethodName
 from clerestory.study.config_errors import input_error, parse_toml
 from clerestory.study.config_tables import (
     MetricsTable,
@@ -37,18 +38,18 @@ from clerestory.study.config_tables import (
     ViewTable,
     WeatherTable,
     rule_broken,
+    sun_places,
 )
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.window_tables import WindowTable
 
-Method = Literal["2-phase", "3-phase", "5-phase"]
-_METHODS = '"2-phase", "3-phase" or "5-phase"'
+_METHODS = " or".join(", ".join(f'"{name}"' for name in METHODS).rsplit(",", 1))
 
 
 def _methods(value: Any) -> Any:
     # One method, or several different ones to compare
     chosen = value if isinstance(value, list) else [value]
-    known = all(isinstance(m, str) and m in get_args(Method) for m in chosen)
+    known = all(isinstance(m, str) and m in METHODS for m in chosen)
     if not (chosen and known and len(set(chosen)) == len(chosen)):
         expected = _METHODS + (", each once," if isinstance(value, list) else "")
         raise PydanticCustomError("choice", expected)
@@ -61,7 +62,7 @@ class Study(Table):
     _folder: Path = PrivateAttr(Path())
 
     title: str = ""
-    methods: Annotated[list[Method], BeforeValidator(_methods)] = Field(
+    methods: Annotated[list[MethodName], BeforeValidator(_methods)] = Field(
         alias="method", description=_METHODS
     )
     scene: SceneTable = Field(description="a table [scene]")
@@ -74,7 +75,7 @@ class Study(Table):
     lighting: list[LightingTable] = Field(default_factory=list)
     weather: WeatherTable = Field(description="a table [weather]")
     sky: SkyTable = SkyTable()
-    sun: SunTable = SunTable()
+    sun: Annotated[SunTable, BeforeValidator(sun_places)] = SunTable()
     trace: TraceTable = TraceTable()
     schedule: ScheduleTable = ScheduleTable()
     metrics: MetricsTable = MetricsTable()
@@ -95,7 +96,7 @@ class Study(Table):
     @model_validator(mode="after")
     def _windows_for_the_method(self) -> "Study":
         for method in self.methods:
-            if method != "2-phase" and not self.window:
+            if METHODS[method].windows and not self.window:
                 raise rule_broken(
                     'method "{method}" without a window; a table [[window]] expected',
                     method=method,
@@ -103,6 +104,35 @@ class Study(Table):
         if self.methods == ["2-phase"] and self.view:
             raise rule_broken(
                 'method "2-phase" makes no pictures; no table [[view]] expected'
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _ports_for_the_method(self) -> "Study":
+        facade = [METHODS[method].facade for method in self.methods]
+        ports = any(window.ports for window in self.window)
+        if ports and not all(facade):
+            raise rule_broken(
+                '"ports" by method "{method}"; "4-phase" or "6-phase" expected',
+                method=self.methods[facade.index(False)],
+            )
+        if any(facade) and not ports:
+            raise rule_broken(
+                'method "{method}" without ports; the key "ports" of a table'
+                " [[window]] expected",
+                method=self.methods[facade.index(True)],
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _sun_of_the_method(self) -> "Study":
+        exact = "places" in self.sun.model_fields_set and self.sun.places == "exact"
+        if exact and all(METHODS[m].correction == "never" for m in self.methods):
+            raise rule_broken(
+                'method "{method}" spreads the sun over sky patches; sun "patches", or'
+                ' method "{other}" with the exact sun, expected',
+                method=self.method,
+                other="6-phase" if METHODS[self.method].facade else "5-phase",
             )
         return self
 
@@ -159,16 +189,22 @@ class Study(Table):
             )
 
     @property
-    def method(self) -> Method:
+    def method(self) -> MethodName:
         """The method; the first where several are compared."""
         return self.methods[0]
+
+    @property
+    def corrected(self) -> bool:
+        """Whether the direct sun is taken out of its patches and put at its place."""
+        choice = METHODS[self.method].correction
+        return choice == "always" or (choice == "choice" and self.sun.places == "exact")
 
     @property
     def folder(self) -> Path:
         """Folder of the study file."""
         return self._folder
 
-    def with_method(self, method: Method) -> "Study":
+    def with_method(self, method: MethodName) -> "Study":
         """Return the study by one method; the two-phase one makes no pictures."""
         change: dict[str, Any] = {"methods": [method]}
         if method == "2-phase":

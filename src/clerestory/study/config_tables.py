@@ -178,6 +178,11 @@ class ViewTable(NamedFile):
     )
 
 
+def sun_places(value: Any) -> Any:
+    """Return the table [sun] that one word stands for."""
+    return {"places": value} if isinstance(value, str) else value
+
+
 class SunTable(Table):
     """The direct sun of the five-phase method."""
 

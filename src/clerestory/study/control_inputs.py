@@ -15,14 +15,13 @@ from clerestory.control.profile_angle import profile_angle
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.metrics.occupied_hours import occupied_hours
-from clerestory.phases.shaded import States
+from clerestory.phases.matrix_equation import Skies, States
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
-from clerestory.study.stored import Traced
-from clerestory.study.traced import Skies
+from clerestory.study.study_matrices import StudyMatrices
 
 # Daylight glare probability of some steps, the worst of the views named, given states
 GlareFunction = Callable[
@@ -41,7 +40,7 @@ class ControlInputs:
 
     study: Study
     inputs: Inputs
-    tracing: Traced
+    matrices: StudyMatrices
     skies: Skies
     judge: GlareFunction
     _kept: dict[tuple[str, int], np.ndarray] = field(default_factory=dict)
@@ -111,8 +110,9 @@ class ControlInputs:
 
     def _facade_row(self, group: int) -> TransferMatrix:
         # The window's outer patches as one sensor; without D, nothing in the way
-        if self.tracing.whole:
-            daylight = self.tracing.whole[group].daylight
+        factors = self.matrices.windows[group].whole.factors
+        if factors:
+            daylight = factors[0][-1]  # with the shades most open
             outer = self.inputs.groups[group].outer.partition
             values = outer.projected_solid_angles()[None, :] @ daylight.values
             return TransferMatrix(values, sensor_axis(1), daylight.columns)
@@ -130,18 +130,13 @@ class ControlInputs:
     ) -> Float[np.ndarray, "sensor time"]:
         """Illuminance of a grid with the windows in given states [lux]."""
         everything = range(len(self.inputs.groups))
-        found = self.tracing.reduced(everything, self.inputs.rows(grid)).illuminance(
-            self.skies, states, display=_silent
-        )
+        part = self.matrices.reduced(everything, self.inputs.rows(grid))
+        found = part.illuminance(self.skies, states)
         return np.asarray(found["illuminance"].values)
 
     def direct(
         self, group: int, state: States, grid: str
     ) -> Float[np.ndarray, "sensor time"]:
         """Illuminance of a grid straight from the sun through one window [lux]."""
-        part = self.tracing.reduced([group], self.inputs.rows(grid))
+        part = self.matrices.reduced([group], self.inputs.rows(grid))
         return np.asarray(part.direct_illuminance(self.skies, state).values)
-
-
-def _silent(_phase: str) -> Callable[[float, str], None]:
-    return lambda _share, _note: None

@@ -5,7 +5,7 @@ from pathlib import Path
 import h5netcdf  # type: ignore[import-untyped]
 import xarray as xr
 
-from clerestory.phases.streamed import hourly_variable
+from clerestory.phases.illuminance import hourly_variable
 
 # Sensors written at a time: a year of them takes 36 MB
 _SENSORS = 1024

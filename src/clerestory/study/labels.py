@@ -153,15 +153,15 @@ def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:
 
 def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.Dataset:
     # Light straight from the sun with every shade at its most open, where it is known
-    tracing = signals.tracing
-    if tracing.suns is None and not tracing.direct:
+    matrices = signals.matrices
+    if not matrices.has_direct:
         return xr.Dataset()
     steps = len(signals.times)
     opened = [np.zeros(steps, dtype=np.int64) for _ in signals.inputs.groups]
-    lux = tracing.direct_illuminance(signals.skies, opened)
+    lux = matrices.direct_illuminance(signals.skies, opened)
     sun = lux.drop_vars(["sensor", "time"])
     found = xr.Dataset({"direct_open": sun}, coords={"time": signals.times})
-    if tracing.suns is None:
+    if matrices.suns is None:
         return found  # spread over patches, too dim to count hours above a limit
     step_hours = signals.step_minutes / 60
     return found.assign(sun_hours=hours_above(sun, hours, step_hours=step_hours))

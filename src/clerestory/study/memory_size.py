@@ -9,6 +9,7 @@ import warnings
 from clerestory.engine.channels import channels_of
 from clerestory.engine.sums import BATCHES
 from clerestory.errors import ClerestoryWarning
+from clerestory.phases.methods import METHODS
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 
@@ -33,10 +34,10 @@ def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
     each = _sensor_bytes(study, inputs, coefficient=_COEFFICIENT, direct=direct)
     whole = len(inputs.sensors()) * each * 1e-9
     large = whole > study.trace.memory_gb
-    if large and study.method != "3-phase":
+    if large and (study.corrected or not METHODS[study.method].windows):
         warnings.warn(
             f"the {study.method} method holds all in memory, more than {whole:.1f} GB;"
-            " only the three-phase method goes through files",
+            " only the three- and four-phase methods go through files",
             ClerestoryWarning,
             stacklevel=2,
         )

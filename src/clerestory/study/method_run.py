@@ -19,9 +19,10 @@ import xarray as xr
 from clerestory.engine.work_units import Executor
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
+from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.matrix_store import MatrixStore
-from clerestory.phases.shaded import States
 from clerestory.scene.scene_checks import check_scene
+from clerestory.study.annual_views import glare_function, study_views
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
@@ -33,11 +34,9 @@ from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.run_facts import run_facts
 from clerestory.study.shade_operation import ShadeOperation, operate
+from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.sunlight_exposure import sunlight
-from clerestory.study.traced import Skies
-from clerestory.study.tracing import study_skies, trace_study
-from clerestory.study.view_tracing import trace_views
-from clerestory.study.views import glare_function, study_views
+from clerestory.study.view_matrices import trace_views
 
 # Hourly values that memory does not hold lie here until results.nc is written
 SCRATCH_FOLDER = "unfinished"
@@ -112,18 +111,19 @@ def _simulate(
 ) -> xr.Dataset:
     study, inputs, display = job.study, job.inputs, job.display
     with log.phase("trace"):
-        tracing = trace_study(job)
-        views = trace_views(job, tracing)
+        matrices = trace_study(job)
+        views = trace_views(job, matrices)
         lamps = trace_lamps(job)
     with log.phase("sky"):
-        skies = study_skies(study, inputs.weather)
+        skies = study_skies(study, inputs.weather, matrices.suns)
     with log.phase("control"):
-        signals = ControlInputs(
-            study, inputs, tracing, skies, glare_function(views, skies, display=display)
-        )
+        glare_of = glare_function(views, skies, display=display)
+        signals = ControlInputs(study, inputs, matrices, skies, glare_of)
         acts = operate(signals) if states is None else ShadeOperation(list(states))
     with log.phase("multiply"):
-        hourly = tracing.illuminance(skies, acts.states, display=display)
+        hourly = matrices.illuminance(
+            skies, acts.states, hours=signals.occupied, progress=display("multiply")
+        )
         electric = _lighting(study, inputs, lamps, hourly)
     with log.phase("pictures"):
         glare = study_views(

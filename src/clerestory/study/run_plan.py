@@ -20,8 +20,8 @@ from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.study_run import MATRIX_FOLDER
-from clerestory.study.tracing import needs_direct, trace_study
-from clerestory.study.view_tracing import trace_views
+from clerestory.study.study_tracing import needs_direct, trace_study
+from clerestory.study.view_matrices import trace_views
 
 # What a run holds beside matrices: libraries and kernels, and the sums of a block of
 # rows with their means and deviations [bytes]
@@ -203,7 +203,7 @@ def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
     inputs = read_inputs(study)
     job = Job(study, inputs, store, _silent, executor=plan)
     for view in trace_views(job, trace_study(job)):
-        for number, group in enumerate(inputs.groups if view.direct else ()):
+        for number, group in enumerate(inputs.groups if view.matrices.suns else ()):
             for state in range(len(group.states)):
                 view.sun(number, state)
     trace_lamps(job)
@@ -240,10 +240,10 @@ def _planned(
 
 
 def _hour_bytes(study: Study) -> int:
-    # Illuminance and its error; the terms of the five-phase method, direct sun, lamps
+    # Illuminance and its error; the terms of the direct correction, direct sun, lamps
     variables = 2 + bool(study.lighting)
     if needs_direct(study):
-        variables += 1 + 3 * (study.method == "5-phase")
+        variables += 1 + 3 * study.corrected
     return 4 * variables + _TEXT * (study.output.csv + study.output.ill)
 
 

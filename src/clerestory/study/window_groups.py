@@ -5,7 +5,7 @@ the finest of them. Trees are averaged over Klems patches.
 """
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
@@ -14,7 +14,9 @@ from clerestory.gonio.layer_file import read_layer
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
+from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 from clerestory.study.window_tables import (
     ControlTable,
@@ -34,12 +36,14 @@ class WindowState:
     transmission : matrix T of its BSDF
     fine : the BSDF that direct sun is traced through
     peak : whether what it passes straight is kept as sharp as the sun
+    shade : geometry between the window and its ports
     """
 
     name: str
     transmission: TransferMatrix
     fine: Bsdf
     peak: bool
+    shade: Scene = field(default_factory=Scene)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +55,14 @@ class WindowGroup:
     inner, outer : the window with the patches of its room side and its outer side
     states : from the most open to the most closed
     control : the rule that chooses among them; None keeps the first
+    ports : openings that close the space of its exterior shades, if it has any
     """
 
     inner: Window
     outer: Window
     states: tuple[WindowState, ...]
     control: ControlTable | None = None
+    ports: tuple[Window, ...] = ()
 
     @property
     def name(self) -> str:
@@ -68,6 +74,11 @@ class WindowGroup:
         if isinstance(choice, int):
             return choice
         return [state.name for state in self.states].index(choice)
+
+
+def state_label(group: WindowGroup, at: int) -> str:
+    """Return what files and displays call one state of a window group."""
+    return "-".join(filter(None, (group.name, group.states[at].name)))
 
 
 def read_window_groups(table: WindowTable) -> list[WindowGroup]:
@@ -83,6 +94,8 @@ def read_window_groups(table: WindowTable) -> list[WindowGroup]:
         read_layer(state.sun_bsdf) if state.sun_bsdf else layer
         for state, layer in zip(tables, layers, strict=True)
     ]
+    shades = [read_rad(*state.shade) if state.shade else Scene() for state in tables]
+    ports = tuple(read_windows(table.ports)) if table.ports else ()
     windows = read_windows(table.file)
     labels = [table.label]
     if len(windows) > 1:
@@ -91,15 +104,15 @@ def read_window_groups(table: WindowTable) -> list[WindowGroup]:
     for label, window in zip(labels, windows, strict=True):
         matrices = _on_common_patches(layers, label)
         states = tuple(
-            WindowState(name, matrix, sharp, state.peak)
-            for name, matrix, sharp, state in zip(
-                _names(tables), matrices, fine, tables, strict=True
+            WindowState(name, matrix, sharp, state.peak, shade)
+            for name, matrix, sharp, state, shade in zip(
+                _names(tables), matrices, fine, tables, shades, strict=True
             )
         )
         named = replace(window, name=label)
         inner = _with_patches(named, matrices[0].rows, file=tables[0].bsdf)
         outer = _with_patches(named, matrices[0].columns, file=tables[0].bsdf)
-        groups.append(WindowGroup(inner, outer, states, table.control))
+        groups.append(WindowGroup(inner, outer, states, table.control, ports))
     return groups
 
 

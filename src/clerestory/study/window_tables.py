@@ -91,6 +91,9 @@ class StateTable(Named):
         None, description="a BSDF file (.xml), as fine as it is known"
     )
     peak: bool = Field(False, description="whether light that passes straight is sharp")
+    shade: list[InputFile] = Field(
+        default_factory=list, description="a list of Radiance scene files"
+    )
 
     @property
     def label(self) -> str:
@@ -187,6 +190,12 @@ class WindowTable(NamedFile):
         None, description="a BSDF file (.xml), as fine as it is known"
     )
     peak: bool = Field(False, description="whether light that passes straight is sharp")
+    shade: list[InputFile] = Field(
+        default_factory=list, description="a list of Radiance scene files"
+    )
+    ports: InputFile | None = Field(
+        None, description="a Radiance file of ports whose front faces the window"
+    )
     state: list[StateTable] = Field(default_factory=list)
     control: ControlTable | None = Field(None, description="a table [window.control]")
 
@@ -207,11 +216,15 @@ class WindowTable(NamedFile):
             words = "both {} and {}" if self.bsdf else "neither {} nor {}"
             given = words.format('"bsdf"', "[[window.state]]")
             raise rule_broken("{given}; one of them expected", given=given)
-        alone = {"sun_bsdf", "peak"} & self.model_fields_set
+        alone = {"sun_bsdf", "peak", "shade"} & self.model_fields_set
         if self.state and alone:
             raise rule_broken(
                 '"{key}" beside [[window.state]]; it is expected in each state',
                 key=min(alone),
+            )
+        if any(state.shade for state in self.states()) and self.ports is None:
+            raise rule_broken(
+                '"shade" without "ports"; a file of ports around the shade expected'
             )
         self._check_control()
         return self
@@ -252,6 +265,10 @@ class WindowTable(NamedFile):
         if self.bsdf is None:
             return list(self.state)
         alone = StateTable.model_construct(
-            name="", bsdf=self.bsdf, sun_bsdf=self.sun_bsdf, peak=self.peak
+            name="",
+            bsdf=self.bsdf,
+            sun_bsdf=self.sun_bsdf,
+            peak=self.peak,
+            shade=self.shade,
         )
         return [alone]

@@ -80,8 +80,8 @@ def test_pane_in_patches_keeps_direction_and_average():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda k: lambertian(0.7, k, reflectance=0.4), "shares of 1 together"),
-        (lambda k: lambertian(-0.1, k), "shares of 1 together"),
+        (lambda k: lambertian(0.7, k, reflectance=0.4), "sum of at most 1"),
+        (lambda k: lambertian(-0.1, k), "sum of at most 1"),
         (lambda k: thin_pane(1.1, k), "transmissivity 1.1"),
         (lambda k: thin_pane(0.9, k, index=0.9), "index 0.9"),
         (lambda k: thin_pane(0.9, k, panes=0), "0 panes"),

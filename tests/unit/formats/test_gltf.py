@@ -149,7 +149,11 @@ def test_a_wrong_map_is_refused(tmp_path, text, message):
         read_material_map(tmp_path / "m.toml")
 
 
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=150,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
 @given(data=st.data())
 def test_a_damaged_file_is_refused_in_words(tmp_path, data):
     value, content = document()

@@ -349,7 +349,7 @@ def test_a_panel_sends_its_flux():
     ("name", "text", "message"),
     [
         ("a.ies", "nothing", "no line TILT="),
-        ("a.ies", "TILT=NONE\n1 2 x", '3: "x" stands where'.replace("3", "2")),
+        ("a.ies", "TILT=NONE\n1 2 x", '3: "x" is found where'.replace("3", "2")),
         ("a.ies", "TILT=gone.dat\n", "1: TILT=gone.dat"),
         ("a.ies", "TILT=NONE\n1 1 1 2 1 9 1\n", "photometric type is 9"),
         ("a.ies", "TILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1 0 0 0 1 1", "vertical angles"),
@@ -361,7 +361,7 @@ def test_a_panel_sends_its_flux():
             "0 to 90, 180",
         ),
         ("a.ldt", "Maker\n1\n7\n", "3: the symmetry is 7"),
-        ("a.ldt", "Maker\n", "file ends early"),
+        ("a.ldt", "Maker\n", "file ends where"),
     ],
 )
 def test_broken_files_are_refused(tmp_path, name, text, message):

@@ -107,7 +107,7 @@ def test_triangles_without_area_are_counted_and_left_out(read):
     ("text", "message"),
     [
         ("v 1 2\n", "a.obj:1: a vertex of 2 numbers"),
-        ("v 1 2 x\n", 'a.obj:1: "x" stands where'),
+        ("v 1 2 x\n", 'a.obj:1: "x" is found where'),
         ("v 0 0 0\nv 1 2 nan\n", "a.obj:2: a coordinate is not finite"),
         (SQUARE + "f 1 2\n", "a.obj:5: a face of 2 vertices"),
         (SQUARE + "f 1 2 3\nf 1 2 9\n", "a.obj:6: a face refers to vertex 9; 4 were"),

@@ -153,7 +153,7 @@ def test_a_single_file_keeps_its_own_averages():
 
 
 def test_a_file_without_solar_data_says_so():
-    with pytest.warns(ClerestoryWarning, match="no solar data; the visible ones"):
+    with pytest.warns(ClerestoryWarning, match="no solar data; its visible data"):
         BsdfLayer(lambertian(0.5, QUARTER))
 
 

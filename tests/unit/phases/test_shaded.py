@@ -7,14 +7,15 @@ from scipy.sparse import csc_array
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.five import FivePhases, five_phase
-from clerestory.phases.shaded import (
-    ShadedWindow,
-    shaded_five_phase,
-    shaded_sun,
-    shaded_three_phase,
+from clerestory.phases.illuminance import illuminance
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Skies,
+    Term,
+    WindowMatrices,
+    window_chain,
 )
-from clerestory.phases.three import three_phase_sum
+from clerestory.phases.methods import five_phase, three_phase_sum
 from clerestory.sky.sun_matrix import SunMatrix
 from phase_matrices import (
     KLEMS,
@@ -32,10 +33,12 @@ TAUS = (0.8, 0.3, 0.1)
 
 def shaded(name, *, share=1.0, rng=None, count=0):
     """A window with three states that differ in their transmittance alone."""
-    return ShadedWindow(
-        view(name, share=share, rng=rng, count=count),
-        tuple(transmission(tau) for tau in TAUS),
-        daylight(name, rng=rng, count=count),
+    return WindowMatrices(
+        window_chain(
+            view(name, share=share, rng=rng, count=count),
+            [transmission(tau) for tau in TAUS],
+            daylight(name, rng=rng, count=count),
+        )
     )
 
 
@@ -57,7 +60,7 @@ def test_each_step_has_the_light_of_the_states_that_act():
     """E = π L Σ share·τ(state), for a uniform sky of radiance 1, 2 and 0."""
     windows = [shaded("a", share=0.25), shaded("b", share=0.5)]
     states = [np.array([0, 2, 1]), np.array([1, 0, 0])]
-    result = shaded_three_phase(windows, uniform_sky(), states)
+    result = three_phase_sum(windows, uniform_sky(), states)
     passed = 0.25 * np.take(TAUS, states[0]) + 0.5 * np.take(TAUS, states[1])
     expected = np.pi * LUX * passed * [1, 2, 0]
     np.testing.assert_allclose(
@@ -71,9 +74,12 @@ def test_a_state_that_never_changes_is_the_three_phase_method():
     rng = np.random.default_rng(1)
     windows = [shaded(name, rng=rng, count=5, share=0.5) for name in ("a", "b")]
     states = [np.full(3, 1), np.full(3, 2)]
-    ours = shaded_three_phase(windows, uniform_sky(), states)
+    ours = three_phase_sum(windows, uniform_sky(), states)
     theirs = three_phase_sum(
-        [window.at(state[0]) for window, state in zip(windows, states, strict=True)],
+        [
+            WindowMatrices(window.whole.at(state[0]))
+            for window, state in zip(windows, states, strict=True)
+        ],
         uniform_sky(),
     )
     for name in ("illuminance", "standard_error"):
@@ -87,7 +93,11 @@ def test_direct_sun_is_that_of_the_state_that_acts():
         (sun_matrix(0.4, 0.01), sun_matrix(0.1, 0.02)),
         (sun_matrix(0.2), sun_matrix(0.05)),
     ]
-    result = shaded_sun(coefficients, suns(), states)
+    windows = [
+        WindowMatrices(chain, sun=chain) for chain in map(MatrixChain, coefficients)
+    ]
+    skies = Skies(uniform_sky(), suns=suns())
+    result = illuminance(windows, (Term("sun", "sun"),), skies, states)
     expected = LUX * 800 * np.array([0.4 + 0.05, 0, 0.1 + 0.2])
     np.testing.assert_allclose(result["illuminance"][0], expected, rtol=1e-6)
     errors = LUX * 800 * np.array([0.01, 0, 0.02])
@@ -98,12 +108,16 @@ def test_states_that_never_change_are_the_five_phase_method():
     rng = np.random.default_rng(2)
     whole = [shaded(name, rng=rng, count=4, share=0.5) for name in ("a", "b")]
     direct = [shaded(name, rng=rng, count=4, share=0.1) for name in ("a", "b")]
-    sun = [[sun_matrix(c) for c in (0.4, 0.2, 0.1)] for _ in whole]
+    sun = MatrixChain(tuple(sun_matrix(c) for c in (0.4, 0.2, 0.1)))
     sky, states = uniform_sky(), [np.full(3, 0), np.full(3, 2)]
-    ours = shaded_five_phase(whole, direct, sun, sky, sky, suns(), states)
+    windows = [
+        WindowMatrices(w.whole, d.whole, sun)
+        for w, d in zip(whole, direct, strict=True)
+    ]
+    ours = five_phase(windows, sky, sky, suns(), states)
     parts = [
-        FivePhases(w.at(s[0]), d.at(s[0]), c[s[0]])
-        for w, d, c, s in zip(whole, direct, sun, states, strict=True)
+        WindowMatrices(w.whole.at(s[0]), w.direct.at(s[0]), w.sun.at(s[0]))
+        for w, s in zip(windows, states, strict=True)
     ]
     theirs = five_phase(parts, sky, sky, suns())
     assert set(ours) == set(theirs)
@@ -114,12 +128,12 @@ def test_states_that_never_change_are_the_five_phase_method():
 @pytest.mark.parametrize("states", [[0, 1, 3], [0, -1, 0], [0, 1]])
 def test_states_that_do_not_exist_are_refused(states):
     with pytest.raises(MatrixError, match=r"states (from|for)"):
-        shaded_three_phase([shaded("a")], uniform_sky(), [np.array(states)])
+        three_phase_sum([shaded("a")], uniform_sky(), [np.array(states)])
 
 
 def test_a_state_over_other_patches_is_refused():
     seen = view("a")
     odd = TransferMatrix(np.eye(3)[None], sensor_axis(3), sensor_axis(3))
     with pytest.raises(MatrixError, match=f"{len(KLEMS)} window patches"):
-        ShadedWindow(seen, (odd,), daylight("a"))
+        window_chain(seen, odd, daylight("a"))
     assert len(SKY) == 146

@@ -9,11 +9,17 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis, unknown_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.illuminance import illuminance
+from clerestory.phases.matrix_equation import (
+    Skies,
+    Term,
+    WindowMatrices,
+    window_chain,
+)
 from clerestory.phases.matrix_store import MatrixStore
+from clerestory.phases.methods import three_phase_sum
 from clerestory.phases.pooled import pooled
-from clerestory.phases.shaded import ShadedWindow, shaded_three_phase
-from clerestory.phases.stored_views import StoredViews
-from clerestory.phases.streamed import Opening, leaving_light, stream_illuminance
+from clerestory.phases.stored_views import StoredColumns, StoredViews
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.demo_study import write_demo
@@ -41,18 +47,21 @@ def matrix(rng, rows, columns, channels, components):
 
 def shaded(rng, channels, states, view=4, daylight=4):
     inner, outer = (window_axis(side, BASIS, "w") for side in ("interior", "exterior"))
-    return ShadedWindow(
-        matrix(rng, sensor_axis(SENSORS), inner, channels, view),
-        tuple(matrix(rng, inner, outer, 1, 0) for _ in range(states)),
-        matrix(rng, outer, sky_axis(reinhart(1)), channels, daylight),
+    return WindowMatrices(
+        window_chain(
+            matrix(rng, sensor_axis(SENSORS), inner, channels, view),
+            [matrix(rng, inner, outer, 1, 0) for _ in range(states)],
+            matrix(rng, outer, sky_axis(reinhart(1)), channels, daylight),
+        )
     )
 
 
 def stored(folder, windows):
     """The views of some windows in two files."""
-    parts = [np.concatenate([w.view.values for w in windows], axis=-1)]
-    nothing = np.zeros((4, *windows[0].view.values.shape))
-    found = [w.view.components for w in windows]
+    views = [w.whole.receiving[0] for w in windows]
+    parts = [np.concatenate([view.values for view in views], axis=-1)]
+    nothing = np.zeros((4, *views[0].values.shape))
+    found = [view.components for view in views]
     parts.append(
         np.concatenate([nothing if part is None else part for part in found], axis=-1)
     )
@@ -67,13 +76,24 @@ def stored(folder, windows):
     return StoredViews(MatrixStore(folder).blocks("views", "0", blocks, make), blocks)
 
 
+def in_files(folder, windows):
+    """The same windows with their view matrices in files."""
+    views, first, found = stored(folder, windows), 0, []
+    for window in windows:
+        columns = window.whole.receiving[0].columns
+        view = StoredColumns(views, columns, first)
+        T, D = zip(*window.whole.factors, strict=True)
+        found.append(WindowMatrices(window_chain(view, T, D)))
+        first += columns.size
+    return found
+
+
 def streamed(tmp_path, windows, sky, states):
-    views = stored(tmp_path / "views", windows)
-    openings = [Opening(w.transmissions, w.daylight) for w in windows]
-    leaving = leaving_light(openings, sky, states, channels=views.channels())
-    stream_illuminance(tmp_path / "lux.nc", views, leaving, sky)
-    with h5py.File(tmp_path / "lux.nc") as file:
-        return file["illuminance"][...], file["standard_error"][...]
+    stored_windows = in_files(tmp_path / "views", windows)
+    terms, file = (Term("three_phase", "whole"),), tmp_path / "lux.nc"
+    illuminance(stored_windows, terms, Skies(sky), states, file=file).close()
+    with h5py.File(file) as made:
+        return made["illuminance"][...], made["standard_error"][...]
 
 
 @pytest.mark.parametrize("channels", [1, 3])
@@ -86,7 +106,7 @@ def test_one_window_streams_to_the_same_light_and_error(
     windows = [shaded(rng, channels, 2, view, daylight)]
     states = [np.arange(48) % 2]
     lux, error = streamed(tmp_path, windows, sky, states)
-    whole = shaded_three_phase(windows, sky, states)
+    whole = three_phase_sum(windows, sky, states)
     scale = whole["illuminance"].values.max()
     assert np.allclose(lux, whole["illuminance"], rtol=1e-4, atol=1e-5 * scale)
     assert np.allclose(error, whole["standard_error"], rtol=1e-2, atol=1e-5 * scale)
@@ -98,7 +118,7 @@ def test_the_light_of_several_windows_adds_up(tmp_path, sky):
     windows = [shaded(rng, 1, 3) for _ in range(3)]
     states = [(np.arange(48) + n) % 3 for n in range(3)]
     lux, error = streamed(tmp_path, windows, sky, states)
-    whole = shaded_three_phase(windows, sky, states)
+    whole = three_phase_sum(windows, sky, states)
     scale = whole["illuminance"].values.max()
     assert np.allclose(lux, whole["illuminance"], rtol=1e-4, atol=1e-5 * scale)
     lit = whole["standard_error"].values > 0
@@ -120,22 +140,20 @@ def test_pooled_batches_keep_the_variance():
 def test_coefficients_of_some_sensors_come_from_their_blocks(tmp_path):
     window = shaded(np.random.default_rng(7), 3, 1)
     chosen = np.array([0, 7, 49, 50, 69])
-    found = stored(tmp_path, [window]).of(chosen)
-    np.testing.assert_allclose(found, window.view.values[:, chosen], rtol=1e-6)
+    found = stored(tmp_path, [window]).of(chosen, slice(None))
+    expected = window.whole.receiving[0].values[:, chosen]
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
 
 
-def test_light_of_other_windows_does_not_fit(tmp_path, sky):
+def test_views_of_other_windows_do_not_fit(tmp_path):
     window = shaded(np.random.default_rng(8), 1, 1)
-    opening = Opening(window.transmissions, window.daylight)
-    leaving = leaving_light([opening] * 2, sky, [np.zeros(48, int)] * 2, channels=1)
-    with pytest.raises(MatrixError, match="light of 82 patches in 1 channels; 41 in 1"):
-        stream_illuminance(
-            tmp_path / "lux.nc", stored(tmp_path, [window]), leaving, sky
-        )
+    half = window_axis("interior", klems("half"), "w")
+    view = StoredColumns(stored(tmp_path, [window]), half, 0)
+    with pytest.raises(MatrixError, match="77 window patches"):
+        window_chain(view, *zip(*window.whole.factors, strict=True))
 
 
-def test_states_that_do_not_exist_are_refused(sky):
-    window = shaded(np.random.default_rng(6), 1, 2)
-    opening = Opening(window.transmissions, window.daylight)
-    with pytest.raises(MatrixError, match="state 2 of a window with 2 states"):
-        leaving_light([opening], sky, [np.full(48, 2)], channels=1)
+def test_states_that_do_not_exist_are_refused(tmp_path, sky):
+    windows = [shaded(np.random.default_rng(6), 1, 2)]
+    with pytest.raises(MatrixError, match="states from 2 to 2; 0 to 1 expected"):
+        streamed(tmp_path, windows, sky, [np.full(48, 2)])

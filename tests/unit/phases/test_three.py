@@ -6,13 +6,8 @@ import pytest
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.three import (
-    WindowPhases,
-    sky_coefficients,
-    three_phase,
-    three_phase_sum,
-)
-from clerestory.phases.two import two_phase
+from clerestory.phases.methods import three_phase, three_phase_sum, two_phase
+from clerestory.phases.receivers import sky_coefficients
 from phase_matrices import (
     KLEMS,
     LUX,
@@ -22,6 +17,7 @@ from phase_matrices import (
     transmission,
     uniform_sky,
     view,
+    window_matrices,
 )
 
 
@@ -37,7 +33,7 @@ def test_a_clear_window_under_a_uniform_sky_gives_pi_times_its_transmittance():
 
 def test_windows_add_up():
     windows = [
-        WindowPhases(view(name, share=share), transmission(tau), daylight(name))
+        window_matrices(view(name, share=share), transmission(tau), daylight(name))
         for name, share, tau in (("a", 0.25, 0.8), ("b", 0.5, 0.1))
     ]
     result = three_phase_sum(windows, uniform_sky())
@@ -53,13 +49,13 @@ def test_errors_of_views_traced_together_add_before_they_are_squared():
         one.values, one.rows, window_axis("interior", KLEMS, "b"), -one.components
     )
     pairs = ((one, "a"), (mirrored, "b"))
-    windows = [WindowPhases(v, transmission(1.0), daylight(n)) for v, n in pairs]
+    windows = [window_matrices(v, transmission(1.0), daylight(n)) for v, n in pairs]
     result = three_phase_sum(windows, uniform_sky())
     np.testing.assert_allclose(result["standard_error"], 0, atol=1e-4)
 
     doubled = [
-        WindowPhases(one, transmission(1.0), daylight("a")),
-        WindowPhases(
+        window_matrices(one, transmission(1.0), daylight("a")),
+        window_matrices(
             TransferMatrix(one.values, one.rows, mirrored.columns, one.components),
             transmission(1.0),
             daylight("b"),
@@ -78,7 +74,7 @@ def test_errors_of_daylight_matrices_are_independent():
     rng = np.random.default_rng(4)
     bright = daylight("a", rng=rng, count=6)
     windows = [
-        WindowPhases(
+        window_matrices(
             view(name),
             transmission(1.0),
             TransferMatrix(
@@ -98,8 +94,8 @@ def test_errors_of_daylight_matrices_are_independent():
 def test_blocks_of_sensors_give_what_the_whole_gives():
     rng = np.random.default_rng(5)
     seen = view("w", rng=rng, count=3)
-    window = WindowPhases(seen, transmission(0.7), daylight("w", rng=rng, count=4))
-    whole = sky_coefficients([window], slice(None))
+    window = window_matrices(seen, transmission(0.7), daylight("w", rng=rng, count=4))
+    whole = sky_coefficients([window.whole], slice(0, SENSORS))
     result = three_phase_sum([window], uniform_sky())
     expected = (whole @ uniform_sky()).illuminance()
     np.testing.assert_allclose(
@@ -131,8 +127,8 @@ def test_a_forgotten_bsdf_is_named():
 def test_views_of_different_sensors_are_refused():
     short = view("b").select_rows(slice(0, 3))
     windows = [
-        WindowPhases(view("a"), transmission(1.0), daylight("a")),
-        WindowPhases(short, transmission(1.0), daylight("b")),
+        window_matrices(view("a"), transmission(1.0), daylight("a")),
+        window_matrices(short, transmission(1.0), daylight("b")),
     ]
     with pytest.raises(MatrixError, match="same sensors expected"):
         three_phase_sum(windows, uniform_sky())

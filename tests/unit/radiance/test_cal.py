@@ -100,7 +100,7 @@ def test_names_are_followed_to_what_is_missing():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("a = 1 2;", 'stands where ";"'),
+        ("a = 1 2;", 'is found where ";"'),
         ("a : ;", "where a value is expected"),
         ("a = (1;", 'where ")" is expected'),
         ("= 1;", "where a name is expected"),

@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.catalogue import GENERATORS, generate
-from clerestory.radiance.generators.command_arguments import Words
 from clerestory.radiance.generators.sun_place import read_moment
 from clerestory.radiance.statements import parse_statements
 from clerestory.scene.primitive import Primitive
@@ -66,7 +66,7 @@ def test_blinds_have_the_depth_that_was_asked_for():
     [("9", 9), ("9.5", 9.5), ("9:30", 9.5), ("+12", 12), ("14:15CET", 14.25)],
 )
 def test_hours_are_read(hour, expected):
-    moment = read_moment(Words("gensky", ["6", "21", hour]))
+    moment = read_moment(WordReader(["6", "21", hour], "gensky"))
     assert moment.hour == expected
     assert moment.solar == hour.startswith("+")
 

@@ -24,7 +24,7 @@ CASES = {
     # Counts and numbers
     "vertices": ("grey polygon x 0 0 10 1 2 3 4 5 6 7 8 9 10", 2, "10 numbers"),
     "too few": ("grey polygon x 0 0 6 1 2 3 4 5 6", 2, "at least 3 vertices"),
-    "negative": ("grey polygon x 0 0 -9 0 0 0", 2, '"-9" stands where the count'),
+    "negative": ("grey polygon x 0 0 -9 0 0 0", 2, '"-9" is found where the count'),
     "plastic": ("void plastic x 0 0 4 1 1 1 0", 2, "4 numbers; 5 expected"),
     "glass": ("void glass x 0 0 2 1 1", 2, "2 numbers; 3 or 4 expected"),
     "strings": ("void glow x 1 a 0 4 1 1 1 0", 2, "1 string arguments; none"),

@@ -10,9 +10,9 @@ from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
+from clerestory.matrix.axis import sensor_axis, sky_axis, sun_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.study import coefficients, tracing
+from clerestory.study import study_coefficients, study_tracing
 
 ROOM = Path(__file__).parents[2] / "cli" / "room"
 TRANSMITTANCE = 0.5
@@ -71,14 +71,29 @@ class FakeEngine:
         values[:, :, 1:] = sky.dome.projected_solid_angles()
         return TransferMatrix(values, sensor_axis(len(sensors)), sky_axis(sky))
 
+    def unscattered_coefficients(self, _scene, *, sensors, subdivision, **_effort):
+        self.calls.append("direct coefficients")
+        sky = reinhart(subdivision)
+        values = np.zeros((1, len(sensors), len(sky)))
+        values[:, :, 1:] = sky.dome.projected_solid_angles()
+        return TransferMatrix(values, sensor_axis(len(sensors)), sky_axis(sky))
+
+    def unscattered_sun(self, _scene, *, sensors, suns, **_effort):
+        self.calls.append("sun")
+        values = np.tile(np.maximum(suns[:, 2], 0), (1, len(sensors), 1))
+        rows = sensor_axis(len(sensors))
+        return TransferMatrix(values, rows, sun_axis(len(suns)))
+
 
 @pytest.fixture
 def engine(monkeypatch):
     fake = FakeEngine()
     for module, name in (
-        (tracing, "view_matrices"),
-        (tracing, "daylight_matrix"),
-        (coefficients, "daylight_coefficients"),
+        (study_tracing, "view_matrices"),
+        (study_tracing, "daylight_matrix"),
+        (study_coefficients, "daylight_coefficients"),
+        (study_coefficients, "unscattered_coefficients"),
+        (study_coefficients, "unscattered_sun"),
     ):
         monkeypatch.setattr(module, name, getattr(fake, name))
     return fake

@@ -113,9 +113,10 @@ WRONG = {
     ),
     "unknown method": (
         '"3-phase"',
-        '"4-phase"',
+        '"7-phase"',
         "method",
-        'key "method": got "4-phase"; "2-phase", "3-phase" or "5-phase" expected',
+        'key "method": got "7-phase"; "2-phase", "3-phase", "4-phase", "5-phase" or'
+        ' "6-phase" expected',
     ),
     "picture at a time of no calendar": (
         "[weather]",

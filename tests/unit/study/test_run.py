@@ -16,7 +16,7 @@ from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.results import read_results
 from clerestory.study.study_run import run_study
-from clerestory.study.tracing import trace_study
+from clerestory.study.study_tracing import trace_study
 
 TRANSMITTANCE = 0.5  # of the diffuser in the study's window
 
@@ -133,7 +133,7 @@ def test_a_run_killed_between_two_matrices_goes_on_after_the_first(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("clerestory.study.tracing.daylight_matrix", killed)
+        patch.setattr("clerestory.study.study_tracing.daylight_matrix", killed)
         with pytest.raises(KeyboardInterrupt):
             run_study(study, out=tmp_path / "killed")
     assert not (tmp_path / "killed" / "results.nc").exists()
@@ -149,7 +149,7 @@ def test_two_phase_needs_no_window(study_file, engine, tmp_path):
     start, end = text.index("[[window]]"), text.index("[[sensors]]")
     study_file.write_text(text[:start] + text[end:])
     data = run_study(read_study(study_file), out=tmp_path).data
-    assert engine.calls == ["coefficients"]
+    assert engine.calls == ["coefficients", "direct coefficients", "sun"]
     assert "window" not in data
     assert read_results(tmp_path).data.attrs["method"] == "2-phase"
     noon = int(data["illuminance"].sum("sensor").argmax("time"))

@@ -278,7 +278,7 @@ def test_a_killed_run_with_states_goes_on_to_the_same_bytes(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("clerestory.study.tracing.daylight_matrix", killed)
+        patch.setattr("clerestory.study.study_tracing.daylight_matrix", killed)
         with pytest.raises(KeyboardInterrupt):
             run_study(study, out=tmp_path / "killed")
     engine.calls.clear()
@@ -289,14 +289,14 @@ def test_a_killed_run_with_states_goes_on_to_the_same_bytes(
 
 
 def test_two_phases_have_states_too(shaded, engine, tmp_path):
-    """One matrix for each state; coefficients of the fake engine are all alike."""
+    """Two matrices for each state: all light, and direct light."""
     file = shaded('rule = "fixed"\nstate = 1')
     file.write_text(file.read_text().replace("3-phase", "2-phase"))
     data = run(file, tmp_path)
-    assert engine.calls == ["coefficients"] * 3
+    assert engine.calls == ["coefficients"] * 6
     assert set(chosen(data).tolist()) == {1}
     run(file, tmp_path)
-    assert engine.calls == ["coefficients"] * 3
+    assert engine.calls == ["coefficients"] * 6
 
 
 def test_methods_are_compared_with_the_same_shades(shaded, engine, tmp_path):

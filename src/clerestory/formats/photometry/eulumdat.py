@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.formats.photometry.ies import POINT
 from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
 from clerestory.formats.photometry.unfold import unfold_type_c
-from clerestory.scene.transform import number
+from clerestory.formats.word_reader import WordReader
 
 _MOST_ANGLES = 10_000
 _MOST_LAMPS = 1000
@@ -28,7 +28,9 @@ _MILLIMETRE = 0.001
 
 def read_eulumdat(path: str | Path) -> Luminaire:
     """Return the luminaire in a EULUMDAT file."""
-    lines = _Lines(read_text(path).splitlines(), path)
+    text = [line.strip() for line in read_text(path).splitlines()]
+    numbered = range(1, len(text) + 1)
+    lines = WordReader(text, path=path, lines=numbered, decimal_comma=True)
     head = _head(lines)
     shape = _shape(lines)
     lines.skip(1)
@@ -42,7 +44,7 @@ def read_eulumdat(path: str | Path) -> Luminaire:
     chosen = _planes(head.symmetry, head.planes)
     table = lines.several(len(chosen) * head.angles, "an intensity")
     keywords = {"MANUFAC": head.maker, "LUMCAT": head.model, "LAMP": lamps.kind}
-    try:
+    with located(file=path):
         horizontal, intensity = _unfolded(
             head.symmetry, angle, chosen, table.reshape(-1, head.angles)
         )
@@ -57,8 +59,6 @@ def read_eulumdat(path: str | Path) -> Luminaire:
             watts=lamps.watts,
             keywords=keywords | {"LORL": f"{output:g}"},
         )
-    except InputError as error:
-        raise InputError(error.message, file=path) from error
 
 
 @dataclass(frozen=True)
@@ -72,63 +72,17 @@ class _Head:
     model: str
 
 
-def _head(lines: "_Lines") -> _Head:
-    maker = lines.text()
+def _head(lines: WordReader) -> _Head:
+    maker = lines.word("the maker")
     lines.skip(1)
     symmetry = lines.whole("the symmetry", 0, 4)
     planes = lines.whole("the number of C planes", 1, _MOST_ANGLES)
     lines.skip(1)
     angles = lines.whole("the number of intensities in a plane", 2, _MOST_ANGLES)
     lines.skip(2)
-    name, model = lines.text(), lines.text()
+    name, model = lines.word("a name"), lines.word("a number")
     lines.skip(2)
     return _Head(maker, symmetry, planes, angles, name, model)
-
-
-@dataclass
-class _Lines:
-    # The lines of a file, each with one value
-    lines: list[str]
-    path: str | Path
-    at: int = 0
-
-    def text(self) -> str:
-        if self.at >= len(self.lines):
-            raise InputError(
-                "the file ends early; a EULUMDAT file expected",
-                file=self.path,
-                line=len(self.lines),
-            )
-        self.at += 1
-        return self.lines[self.at - 1].strip()
-
-    def skip(self, count: int) -> None:
-        for _ in range(count):
-            self.text()
-
-    def real(self, what: str) -> float:
-        word = self.text()
-        value = number(word.replace(",", ".") or "0")
-        if value is None:
-            raise InputError(
-                f'"{word}" stands where {what} is expected',
-                file=self.path,
-                line=self.at,
-            )
-        return value
-
-    def whole(self, what: str, least: int, most: int) -> int:
-        value = self.real(what)
-        if not (least <= value <= most and value == int(value)):
-            raise InputError(
-                f"{what} is {value:g}; a whole number from {least} to {most} expected",
-                file=self.path,
-                line=self.at,
-            )
-        return int(value)
-
-    def several(self, count: int, what: str) -> Float[np.ndarray, " count"]:
-        return np.array([self.real(what) for _ in range(count)])
 
 
 @dataclass(frozen=True)
@@ -138,25 +92,23 @@ class _Lamps:
     watts: float
 
 
-def _lamps(lines: _Lines) -> _Lamps:
+def _lamps(lines: WordReader) -> _Lamps:
     # The first set; others are alternatives to it
     sets = lines.whole("the number of sets of lamps", 1, _MOST_LAMPS)
     found = []
     for _ in range(sets):
         lines.skip(1)
-        kind, lumens = lines.text(), lines.real("the flux of the lamps")
+        kind, lumens = lines.word("a type"), lines.real("the flux of the lamps")
         lines.skip(2)
         found.append(_Lamps(kind, lumens, lines.real("the power of the lamps")))
     if found[0].lumens <= 0:
-        raise InputError(
-            f"the flux of the lamps is {found[0].lumens:g} lm; more than 0 expected",
-            file=lines.path,
-            line=lines.at,
+        raise lines.error(
+            f"the flux of the lamps is {found[0].lumens:g} lm; more than 0 expected"
         )
     return found[0]
 
 
-def _shape(lines: _Lines) -> LuminousShape:
+def _shape(lines: WordReader) -> LuminousShape:
     # Body, then luminous area with its heights towards C0, C90, C180 and C270 [mm]
     body = lines.several(3, "a size of the luminaire") * _MILLIMETRE
     area = lines.several(2, "a size of the luminous area") * _MILLIMETRE

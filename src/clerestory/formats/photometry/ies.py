@@ -9,13 +9,11 @@ each version after R. Fritz's comments in Radiance's ies2rad.
 """
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.formats.photometry.luminaire import (
     Luminaire,
@@ -24,7 +22,7 @@ from clerestory.formats.photometry.luminaire import (
     TiltTable,
 )
 from clerestory.formats.photometry.unfold import unfold_sides, unfold_type_c
-from clerestory.scene.transform import number
+from clerestory.formats.word_reader import WordReader
 
 # Feet to metres
 _FOOT = 0.3048
@@ -46,61 +44,22 @@ def read_ies(path: str | Path) -> Luminaire:
         raise InputError("no line TILT=; an IES file (LM-63) expected", file=path)
     how, _, body = rest.partition("\n")
     year = _year(head)
-    numbers = _Numbers(body, path, 2 + head.count("\n"))
-    tilt = _tilt(how.strip(), numbers, Path(path))
-    try:
+    line = 1 + head.count("\n")
+    numbers = _words(body, path, line + 1)
+    tilt = _tilt(how.strip(), numbers, Path(path), line)
+    with located(file=path):
         return _luminaire(numbers, year, _keywords(head, Path(path)), tilt)
-    except InputError as error:
-        if error.file is not None:
-            raise
-        raise InputError(error.message, file=path) from error
 
 
-class _Numbers:
-    # The numbers of a text, one after the other
-
-    def __init__(self, text: str, path: str | Path, line: int) -> None:
-        self.text, self.path, self.first_line = text, path, line
-        self.at = 0
-
-    def real(self, what: str) -> float:
-        match = _WORD.search(self.text, self.at)
-        line = self.first_line + self.text.count("\n", 0, self.at)
-        if match is None:
-            raise InputError(
-                f"the file ends where {what} is expected", file=self.path, line=line
-            )
-        value = number(match.group())
-        if value is None:
-            line = self.first_line + self.text.count("\n", 0, match.start())
-            raise InputError(
-                f'"{match.group()}" stands where {what} is expected',
-                file=self.path,
-                line=line,
-            )
-        self.at = match.end()
-        return value
-
-    def whole(self, what: str, least: int, most: int) -> int:
-        value = self.real(what)
-        if not (least <= value <= most and value == int(value)):
-            line = self.first_line + self.text.count("\n", 0, self.at)
-            raise InputError(
-                f"{what} is {value:g}; a whole number from {least} to {most} expected",
-                file=self.path,
-                line=line,
-            )
-        return int(value)
-
-    def several(self, count: int, what: str) -> Float[np.ndarray, " count"]:
-        return np.array([self.real(what) for _ in range(count)])
-
-
-@dataclass(frozen=True)
-class _Dimensions:
-    width: float
-    length: float
-    height: float
+def _words(text: str, path: str | Path, line: int) -> WordReader:
+    # Words of a text whose first line has a number
+    words, lines, at = [], [], 0
+    for match in _WORD.finditer(text):
+        line += text.count("\n", at, match.start())
+        at = match.start()
+        words.append(match.group())
+        lines.append(line)
+    return WordReader(words, path=path, lines=lines)
 
 
 def _year(head: str) -> int:
@@ -124,7 +83,7 @@ def _keywords(head: str, path: Path) -> dict[str, str]:
     return found
 
 
-def _tilt(how: str, numbers: _Numbers, path: Path) -> TiltTable | None:
+def _tilt(how: str, numbers: WordReader, path: Path, line: int) -> TiltTable | None:
     if how.upper() == "NONE":
         return None
     if how.upper() == "INCLUDE":
@@ -134,12 +93,12 @@ def _tilt(how: str, numbers: _Numbers, path: Path) -> TiltTable | None:
         raise InputError(
             f"TILT={how}: NONE, INCLUDE or the name of a file beside it expected",
             file=path,
-            line=numbers.first_line - 1,
+            line=line,
         )
-    return _tilt_table(_Numbers(read_text(other), other, 1))
+    return _tilt_table(_words(read_text(other), other, 1))
 
 
-def _tilt_table(numbers: _Numbers) -> TiltTable:
+def _tilt_table(numbers: WordReader) -> TiltTable:
     geometry = numbers.whole("the lamp-to-luminaire geometry", 1, 3)
     count = numbers.whole("the number of tilt angles", 1, _MOST_ANGLES)
     angle = numbers.several(count, "a tilt angle")
@@ -152,7 +111,7 @@ def _tilt_table(numbers: _Numbers) -> TiltTable:
 
 
 def _luminaire(
-    numbers: _Numbers, year: int, keywords: dict[str, str], tilt: TiltTable | None
+    numbers: WordReader, year: int, keywords: dict[str, str], tilt: TiltTable | None
 ) -> Luminaire:
     lamps = numbers.real("the number of lamps")
     lumens = numbers.real("the lumens of a lamp")
@@ -186,7 +145,7 @@ def _luminaire(
         horizontal,
         vertical,
         intensity,
-        _shape(_Dimensions(*sizes.tolist()), year),
+        _shape(sizes.tolist(), year),
         lamp_lumens=None if lumens < 0 else lamps * lumens,
         watts=watts,
         keywords=keywords,
@@ -194,24 +153,23 @@ def _luminaire(
     )
 
 
-def _shape(given: _Dimensions, year: int) -> LuminousShape:
-    # Negative numbers mean round; which of the three, the version says
-    width, length, height = abs(given.width), abs(given.length), abs(given.height)
-    round_width = given.width < 0
-    round_length = given.length < 0
+def _shape(sizes: list[float], year: int) -> LuminousShape:
+    # Width, length and height; negative: round. The version says which of the three
+    width, length, height = map(abs, sizes)
+    round_width, round_length, round_height = (size < 0 for size in sizes)
     if width == length == height == 0:
         return LuminousShape("sphere", POINT, POINT, POINT)
     flat_z = height if height > POINT / 2 else 0.0
-    if round_width and round_length and given.height < 0:
+    if round_width and round_length and round_height:
         if max(width, length, height) < 1.5 * min(width, length, height):
             mean = (width + length + height) / 3
             return LuminousShape("sphere", mean, mean, mean)
         return _box(length, width, flat_z)
-    if year == 1995 and round_width and given.height < 0 and length == 0:
+    if year == 1995 and round_width and round_height and length == 0:
         return LuminousShape("sphere", width, width, width)
     if round_width and (round_length or length == 0):
         return _cylinder(width, length or width, flat_z)
-    if (round_width or round_length) and given.height >= 0 and year < 2002:
+    if (round_width or round_length) and not round_height and year < 2002:
         # An ellipse, or an elliptical cylinder
         return _cylinder(width, length or width, flat_z)
     return _box(length, width, flat_z)

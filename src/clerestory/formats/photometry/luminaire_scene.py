@@ -1,7 +1,5 @@
 """Luminaires and light panels as scenes: surfaces that shine, placed in the room."""
 
-from dataclasses import replace
-
 import numpy as np
 from jaxtyping import Float
 
@@ -11,13 +9,12 @@ from clerestory.errors import InputError
 from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.formats.photometry.shining import (
     LuminairePattern,
-    Shining,
     faces,
     shining_surfaces,
 )
 from clerestory.scene.materials.emitters import Light
-from clerestory.scene.model import Cone, Polygon, Ring, Scene, Sphere
-from clerestory.scene.surface import area_vectors
+from clerestory.scene.model import Polygon, Scene
+from clerestory.scene.surface import area_vector, transformed
 from clerestory.scene.transform import Transform
 
 WHITE = (1.0, 1.0, 1.0)
@@ -65,7 +62,7 @@ def luminaire_scene(
     pattern = LuminairePattern(scaled, faces(scaled), place)
     light = Light(name, _balanced(colour), pattern=pattern)
     parts = shining_surfaces(scaled, material=name, name=name)
-    return Scene({name: light}, tuple(_placed(part, place) for part in parts))
+    return Scene({name: light}, tuple(transformed(part, place) for part in parts))
 
 
 def panel_scene(
@@ -95,8 +92,7 @@ def panel_scene(
     >>> ceiling.materials["panel"].radiance.round(9).tolist()
     [1.0, 1.0, 1.0]
     """
-    ends = np.array([0, len(vertices)])
-    area = float(np.linalg.norm(area_vectors(vertices, ends)[0]))
+    area = float(np.linalg.norm(area_vector(vertices)))
     if not area > 0:
         raise InputError(f'the panel "{name}" has no area')
     if not (np.isfinite(lumens) and lumens >= 0):
@@ -104,20 +100,6 @@ def panel_scene(
     radiance = lumens / LUMINOUS_EFFICACY / (np.pi * area)
     light = Light(name, radiance * _balanced(colour))
     return Scene({name: light}, (Polygon(vertices, name, name),))
-
-
-def _placed(surface: Shining, place: Transform) -> Shining:
-    match surface:
-        case Polygon():
-            return replace(surface, vertices=place.points(surface.vertices))
-        case Sphere():
-            return replace(surface, centre=place.points(surface.centre))
-        case Ring():
-            centre, normal = place.points(surface.centre), place.vectors(surface.normal)
-            return replace(surface, centre=centre, normal=normal)
-        case Cone():
-            base, top = place.points(surface.base), place.points(surface.top)
-            return replace(surface, base=base, top=top)
 
 
 def _balanced(colour: tuple[float, float, float]) -> Float[np.ndarray, "3"]:

@@ -74,6 +74,7 @@ class LuminairePattern:
     transform: Transform = field(default_factory=Transform)
     needs_normal = False
     needs_point = False
+    grey = True
 
     def value(
         self,

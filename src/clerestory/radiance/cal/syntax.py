@@ -164,7 +164,7 @@ class _Cursor:
     def expect(self, sign: str) -> None:
         if self.text != sign:
             found = f'"{self.text}"' if self.text else "the end"
-            raise self.error(f'{found} stands where "{sign}" is expected')
+            raise self.error(f'{found} is found where "{sign}" is expected')
         self.advance()
 
     def error(self, message: str) -> InputError:
@@ -175,14 +175,14 @@ class _Cursor:
 
 def _definition(cursor: _Cursor) -> Definition:
     if cursor.kind != "name":
-        raise cursor.error(f'"{cursor.text}" stands where a name is expected')
+        raise cursor.error(f'"{cursor.text}" is found where a name is expected')
     name, parameters = plain_name(cursor.take()), None
     if cursor.text == "(":
         cursor.advance()
         parameters = _parameters(cursor)
     if cursor.text not in ("=", ":"):
         found = f'"{cursor.text}"' if cursor.text else "the end"
-        raise cursor.error(f'{found} stands where "=" or ":" is expected')
+        raise cursor.error(f'{found} is found where "=" or ":" is expected')
     cursor.advance()
     return Definition(name, parameters, _expression(cursor))
 
@@ -192,7 +192,7 @@ def _parameters(cursor: _Cursor) -> tuple[str, ...]:
     while True:
         if cursor.kind != "name":
             raise cursor.error(
-                f'"{cursor.text}" stands where the name of a parameter is expected'
+                f'"{cursor.text}" is found where the name of a parameter is expected'
             )
         names.append(plain_name(cursor.take()))
         if cursor.text != ",":
@@ -269,7 +269,7 @@ def _primary(cursor: _Cursor) -> Node:
         (node,) = _inside(cursor, one=True)
         return node
     found = f'"{cursor.text}"' if cursor.text else "the end"
-    raise cursor.error(f"{found} stands where a value is expected")
+    raise cursor.error(f"{found} is found where a value is expected")
 
 
 def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.radiance.generators.command_arguments import Words
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import polygon
 
 # A curved slat is cut into strips that turn by at most this much [deg]
@@ -17,13 +17,13 @@ _STRIP_DEG = 3.0
 _MOST_SLATS = 100_000
 
 
-def blinds(words: Words) -> list[str]:
+def blinds(words: WordReader) -> list[str]:
     """Return the primitives of a blind.
 
     `genblinds material name depth width height slats angle [-r|+r radius]`, the angle
     in degrees, a slat's front up; -r curves slats downwards, +r upwards.
     """
-    material, name = words.name("a material"), words.name("a name")
+    material, name = words.word("a material"), words.word("a name")
     depth = words.positive("depth of the slats")
     width = words.positive("width of the slats")
     height = words.positive("height of the blind")
@@ -42,7 +42,7 @@ def blinds(words: Words) -> list[str]:
             " a depth of at most twice the radius expected"
         )
     if words.left:
-        raise words.error(f'"{words.name("")}" follows a complete command')
+        raise words.error(f'"{words.word("")}" follows a complete command')
 
     profile = _profile(depth, angle, radius)
     return [

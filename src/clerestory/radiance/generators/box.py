@@ -8,7 +8,7 @@ drawn in by the size of the cut.
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.radiance.generators.command_arguments import Words
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import polygon, primitive
 
 # Faces of the plain box, and of one with cut edges; vertices in genbox's numbers
@@ -31,9 +31,9 @@ _BEVELS = (
 _LETTERS = "0123456789._ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
 
 
-def box(words: Words) -> list[str]:
+def box(words: WordReader) -> list[str]:
     """Return the primitives of `genbox mat name x y z [-i] [-b cut | -r round]`."""
-    material, name = words.name("a material"), words.name("a name")
+    material, name = words.word("a material"), words.word("a name")
     size = np.array([words.positive(f"size along {axis}") for axis in "xyz"])
     cut, rounded, inward = 0.0, False, False
     while words.left:

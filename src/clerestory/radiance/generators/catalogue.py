@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from clerestory.errors import InputError
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.blinds import blinds
 from clerestory.radiance.generators.box import box
 from clerestory.radiance.generators.cie_sky import gensky
-from clerestory.radiance.generators.command_arguments import Words
 from clerestory.radiance.generators.formula import revolution, surface, worm
 from clerestory.radiance.generators.luminaire import ies2rad
 from clerestory.radiance.generators.perez_sky import gendaylit
@@ -16,7 +16,7 @@ from clerestory.radiance.generators.prism import prism
 Find = Callable[[str], Path]
 
 
-GENERATORS: Mapping[str, Callable[[Words, Find], list[str]]] = {
+GENERATORS: Mapping[str, Callable[[WordReader, Find], list[str]]] = {
     "genbox": lambda words, _: box(words),
     "genprism": prism,
     "gensurf": surface,
@@ -46,4 +46,4 @@ def generate(program: str, words: list[str], find: Find) -> str:
     """
     if program not in GENERATORS:
         raise InputError(f'the generator "{program}" is not known')
-    return " ".join(GENERATORS[program](Words(program, words), find))
+    return " ".join(GENERATORS[program](WordReader(words, program), find))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clerestory.errors import ClerestoryWarning
-from clerestory.radiance.generators.command_arguments import Words
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import primitive
 from clerestory.radiance.generators.sun_place import Moment, direction, read_moment
 
@@ -48,7 +48,7 @@ class _Request:
     ground: float = 0.2
 
 
-def gensky(words: Words) -> list[str]:
+def gensky(words: WordReader) -> list[str]:
     """Return the primitives of `gensky month day hour` or `gensky -ang alt azi`.
 
     Takes -s +s -c -u -i +i, -g -t, -b -B, -r -R, -a -o -m -y.
@@ -62,7 +62,7 @@ def gensky(words: Words) -> list[str]:
     return _sky(request, moment, words)
 
 
-def _take(request: _Request, option: str, words: Words) -> bool:
+def _take(request: _Request, option: str, words: WordReader) -> bool:
     kinds = {"s": CLEAR, "c": OVERCAST, "u": UNIFORM, "i": INTERMEDIATE}
     letter = option[1:]
     if letter in kinds:
@@ -89,7 +89,7 @@ def _take(request: _Request, option: str, words: Words) -> bool:
     return True
 
 
-def _sky(request: _Request, moment: Moment, words: Words) -> list[str]:
+def _sky(request: _Request, moment: Moment, words: WordReader) -> list[str]:
     altitude, azimuth = moment.sun()
     kind = request.kind
     overcast = kind in (OVERCAST, UNIFORM)

@@ -6,8 +6,8 @@ from pathlib import Path
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.files import read_text
 from clerestory.formats.mgf import parse_mgf
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.bsdf_package import package
-from clerestory.radiance.generators.command_arguments import Words
 from clerestory.scene.model import Scene
 from clerestory.scene.transform import Transform
 
@@ -16,7 +16,7 @@ Build = Callable[[Transform], Scene]
 Find = Callable[[str], Path]
 
 
-def mgf2rad(words: Words, find: Find) -> Build:
+def mgf2rad(words: WordReader, find: Find) -> Build:
     """Return the scene of `mgf2rad file.mgf …`."""
     paths = _paths(words, find, idle=())
     texts = [(read_text(path), path) for path in paths]
@@ -30,7 +30,7 @@ def mgf2rad(words: Words, find: Find) -> Build:
     return build
 
 
-def pkg_bsdf(words: Words, find: Find) -> Build:
+def pkg_bsdf(words: WordReader, find: Find) -> Build:
     """Return the scene of `pkgBSDF [-s] [-i] file.xml …`; both options do nothing."""
     paths = _paths(words, find, idle=("-s", "-i"))
     layers = [(read_bsdf(path), path.stem) for path in paths]
@@ -44,16 +44,16 @@ def pkg_bsdf(words: Words, find: Find) -> Build:
     return build
 
 
-BUILDERS: Mapping[str, Callable[[Words, Find], Build]] = {
+BUILDERS: Mapping[str, Callable[[WordReader, Find], Build]] = {
     "mgf2rad": mgf2rad,
     "pkgBSDF": pkg_bsdf,
 }
 
 
-def _paths(words: Words, find: Find, *, idle: tuple[str, ...]) -> list[Path]:
+def _paths(words: WordReader, find: Find, *, idle: tuple[str, ...]) -> list[Path]:
     names = []
     while words.left:
-        word = words.name("a file")
+        word = words.word("a file")
         if word.startswith("-") and word not in idle:
             raise words.unknown(word)
         names += [] if word.startswith("-") else [word]

@@ -16,6 +16,7 @@ from jaxtyping import Bool, Float
 
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import read_text
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.cal.program import Program
 from clerestory.radiance.cal.syntax import (
     Definition,
@@ -23,7 +24,6 @@ from clerestory.radiance.cal.syntax import (
     parse_definitions,
     parse_expression,
 )
-from clerestory.radiance.generators.command_arguments import Words
 from clerestory.radiance.generators.scene_text import polygon, primitive
 
 Find = Callable[[str], Path]
@@ -51,7 +51,7 @@ class _Formulas:
         return np.where(computed.valid[:, None], computed.value, np.nan)
 
 
-def revolution(words: Words, find: Find) -> list[str]:
+def revolution(words: WordReader, find: Find) -> list[str]:
     """Return the primitives of `genrev material name z(t) r(t) segments`.
 
     Takes -e, -f and -s.
@@ -77,7 +77,7 @@ def revolution(words: Words, find: Find) -> list[str]:
     return made
 
 
-def worm(words: Words, find: Find) -> list[str]:
+def worm(words: WordReader, find: Find) -> list[str]:
     """Return the primitives of `genworm material name x(t) y(t) z(t) r(t) segments`.
 
     Takes -e and -f.
@@ -114,7 +114,7 @@ def _link(
     return [primitive(material, "cone", f"{name}.c{i}", reals=reals)]
 
 
-def surface(words: Words, find: Find) -> list[str]:
+def surface(words: WordReader, find: Find) -> list[str]:
     """Return the polygons of `gensurf material name x(s,t) y(s,t) z(s,t) m n`.
 
     Takes -e, -f and -s; where `valid(s,t)` is defined, points at which it is not
@@ -182,12 +182,12 @@ def _normal(corner: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"] | None:
 
 
 def _read(
-    words: Words, find: Find, formulas: int, counts: tuple[str, ...]
+    words: WordReader, find: Find, formulas: int, counts: tuple[str, ...]
 ) -> tuple[_Formulas, list[int]]:
     # material, name, formulas, counts, options
-    material, name = words.name("a material"), words.name("a name")
+    material, name = words.word("a material"), words.word("a name")
     nodes = tuple(
-        parse_expression(words.name(f"formula {i + 1} of {formulas}"))
+        parse_expression(words.word(f"formula {i + 1} of {formulas}"))
         for i in range(formulas)
     )
     steps = [words.whole(f"the {what}", 1, _MOST_STEPS) for what in counts]
@@ -195,9 +195,9 @@ def _read(
     while words.left:
         match words.option():
             case "-e":
-                definitions |= parse_definitions(words.name("a definition"))
+                definitions |= parse_definitions(words.word("a definition"))
             case "-f":
-                path = find(words.name("a file"))
+                path = find(words.word("a file"))
                 definitions |= parse_definitions(read_text(path), file=str(path))
             case "-s":
                 warnings.warn(
@@ -213,7 +213,7 @@ def _read(
 
 
 def _finite(
-    value: Float[np.ndarray, "n values"], words: Words
+    value: Float[np.ndarray, "n values"], words: WordReader
 ) -> Float[np.ndarray, "n values"]:
     if not np.all(np.isfinite(value)):
         raise words.error("a formula has no value somewhere between 0 and 1")

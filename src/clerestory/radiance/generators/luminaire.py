@@ -14,7 +14,7 @@ import numpy as np
 from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.formats.photometry.read import read_luminaire
 from clerestory.formats.photometry.shining import Shining, faces, shining_surfaces
-from clerestory.radiance.generators.command_arguments import Words
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import polygon, primitive
 from clerestory.radiance.intensity_table import table_coordinates
 from clerestory.scene.model import Cone, Polygon, Ring, Sphere
@@ -37,14 +37,14 @@ class _Request:
     colour: tuple[float, ...] = (1.0, 1.0, 1.0)
 
 
-def ies2rad(words: Words, find: Callable[[str], Path]) -> list[str]:
+def ies2rad(words: WordReader, find: Callable[[str], Path]) -> list[str]:
     """Return the primitives of `ies2rad [-dU] [-m factor] [-c r g b] [-o name] file`.
 
     -s, -p, -l, -f, -u and `-t default` change nothing here: no file is written.
     """
     request = _Request()
     while words.left:
-        _take(request, words.name("a file"), words)
+        _take(request, words.word("a file"), words)
     if not request.file:
         raise words.error("the command names no file")
     path = find(request.file)
@@ -58,7 +58,7 @@ def ies2rad(words: Words, find: Callable[[str], Path]) -> list[str]:
     return made + [_text(part, request.scale) for part in parts]
 
 
-def _take(request: _Request, word: str, words: Words) -> None:
+def _take(request: _Request, word: str, words: WordReader) -> None:
     unit = _DIMENSION.fullmatch(word)
     if unit is not None:
         request.scale = _UNITS[unit[1]] * float(unit[2] or 1)
@@ -67,12 +67,12 @@ def _take(request: _Request, word: str, words: Words) -> None:
     elif word == "-c":
         request.colour = tuple(words.real("a colour") for _ in range(3))
     elif word == "-o":
-        request.name = words.name("a name")
+        request.name = words.word("a name")
     elif word == "-t":
-        if words.name("a type of lamp") != "default":
+        if words.word("a type of lamp") != "default":
             raise words.error("types of lamps are not known here; -c r g b expected")
     elif word in _NAMED:
-        words.name("a name")
+        words.word("a name")
     elif word.startswith("-") and word != "-s":
         raise words.unknown(word)
     elif word != "-s":

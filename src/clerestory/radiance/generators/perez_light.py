@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.radiance.generators.command_arguments import Words
+from clerestory.formats.word_reader import WordReader
 from clerestory.sky.sky_state import (
     SOLAR_CONSTANT,
     SkyState,
@@ -98,7 +98,7 @@ class Air:
         """Perez's term of the zenith angle in the clearness."""
         return 1.041 * self.zenith**3
 
-    def light(self, request: Request, words: Words) -> Light | None:
+    def light(self, request: Request, words: WordReader) -> Light | None:
         """Return the irradiance that is given; None without any."""
         first, second = request.given[0], request.given[-1]
         match request.by:
@@ -138,7 +138,7 @@ class Air:
         )
 
     def output(
-        self, light: Light, state: SkyState, request: Request, words: Words
+        self, light: Light, state: SkyState, request: Request, words: WordReader
     ) -> Light:
         """Return visible or solar irradiance, or illuminance, as asked for."""
         if request.output == 1:

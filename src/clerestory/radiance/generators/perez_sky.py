@@ -15,8 +15,8 @@ from jaxtyping import Float
 
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators import cie_sky
-from clerestory.radiance.generators.command_arguments import Words
 from clerestory.radiance.generators.perez_light import DEW_POINT_C, Air, Light, Request
 from clerestory.radiance.generators.scene_text import primitive
 from clerestory.radiance.generators.sun_place import Moment, direction, read_moment
@@ -33,7 +33,7 @@ _SUN_ON_GROUND = 6.8e-5
 _RINGS = ((84, 30), (72, 30), (60, 24), (48, 24), (36, 18), (24, 12), (12, 6), (0, 1))
 
 
-def gendaylit(words: Words) -> list[str]:
+def gendaylit(words: WordReader) -> list[str]:
     """Return the primitives of `gendaylit month day hour` or `gendaylit -ang alt azi`.
 
     Takes -P -W -L -G -E, -O, -s +s -c, -g, -d, -w, -a -o -m -y. At night the sky is
@@ -50,7 +50,7 @@ def gendaylit(words: Words) -> list[str]:
     return _sky(request, moment, words, quiet=quiet)
 
 
-def _take(request: Request, option: str, words: Words) -> bool:
+def _take(request: Request, option: str, words: WordReader) -> bool:
     match option:
         case "-P" | "-W" | "-L" | "-G":
             request.by = option
@@ -72,7 +72,9 @@ def _take(request: Request, option: str, words: Words) -> bool:
     return True
 
 
-def _sky(request: Request, moment: Moment, words: Words, *, quiet: bool) -> list[str]:
+def _sky(
+    request: Request, moment: Moment, words: WordReader, *, quiet: bool
+) -> list[str]:
     altitude, azimuth = moment.sun()
     sun = direction(min(altitude, _HIGHEST_SUN), azimuth)
     air = Air(min(altitude, _HIGHEST_SUN), moment.day_of_year, request.dew_point_c)
@@ -94,7 +96,7 @@ def _lit_sky(
     air: Air,
     light: Light,
     sun: Float[np.ndarray, "3"],
-    words: Words,
+    words: WordReader,
 ) -> list[str]:
     state = air.state(light, request)
     perez = perez_sky(state, azimuth=np.zeros(1))

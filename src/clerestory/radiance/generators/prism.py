@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.files import read_text
-from clerestory.radiance.generators.command_arguments import Words
+from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import polygon, primitive
 from clerestory.scene.transform import number
 
@@ -40,14 +40,14 @@ class _Prism:
         return np.column_stack([points, np.zeros(len(points))])
 
 
-def prism(words: Words, find: Callable[[str], Path]) -> list[str]:
+def prism(words: WordReader, find: Callable[[str], Path]) -> list[str]:
     """Return the primitives of a prism.
 
     `genprism material name {file | N x1 y1 … xN yN} [-l x y z][-r radius][-c][-e]`:
     -l draws it along a vector (0 0 1), -r rounds corners, -c leaves out the side from
     the last corner to the first, -e leaves out both ends.
     """
-    material, name = words.name("a material"), words.name("a name")
+    material, name = words.word("a material"), words.word("a name")
     outline = _outline(words, find)
     along, radius, ends, open_side = np.array([0.0, 0.0, 1.0]), 0.0, True, False
     while words.left:
@@ -73,9 +73,9 @@ def prism(words: Words, find: Callable[[str], Path]) -> list[str]:
 
 
 def _outline(
-    words: Words, find: Callable[[str], Path]
+    words: WordReader, find: Callable[[str], Path]
 ) -> Float[np.ndarray, "corners 2"]:
-    first = words.name("a file of corners, or their number")
+    first = words.word("a file of corners, or their number")
     if first == "-":
         raise words.error("corners from standard input are not read here")
     if first[0].isdigit():
@@ -111,7 +111,7 @@ def _sharp(made: _Prism) -> list[str]:
     return parts
 
 
-def _round(made: _Prism, words: Words) -> list[str]:
+def _round(made: _Prism, words: WordReader) -> list[str]:
     # u: unit vector of the side that ends at a corner, pointing back along it
     corner, r = made.outline, made.radius * made.upwards
     back = np.roll(corner, 1, axis=0) - corner

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.radiance.generators.command_arguments import Words
+from clerestory.formats.word_reader import WordReader
 from clerestory.sky.solar_position import sun_position
 
 # Standard meridian of time zones [deg west]; the first of a name counts
@@ -56,7 +56,7 @@ class Moment:
     meridian_deg: float = 120.0
     zoned: bool = False
 
-    def take(self, option: str, words: Words) -> bool:
+    def take(self, option: str, words: WordReader) -> bool:
         """Take the values of an option about date or site; False for another."""
         match option:
             case "-a":
@@ -122,16 +122,16 @@ class Moment:
         return float(np.arcsin(sine)), float(solar)
 
 
-def read_moment(words: Words) -> Moment:
+def read_moment(words: WordReader) -> Moment:
     """Take `month day hour` or `-ang altitude azimuth` from a command.
 
     Examples
     --------
-    >>> moment = read_moment(Words("gensky", ["9", "21", "12:30CET"]))
+    >>> moment = read_moment(WordReader(["9", "21", "12:30CET"], "gensky"))
     >>> moment.day_of_year, moment.hour, moment.meridian_deg
     (264, 12.5, -15)
     """
-    first = words.name("a month or -ang")
+    first = words.word("a month or -ang")
     if first == "-ang":
         altitude = np.radians(words.real("the sun's altitude"))
         azimuth = np.radians(words.real("the sun's azimuth"))
@@ -139,10 +139,10 @@ def read_moment(words: Words) -> Moment:
     words.at -= 1
     month = words.whole("the month", 1, 12)
     moment = Moment(month=month, day=words.whole("the day", 1, 31))
-    text = words.name("the hour")
+    text = words.word("the hour")
     match = _HOUR.fullmatch(text)
     if match is None:
-        raise words.error(f'"{text}" stands where an hour such as 14:30 is expected')
+        raise words.error(f'"{text}" is found where an hour such as 14:30 is expected')
     plus, hour, minute, fraction, zone = match.groups()
     moment.solar = bool(plus)
     moment.hour = float(hour + (fraction or "")) + float(minute or 0) / 60

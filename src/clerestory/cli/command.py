@@ -1,0 +1,112 @@
+"""Commands made from requests: a dataclass of options and the function that serves it.
+
+The module of the function is loaded when the command is called, so that help needs
+nothing but the requests.
+"""
+
+import importlib
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from typing import Annotated, Any, get_args, get_type_hints
+
+import typer
+
+from clerestory.options import Argument, Option
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command.
+
+    Attributes
+    ----------
+    request : dataclass of its options, whose docstring is the help
+    served_by : "module:function" in `clerestory.cli`; takes the request, returns the
+        exit status or None
+    example : of its arguments
+    """
+
+    request: type
+    served_by: str
+    example: str = ""
+    hidden: bool = False
+
+    def add_to(self, app: typer.Typer, name: str, *, group: str = "") -> None:
+        """Add the command to a Typer application."""
+        words = " ".join(filter(None, ("clerestory", group, name, self.example)))
+        app.command(name, epilog=f"Example: {words}", hidden=self.hidden)(
+            self._function()
+        )
+
+    def _function(self) -> Callable[..., int | None]:
+        # Typer reads the options from the signature
+        def call(**given: object) -> int | None:
+            module, _, function = self.served_by.partition(":")
+            served_by = importlib.import_module(f"clerestory.cli.{module}")
+            status: int | None = getattr(served_by, function)(
+                assemble(self.request, given)
+            )
+            return status
+
+        parameters = list(option_parameters(self.request))
+        call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        call.__annotations__ = {p.name: p.annotation for p in parameters}
+        call.__doc__ = self.request.__doc__
+        return call
+
+
+def option_parameters(request: Any) -> Iterator[inspect.Parameter]:
+    """Yield a parameter with Typer's annotation for each field, groups expanded.
+
+    Examples
+    --------
+    >>> @dataclass(frozen=True)
+    ... class Sun:
+    ...     size: Annotated[float, Option("Diameter [°].", metavar="DEG")] = 0.533
+    >>> [(p.name, p.default) for p in option_parameters(Sun)]
+    [('size', 0.533)]
+    """
+    for name, (hint, default) in _fields(request).items():
+        if is_dataclass(hint):
+            yield from option_parameters(hint)
+            continue
+        kind, described = get_args(hint)
+        yield inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=inspect.Parameter.empty if default is MISSING else default,
+            annotation=Annotated[kind, _typer_info(name, described)],
+        )
+
+
+def assemble(request: Any, given: Mapping[str, object]) -> Any:
+    """Return a request whose fields have the values given by name, groups included."""
+    values = {
+        name: assemble(hint, given) if is_dataclass(hint) else given[name]
+        for name, (hint, default) in _fields(request).items()
+        if is_dataclass(hint) or name in given or default is MISSING
+    }
+    return request(**values)
+
+
+def _fields(request: Any) -> dict[str, tuple[Any, Any]]:
+    hints = get_type_hints(request, include_extras=True)
+    return {field.name: (hints[field.name], field.default) for field in fields(request)}
+
+
+def _typer_info(name: str, described: Option | Argument) -> Any:
+    if isinstance(described, Argument):
+        return typer.Argument(help=described.help, metavar=described.metavar)
+    # A bare "--" says that the option has no long name
+    names = tuple(each for each in described.names if each != "--")
+    if not any(each.startswith("--") for each in described.names):
+        names = (f"--{name.replace('_', '-')}", *names)
+    return typer.Option(
+        *names,
+        help=described.help,
+        metavar=described.metavar,
+        min=described.least,
+        max=described.most,
+        rich_help_panel=described.panel,
+    )

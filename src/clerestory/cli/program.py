@@ -1,0 +1,90 @@
+"""Commands and groups of `clerestory`, loaded as far as a command line needs them."""
+
+import importlib
+from collections.abc import Mapping
+from typing import Annotated
+
+import typer
+
+from clerestory import __version__
+from clerestory.cli.command import Command
+
+# Module of `clerestory.cli.requests` of each command without a group, as in the help
+_TOP = {
+    "new": "study",
+    "run": "study",
+    "demo": "study",
+    "report": "study",
+    "render": "render",
+    "illum": "render",
+    "glare": "glare",
+    "metrics": "study",
+    "compare": "study",
+    "import": "study",
+    "doctor": "study",
+    "multiply": "render",
+}
+_GROUPS = ("trace", "sky", "bsdf", "glazing", "gonio", "luminaire", "picture")
+
+
+def program(words: list[str] | None = None) -> typer.Typer:
+    """Return the application: the whole of it, or what serves a command line.
+
+    Parameters
+    ----------
+    words : arguments of the program; only what their first word names is loaded, and
+        for any other first word the commands of groups are left out
+    """
+    app = typer.Typer(
+        name="clerestory",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        rich_markup_mode="markdown",  # else units in brackets vanish from the help
+        help="Annual daylight simulation of rooms with complex fenestration.",
+    )
+    app.callback()(_version_option)
+    first = words[0] if words else ""
+    alone = first in _TOP or first in _GROUPS
+    for name, module in _TOP.items():
+        if name == first or not alone:
+            _commands(module)[name].add_to(app, name)
+    for group in _GROUPS:
+        if group == first or not alone:
+            _add_group(app, group, empty=words is not None and not alone)
+    return app
+
+
+def _add_group(app: typer.Typer, name: str, *, empty: bool) -> None:
+    requests = importlib.import_module(f"clerestory.cli.requests.{name}")
+    group = typer.Typer(no_args_is_help=True, help=requests.HELP)
+    for each, command in {} if empty else _commands(name).items():
+        command.add_to(group, each, group=name)
+    app.add_typer(group, name=name)
+
+
+def _commands(module: str) -> Mapping[str, Command]:
+    found: Mapping[str, Command] = importlib.import_module(
+        f"clerestory.cli.requests.{module}"
+    ).COMMANDS
+    return found
+
+
+def _show_version(wanted: bool | None) -> None:
+    if wanted:
+        typer.echo(f"clerestory {__version__}")
+        raise typer.Exit
+
+
+def _version_option(
+    version: Annotated[
+        bool | None,
+        typer.Option(
+            "--version",
+            callback=_show_version,
+            is_eager=True,
+            help="Print the version.",
+        ),
+    ] = None,
+) -> None:
+    """Annual daylight simulation of rooms with complex fenestration."""

@@ -1,0 +1,149 @@
+"""Requests of `clerestory trace`: transfer matrices."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from clerestory.cli.command import Command
+from clerestory.cli.requests.common import (
+    ClusterAddress,
+    DeviceName,
+    EffortOptions,
+    MatrixFile,
+    SceneFiles,
+    Seed,
+    SensorFile,
+    SensorsOrView,
+    SkySubdivision,
+    WindowFiles,
+)
+from clerestory.options import option
+
+
+@dataclass(frozen=True, kw_only=True)
+class ViewMatrix:
+    """View matrix: irradiance of sensors per radiance of window patches [sr].
+
+    With --view, radiance of pixels per radiance of patches: an output such as
+    V_%03d.hdr becomes one picture per patch. Windows of several groups are written to
+    one file each: V.mtx becomes V-south.mtx.
+    """
+
+    scene: SceneFiles
+    window: WindowFiles
+    receiver: SensorsOrView
+    direct: Annotated[
+        bool, option("Direct light only: V_d of the five-phase method.")
+    ] = False
+    effort: EffortOptions
+    file: MatrixFile
+
+
+@dataclass(frozen=True, kw_only=True)
+class DaylightMatrix:
+    """Daylight matrix: radiance of window patches per radiance of sky patches.
+
+    Windows of several groups are written to one file each: D.mtx becomes D-south.mtx.
+    """
+
+    scene: SceneFiles
+    window: WindowFiles
+    subdivision: SkySubdivision = 4
+    effort: EffortOptions
+    file: MatrixFile
+
+
+@dataclass(frozen=True, kw_only=True)
+class DaylightCoefficients:
+    """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
+
+    scene: SceneFiles
+    sensors: SensorFile
+    subdivision: SkySubdivision = 4
+    effort: EffortOptions
+    file: MatrixFile
+
+
+@dataclass(frozen=True, kw_only=True)
+class FacadeMatrix:
+    """Façade matrix: radiance of window patches per radiance of patches of ports.
+
+    Ports enclose the space in front of the window that holds a shade. Several ports
+    are written to one file each: F.nc becomes F-top.nc; with several windows,
+    F-south-top.nc.
+    """
+
+    scene: SceneFiles
+    window: WindowFiles
+    port: Annotated[
+        list[Path],
+        option("Radiance files of ports whose front faces the window.", metavar="F…"),
+    ]
+    effort: EffortOptions
+    file: MatrixFile
+
+
+@dataclass(frozen=True, kw_only=True)
+class SunCoefficients:
+    """Direct-sun coefficients: irradiance per direct normal irradiance of each sun.
+
+    The suns are those of the weather, at their true positions. With --view, radiance of
+    pixels per normal irradiance [1/sr].
+    """
+
+    scene: SceneFiles
+    window: WindowFiles
+    bsdf: Annotated[Path, option("BSDF of the windows (.xml).", metavar="F")]
+    weather: Annotated[
+        Path, option("Weather file that gives the sun positions.", metavar="F")
+    ]
+    receiver: SensorsOrView
+    tolerance: Annotated[
+        float, option("Suns no farther apart than this are one sun [°].", least=0)
+    ] = 0.25
+    peak: Annotated[
+        bool,
+        option("Extract the direct peak of the BSDF: it stays as sharp as the sun."),
+    ] = False
+    samples: Annotated[int, option("Paths per row and sun.", metavar="N", least=1)] = 64
+    seed: Seed = 1
+    device: DeviceName = "auto"
+    cluster: ClusterAddress = None
+    file: MatrixFile
+
+
+_SCENE = "--scene materials.rad room.rad"
+
+HELP = "Trace transfer matrices."
+COMMANDS = {
+    "facade": Command(
+        FacadeMatrix,
+        "trace:facade",
+        f"{_SCENE} awning.rad --window window.rad --port ports.rad"
+        " --relative-error 0.01 -o F.nc",
+    ),
+    "view": Command(
+        ViewMatrix,
+        "trace:view",
+        f"{_SCENE} --window window.rad --sensors desks.pts --relative-error 0.01"
+        " -o V.mtx",
+    ),
+    "sun": Command(
+        SunCoefficients,
+        "trace:sun",
+        f"{_SCENE} --window window.rad --bsdf blind.xml --sensors desks.pts"
+        " --weather oakland.epw -o C.nc",
+    ),
+    "daylight": Command(
+        DaylightMatrix,
+        "trace:daylight",
+        f"{_SCENE} --window window.rad --sky-subdivision 4 --relative-error 0.01"
+        " -o D.mtx",
+    ),
+    "coefficients": Command(
+        DaylightCoefficients,
+        "trace:coefficients",
+        f"{_SCENE} glazing.rad --sensors desks.pts --sky-subdivision 4 --samples 4096"
+        " -o C.mtx",
+    ),
+}

@@ -1,0 +1,110 @@
+"""`clerestory new`, `run`, `demo` and `report`: studies and their reports."""
+
+from pathlib import Path
+
+import typer
+import xarray as xr
+from rich.console import Console
+from rich.table import Table
+
+from clerestory.cli.plan_text import plan_table
+from clerestory.cli.progress import progress_display
+from clerestory.cli.requests.study import Demo, NewStudy, RunStudy, WriteReport
+from clerestory.report.page import REPORT_FILE, picture_folder, write_report
+from clerestory.study.config import Study, read_study
+from clerestory.study.demo_study import write_demo
+from clerestory.study.new_study import begin_study
+from clerestory.study.results import Results, read_results
+from clerestory.study.run_plan import plan_study
+from clerestory.study.study_run import run_study
+
+
+def new(request: NewStudy) -> None:
+    """Write a study file and what belongs to it."""
+    begun = begin_study(
+        request.folder,
+        scene=request.scene,
+        windows=request.window,
+        bsdf=request.bsdf,
+        weather=request.weather,
+        sensors=request.sensors,
+        spacing=request.spacing,
+        height=request.height,
+    )
+    if not request.quiet:
+        for name in begun.turned:
+            typer.echo(f'window "{name}" reversed: its front must face the room')
+        typer.echo(f"{begun.study}: {begun.sensors} sensors")
+        typer.echo(f"next: clerestory run {begun.study}")
+
+
+def run(request: RunStudy) -> None:
+    """Run a study, or print the plan of its run."""
+    study = read_study(request.study).with_trace(
+        seed=request.seed, device=request.device, cluster=request.cluster
+    )
+    folder = request.out or request.study.with_name(f"{request.study.stem}_results")
+    if request.plan:
+        Console().print(plan_table(plan_study(study, out=folder)))
+        return
+    _run(study, folder, quiet=request.quiet)
+
+
+def demo(request: Demo) -> None:
+    """Copy the bundled study and run it."""
+    study = read_study(write_demo(request.folder))
+    chosen = study.with_trace(seed=request.seed, device=request.device)
+    _run(chosen, request.folder / "results", quiet=request.quiet)
+
+
+def report(request: WriteReport) -> None:
+    """Write the report of an earlier run."""
+    path = request.results
+    folder = path if path.is_dir() else path.parent
+    page = request.output or folder / REPORT_FILE
+    results = read_results(path)
+    write_report(results, page, pictures=picture_folder(folder, results))
+    if not request.quiet:
+        typer.echo(f"report: {page}")
+
+
+def _run(study: Study, folder: Path, *, quiet: bool) -> None:
+    with progress_display(quiet=quiet) as display:
+        results = run_study(study, out=folder, display=display)
+    page = folder / REPORT_FILE
+    write_report(results, page, pictures=picture_folder(folder, results))
+    if not quiet:
+        Console().print(_summary(results))
+        typer.echo(f"results: {folder}")
+        typer.echo(f"report:  {page.resolve().as_uri()}")
+
+
+def _summary(results: Results) -> Table:
+    # Means over each grid, with the means of their standard errors
+    data = results.data
+    table = Table(title=results.title, title_justify="left")
+    target = f"{data.attrs['target_lux']:g}"
+    for heading in (
+        "grid",
+        "sensors",
+        "mean [lux]",
+        f"hours ≥ {target} lux [%]",
+        "useful [%]",
+    ):
+        table.add_column(heading, justify="left" if heading == "grid" else "right")
+    for grid in results.grids():
+        part = data.isel(sensor=(data["grid"] == grid).values)
+        table.add_row(
+            grid,
+            str(part.sizes["sensor"]),
+            _figure(part, "mean_illuminance", 1),
+            _figure(part, "daylight_autonomy", 100),
+            _figure(part, "useful", 100),
+        )
+    return table
+
+
+def _figure(part: xr.Dataset, name: str, factor: float) -> str:
+    value = factor * float(part[name].mean())
+    error = factor * float(part[f"{name}_error"].mean())
+    return f"{value:.1f} ± {error:.1f}"

@@ -1,0 +1,241 @@
+"""Light that the columns of receiving matrices send at each time step.
+
+    exiting radiance  X(t) = T(t) D S(t), of the patches of all windows
+    sky radiance      of its patches, a grey distribution times a colour
+    suns              direct normal irradiance, at most one sun a step
+
+Receivers get a weighted sum of bands: illuminance for sensors, each band by itself for
+pictures. The weights are part of the light, so that grey rooms need one product
+instead of one per band.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Float32, Int
+from scipy.sparse import csc_array
+
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_equation import MatrixChain
+from clerestory.phases.receivers import chain_components, channel_count
+from clerestory.sky.patch_radiance import SkyMatrix
+from clerestory.sky.sky_product import fold
+
+# Weights of the bands in what is received: those of illuminance, or each by itself
+Weights = Float[np.ndarray, "out band"]
+Layers = Float32[np.ndarray, "layer channel row column"]
+Received = Float32[np.ndarray, "layer out row step"]
+
+
+@dataclass(frozen=True, eq=False)
+class PatchLight:
+    """Exiting radiance of the patches of all windows, side by side.
+
+    Attributes
+    ----------
+    values : weighted where channels are summed up
+    components : error components of each window, whose estimates are independent
+    columns : of each window
+    summed : whether the channels add up to one
+    """
+
+    values: Float32[np.ndarray, "channel patch step"]
+    components: tuple[Float32[np.ndarray, "component channel own step"], ...]
+    columns: tuple[slice, ...]
+    summed: bool
+
+    def received(self, matrix: Layers) -> Received:
+        """Return what a matrix, and each of its error components, receives."""
+        if not self.summed:
+            return np.asarray(matrix @ self.values)
+        layers, _, rows, _ = matrix.shape
+        flat = _side_by_side(matrix, len(self.values)).reshape(layers * rows, -1)
+        found = flat @ self.values.reshape(-1, self.values.shape[-1])
+        return np.asarray(found).reshape(layers, 1, rows, -1)
+
+    def spread(
+        self, values: Float32[np.ndarray, "channel row column"]
+    ) -> list[Received]:
+        """Return what is received of the error components, window by window."""
+        found = []
+        for columns, parts in zip(self.columns, self.components, strict=True):
+            if len(parts):
+                own = _side_by_side(values[None, :, :, columns], parts.shape[1])[0]
+                flat = parts.reshape(len(parts), -1, parts.shape[-1])
+                found.append((own @ flat)[:, None])
+        return found
+
+
+def _side_by_side(matrix: Layers, channels: int) -> np.ndarray:
+    # (layer, channel, row, column) as (layer, row, channel × column)
+    layers, _, rows, columns = matrix.shape
+    wide = np.broadcast_to(matrix, (layers, channels, rows, columns))
+    return np.moveaxis(wide, 1, 2).reshape(layers, rows, channels * columns)
+
+
+@dataclass(frozen=True, eq=False)
+class SkyLight:
+    """Radiance of the patches of a sky, in steps with light."""
+
+    sky: SkyMatrix
+    weights: Weights
+
+    def received(self, matrix: Layers) -> Received:
+        """Return what a matrix, and each of its error components, receives."""
+        layers, _, rows, _ = matrix.shape
+        shape = layers, rows, len(self.sky.times)
+        found = [sky_product(matrix, self.sky, w).reshape(shape) for w in self.weights]
+        return found[0][:, None] if len(found) == 1 else np.stack(found, axis=1)
+
+    def spread(self, values: np.ndarray) -> list[Received]:
+        """Return nothing: weather has no statistical error."""
+        return []
+
+
+@dataclass(frozen=True, eq=False)
+class SunLight:
+    """Direct normal irradiance of the suns that are the columns of a matrix [W/m²]."""
+
+    normal: csc_array
+    weights: Weights
+
+    def received(self, matrix: Layers) -> Received:
+        """Return what a matrix, and each of its error components, receives."""
+        layers, channels, rows, suns = matrix.shape
+        weights = self.weights
+        if channels == 1:
+            weights = weights.sum(axis=1, keepdims=True)
+        light = np.einsum("oc,lcrs->sorl", weights.astype(np.float32), matrix)
+        flat = light.reshape(suns, len(weights) * rows * layers)
+        found = self.normal.astype(np.float32).T @ flat
+        shape = found.shape[0], len(weights), rows, layers
+        return np.ascontiguousarray(found.reshape(shape).T.swapaxes(1, 2))
+
+    def spread(self, values: np.ndarray) -> list[Received]:
+        """Return nothing: weather has no statistical error."""
+        return []
+
+
+Light = PatchLight | SkyLight | SunLight
+
+
+def sky_product(
+    values: Float[np.ndarray, "*batch channel row patch"],
+    sky: SkyMatrix,
+    weights: Float[np.ndarray, " band"],
+) -> Float32[np.ndarray, "rows step"]:
+    """Return matrices times a sky in all its steps, bands summed up by weight."""
+    patches = values.shape[-1]
+    tint = np.broadcast_to(sky.colour, (len(weights), patches))
+    sun_tint = np.broadcast_to(sky.sun_colour[:, None], tint.shape)
+    found = np.zeros((values[..., 0, :, 0].size, len(sky.times)), np.float32)
+    if sky.diffuse.any():
+        found = fold(values, tint, weights).reshape(-1, patches) @ sky.diffuse
+    if sky.sun.nnz:
+        rows = fold(values, sun_tint, weights).reshape(-1, patches)
+        found += (sky.sun.T @ np.ascontiguousarray(rows.T)).T
+    return found
+
+
+def exiting_light(
+    chains: Sequence[MatrixChain],
+    sky: SkyMatrix,
+    states: Sequence[Int[np.ndarray, " step"]],
+    weights: Weights,
+    *,
+    errors: bool = True,
+) -> PatchLight:
+    """Return the exiting radiance T(t) D S(t) of all windows.
+
+    Parameters
+    ----------
+    chains : V and the factors of each window group
+    states : number of the state at each step, per window
+    errors : whether error components are carried along
+    """
+    summed = len(weights) == 1
+    channels = 1 if summed and all(map(_is_grey, chains)) else weights.shape[1]
+    each = weights if channels == 1 or not summed else np.diag(weights[0])
+    parts = [
+        _exiting(chain, sky, state, each, errors=errors)
+        for chain, state in zip(chains, states, strict=True)
+    ]
+    ends = np.cumsum([part.shape[2] for part in parts]).tolist()
+    return PatchLight(
+        np.concatenate([part[0] for part in parts], axis=1),
+        tuple(part[1:] for part in parts),
+        tuple(
+            slice(end - part.shape[2], end)
+            for end, part in zip(ends, parts, strict=True)
+        ),
+        summed,
+    )
+
+
+def _is_grey(chain: MatrixChain) -> bool:
+    # Whether V and T have one channel: all colour is that of D and of the sky
+    middle = (factor for factors in chain.factors for factor in factors[:-1])
+    grey = channel_count(chain.receiving[0]) == 1
+    return grey and all(len(factor.values) == 1 for factor in middle)
+
+
+def _exiting(
+    chain: MatrixChain,
+    sky: SkyMatrix,
+    state: Int[np.ndarray, " step"],
+    weights: Float[np.ndarray, "channel band"],
+    *,
+    errors: bool,
+) -> Float32[np.ndarray, "layer channel patch step"]:
+    # Value and error components; states that share D share its product with the sky
+    layers = 1 + (chain_components(chain) if errors else 0)
+    patches = chain.factors[0][0].rows.size
+    found = np.zeros((layers, len(weights), patches, len(state)), np.float32)
+    sources: dict[int, list[int]] = {}
+    for number in np.unique(state).tolist():
+        sources.setdefault(id(chain.factors[number][-1]), []).append(number)
+    for numbers in sources.values():
+        steps = np.flatnonzero(np.isin(state, numbers))
+        daylight = _layers(chain.factors[numbers[0]][-1], errors=errors)
+        arrived = _arriving(daylight, sky.select(steps), weights)
+        for number in numbers:
+            acts = state[steps] == number
+            light = arrived if acts.all() else arrived[..., acts]
+            for factor in reversed(chain.factors[number][:-1]):
+                light = _passed(factor, light, errors=errors)
+            found[: len(light), :, :, steps[acts]] = light
+    return found
+
+
+def _layers(matrix: TransferMatrix, *, errors: bool) -> Layers:
+    values = matrix.values[None].astype(np.float32)
+    if matrix.components is None or not errors:
+        return values
+    return np.concatenate([values, matrix.components.astype(np.float32)])
+
+
+def _arriving(
+    daylight: Layers, sky: SkyMatrix, weights: Weights
+) -> Float32[np.ndarray, "layer out outer step"]:
+    # D S, by channel; one channel carries all weights
+    layers, _, outer, _ = daylight.shape
+    shape = layers, outer, len(sky.times)
+    found = np.empty((layers, len(weights), *shape[1:]), np.float32)
+    for channel, weight in enumerate(weights):
+        found[:, channel] = sky_product(daylight, sky, weight).reshape(shape)
+    return found
+
+
+def _passed(
+    factor: TransferMatrix,
+    light: Float32[np.ndarray, "layer channel outer step"],
+    *,
+    errors: bool,
+) -> Float32[np.ndarray, "more channel inner step"]:
+    # A factor times what arrives; its own error components follow those of the light
+    found = factor.values.astype(np.float32) @ light
+    if factor.components is None or not errors:
+        return np.asarray(found)
+    own = factor.components.astype(np.float32) @ light[0]
+    return np.concatenate([found, own])

@@ -1,0 +1,165 @@
+"""Receiving matrices read block by block of rows, wherever they are.
+
+In memory, in files, or computed when they are asked for: the sky coefficients
+Σ V T D of some receivers, and the columns of those suns that shine.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import matmul
+
+import numpy as np
+from jaxtyping import Float, Float32, Int
+
+from clerestory.bands import common_bands
+from clerestory.errors import MatrixError
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_equation import MatrixChain, Readable, Receiving
+from clerestory.phases.stored_views import Entries, StoredColumns
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Some columns of coefficients in memory.
+
+    Attributes
+    ----------
+    numbers : of the columns; None for all of them
+    """
+
+    values: Float[np.ndarray, "channel row column"]
+    components: Float[np.ndarray, "component channel row column"] | None = None
+    numbers: Int[np.ndarray, " some"] | None = None
+
+    def read(self, rows: slice) -> Entries:
+        """Return consecutive rows and their components."""
+        parts = self.components
+        found = self.values[:, rows], None if parts is None else parts[:, :, rows]
+        if self.numbers is None:
+            return found
+        values, parts = found
+        return values[..., self.numbers], (
+            None if parts is None else parts[..., self.numbers]
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SkyCoefficients:
+    """Sky coefficients Σ V T D of windows whose shades do not move."""
+
+    windows: Sequence[MatrixChain]
+
+    def read(self, rows: slice) -> Entries:
+        """Return consecutive rows and their components."""
+        found = sky_coefficients(self.windows, rows)
+        return found.values, found.components
+
+
+def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMatrix:
+    """Σ V T D over the window groups in their first state, for some sensors [sr].
+
+    Components of V come first, added over the windows number by number.
+    """
+    products: list[TransferMatrix] = []
+    views: list[int] = []
+    for window in windows:
+        view = window.receiving[0]
+        if isinstance(view, StoredColumns):
+            values, own = view.read(rows)
+            bands = view.views.bands
+            view = TransferMatrix(values, view.rows_of(rows), view.columns, own, bands)
+        elif isinstance(view, TransferMatrix):
+            view = view.select_rows(rows)
+        else:
+            raise MatrixError("coefficients of no known receivers; a view expected")
+        views.append(0 if view.components is None else len(view.components))
+        products.append(reduce(matmul, (view, *window.factors[0])))
+    total = np.sum([product.values for product in products], axis=0)
+    shared = np.zeros((max(views), *total.shape), np.float32)
+    parts = [shared]
+    for product, count in zip(products, views, strict=True):
+        if product.components is not None:
+            shared[:count] += product.components[:count]
+            parts.append(product.components[count:])
+    components = np.concatenate(parts)
+    bands = common_bands([(p.bands, len(p.values)) for p in products])
+    columns = windows[0].factors[0][-1].columns
+    return TransferMatrix(
+        total, products[0].rows, columns, components if len(components) else None, bands
+    )
+
+
+def entries(matrix: TransferMatrix | Readable, rows: slice) -> Entries:
+    """Return consecutive rows of a receiving matrix and their components."""
+    if isinstance(matrix, TransferMatrix):
+        return Columns(matrix.values, matrix.components).read(rows)
+    return matrix.read(rows)
+
+
+def side_by_side(
+    matrices: Sequence[TransferMatrix | Readable], rows: slice, *, errors: bool
+) -> Float32[np.ndarray, "layer channel row column"]:
+    """Return consecutive rows of several matrices: value, then error components."""
+    found = [entries(matrix, rows) for matrix in matrices]
+    counts = [0 if c is None or not errors else len(c) for _, c in found]
+    channels = max(len(values) for values, _ in found)
+    columns = sum(values.shape[2] for values, _ in found)
+    shape = 1 + max(counts), channels, found[0][0].shape[1], columns
+    layers, first = np.zeros(shape, np.float32), 0
+    for (values, components), count in zip(found, counts, strict=True):
+        part = slice(first, first + values.shape[2])
+        layers[0, ..., part] = values
+        if count and components is not None:
+            layers[1 : 1 + count, ..., part] = components
+        first = part.stop
+    return layers
+
+
+def component_count(matrix: Receiving) -> int:
+    """Return the number of error components of a matrix in memory or in files."""
+    if isinstance(matrix, TransferMatrix | Columns) and matrix.components is not None:
+        return len(matrix.components)
+    if isinstance(matrix, StoredColumns):
+        return matrix.views.components
+    if isinstance(matrix, SkyCoefficients):
+        views = max(component_count(chain.receiving[0]) for chain in matrix.windows)
+        return views + sum(map(chain_components, matrix.windows))
+    return 0
+
+
+def channel_count(matrix: Receiving) -> int:
+    """Return the number of channels of a matrix in memory or in files."""
+    if isinstance(matrix, TransferMatrix):
+        return len(matrix.values)
+    return matrix.views.channels if isinstance(matrix, StoredColumns) else 0
+
+
+def chain_components(chain: MatrixChain) -> int:
+    """Return the most error components that the factors of a state have together."""
+    return max((sum(map(component_count, state)) for state in chain.factors), default=0)
+
+
+def coefficients_cost_less(
+    windows: Sequence[MatrixChain], count: int, steps: int
+) -> bool:
+    """Whether (V T D) S takes fewer operations than V (T D S), for fixed shades.
+
+    Parameters
+    ----------
+    count : number of receivers
+    steps : of the sky
+    """
+    views = max(component_count(window.receiving[0]) for window in windows)
+    layers, before, behind = 1 + views, 0, 0
+    for window in windows:
+        daylight = window.factors[0][-1]
+        channels = max(channel_count(window.receiving[0]), len(daylight.values))
+        inner, sky = window.factors[0][0].rows.size, daylight.columns.size
+        own = chain_components(window)
+        layers += own
+        before += count * (1 + views + own) * channels * daylight.rows.size * sky
+        behind += (1 + own) * channels * daylight.rows.size * sky * steps
+        behind += count * (1 + views + own) * channels * inner * steps
+    before += count * layers * windows[0].factors[0][-1].columns.size * steps
+    return bool(before < behind)

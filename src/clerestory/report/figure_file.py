@@ -1,0 +1,32 @@
+"""Figures of Matplotlib as files: .png, .svg or .pdf."""
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from clerestory.errors import InputError
+from clerestory.files import replace_file
+
+_FORMATS = (".png", ".svg", ".pdf")
+
+
+def figure_format(path: Path) -> str:
+    """Return the format of a figure file by its suffix.
+
+    Raises
+    ------
+    InputError : another suffix
+    """
+    suffix = path.suffix.lower()
+    if suffix not in _FORMATS:
+        raise InputError(
+            f"figure {path.name!r}; a name in {', '.join(_FORMATS)} expected"
+        )
+    return suffix[1:]
+
+
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the suffix."""
+    kind = figure_format(path)
+    with replace_file(path) as stream:
+        figure.savefig(stream, format=kind, dpi=150)

@@ -1,0 +1,76 @@
+"""Transfer coefficients times a year of sky, in blocks and in one channel.
+
+The sky's radiance in each band is one grey distribution times a colour per patch. A
+weighted sum of bands, such as luminance, is therefore folded into the transfer matrix
+first, and a year costs one matrix product instead of one per band.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Float, Float32, Int
+from scipy.sparse import csc_array
+
+# Largest array of one block [entries of float32]: 128 MB
+_BLOCK = 32_000_000
+
+
+def fold(
+    values: Float[np.ndarray, "*batch channel row patch"],
+    colour: Float[np.ndarray, "band patch"],
+    weights: Float[np.ndarray, " band"],
+) -> Float32[np.ndarray, "*batch row patch"]:
+    """Sum over bands of weight, colour and coefficient; one channel is all bands."""
+    tint = weights[:, None] * colour
+    if values.shape[-3] == 1:
+        tint = tint.sum(axis=0, keepdims=True)
+    total = values[..., 0, :, :] * tint[0]
+    for channel in range(1, len(tint)):
+        total += values[..., channel, :, :] * tint[channel]
+    return np.asarray(total, dtype=np.float32)
+
+
+def lit_steps(
+    diffuse: Float32[np.ndarray, "patch time"], sun: csc_array
+) -> Int[np.ndarray, " lit"]:
+    """Numbers of the time steps with any light."""
+    return np.flatnonzero(diffuse.T.any(axis=1) | (np.diff(sun.indptr) > 0))
+
+
+def product_blocks(
+    sky: Float32[np.ndarray, "row patch"],
+    sun: Float32[np.ndarray, "row patch"],
+    *,
+    diffuse: Float32[np.ndarray, "patch time"],
+    direct: csc_array,
+    steps: Int[np.ndarray, " lit"],
+) -> Iterator[tuple[Int[np.ndarray, " block"], Float32[np.ndarray, "row block"]]]:
+    """Yield blocks of time steps and what the rows receive in them.
+
+    Parameters
+    ----------
+    sky, sun : folded coefficients for the sky's and the sun's colour
+    diffuse, direct : grey radiance of the patches by sky and sun [W/(m²·sr)]
+    steps : the time steps to compute
+    """
+    rows, patches = sky.shape
+    size = max(1, min(_BLOCK // max(rows, patches), 4096))
+    sun_columns = np.ascontiguousarray(sun.T)
+    dark = not diffuse.any()
+    for start in range(0, len(steps), size):
+        block = steps[start : start + size]
+        if dark:
+            received = np.zeros((rows, len(block)), np.float32)
+        else:
+            received = sky @ diffuse.T[block].T
+        part = direct[:, block]
+        if part.nnz:
+            received += (part.T @ sun_columns).T
+        yield block, received
+
+
+def row_blocks(rows: int, *, layers: int, patches: int) -> Iterator[slice]:
+    """Yield blocks of rows small enough to be multiplied with all their layers."""
+    size = max(1, _BLOCK // (layers * patches))
+    for start in range(0, rows, size):
+        yield slice(start, min(start + size, rows))

@@ -1,0 +1,206 @@
+"""Pictures of a study: glare at every step, and files of the moments asked for.
+
+No picture is kept: they come one after the other and are judged at once; only those
+asked for by name are written.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, Int
+
+from clerestory.errors import InputError
+from clerestory.files import make_folder
+from clerestory.glare.annual_glare import annual_glare
+from clerestory.image.picture import Picture
+from clerestory.image.picture_files import write_picture
+from clerestory.phases.matrix_equation import Skies, States
+from clerestory.progress import Progress
+from clerestory.scene.view import View
+from clerestory.study.config_tables import EVERY, ViewTable
+from clerestory.study.control_inputs import GlareFunction
+from clerestory.study.job import Display
+from clerestory.study.luminaire_matrices import Lamps
+from clerestory.study.view_matrices import ViewMatrices
+
+PICTURE_FOLDER = "pictures"
+
+# Angle that an eye sees, a little less for views that are cut
+_EYE_DEG = 179.0
+
+
+def study_views(
+    views: Sequence[ViewMatrices],
+    skies: Skies,
+    states: States,
+    *,
+    lamps: Lamps,
+    output: Float[np.ndarray, "zone time"],
+    out: Path,
+    display: Display,
+) -> xr.Dataset:
+    """Return the glare of every view at every step, and write the pictures asked for.
+
+    Steps without light have no glare: NaN.
+
+    Parameters
+    ----------
+    states : of every window group, over time
+    lamps, output : electric light that is added, and the share of it that is on
+
+    Returns
+    -------
+    variables `glare_…` over (view, time), for the views of an eye's width, such as
+    `glare_dgp` and `glare_illuminance`, the vertical illuminance at the eye [lux]
+    """
+    times = skies.whole.times
+    daylight = skies.whole.diffuse.max(axis=0) > 0
+    steps = np.flatnonzero(daylight | (output > 0).any(axis=0))
+    found = {}
+    for view in views:
+        label = view.table.label
+        kept = _asked_for(view.table, times, steps)
+        seen = steps if sees_glare(view.camera.view) else np.array(sorted(kept), int)
+        if len(seen) == 0:
+            continue
+        show = _counted(display(f"pictures of {label}"), len(seen))
+        lit = _with_lamps(
+            view.pictures(states, skies, seen), lamps.pictures(label), output
+        )
+        series = _written(lit, kept, out / PICTURE_FOLDER, label)
+        if sees_glare(view.camera.view):
+            glare = _glare(series, view, times, seen, states, progress=show)
+            found[label] = glare.sortby("time").reindex(time=times)
+        else:
+            for done, _ in enumerate(series, start=1):
+                show(done)
+    if not found:
+        return xr.Dataset()
+    every = xr.concat(list(found.values()), dim="view").assign_coords(view=list(found))
+    return every.rename({name: f"glare_{name}" for name in every.data_vars})
+
+
+def sees_glare(view: View) -> bool:
+    """Whether a view is as wide as an eye's, so that its glare can be judged.
+
+    >>> sees_glare(View(kind="angular", horizontal=180, vertical=180))
+    True
+    >>> sees_glare(View(horizontal=60, vertical=40))
+    False
+    """
+    wide = min(view.horizontal, view.vertical) >= _EYE_DEG
+    return wide and view.kind in ("angular", "hemispherical")
+
+
+def glare_function(
+    views: Sequence[ViewMatrices], skies: Skies, *, display: Display
+) -> GlareFunction:
+    """Return what tells rules the glare of some steps, electric light left out.
+
+    Steps without daylight have none: 0.
+    """
+    times = skies.whole.times
+    lit = skies.whole.diffuse.max(axis=0) > 0
+
+    def judge(
+        states: States, steps: Int[np.ndarray, " step"], names: Sequence[str]
+    ) -> Float[np.ndarray, " step"]:
+        worst = np.zeros(len(steps))
+        bright = steps[lit[steps]]
+        named = [view for view in views if view.table.label in names]
+        eyes = [view for view in views if sees_glare(view.camera.view)]
+        for view in named or eyes or views:
+            _require_eye(view)
+            if len(bright):
+                series = view.pictures(states, skies, bright)
+                glare = _glare(
+                    (picture.luminance() for _, picture in series),
+                    view,
+                    times,
+                    bright,
+                    states,
+                    progress=_counted(
+                        display(f"glare in {view.table.label}"), len(bright)
+                    ),
+                )
+                dgp = glare.sortby("time")["dgp"].values
+                worst[lit[steps]] = np.maximum(worst[lit[steps]], dgp)
+        return worst
+
+    return judge
+
+
+def _require_eye(view: ViewMatrices) -> None:
+    if not sees_glare(view.camera.view):
+        raise InputError(
+            f'view "{view.table.label}" is too narrow to judge glare by; an angular or'
+            " hemispherical one of 180° expected",
+            file=view.table.file,
+        )
+
+
+def _glare(
+    series: Iterator[np.ndarray],
+    view: ViewMatrices,
+    times: np.ndarray,
+    steps: np.ndarray,
+    states: States,
+    *,
+    progress: Callable[[int], None] | None = None,
+) -> xr.Dataset:
+    # The pictures come by combinations of states; their times say where they belong
+    order = view.order(states, steps)
+    return annual_glare(series, view.camera.view, times=times[order], progress=progress)
+
+
+def _counted(progress: Progress, count: int) -> Callable[[int], None]:
+    return lambda done: progress(done / count, f"{done} of {count} steps")
+
+
+def _asked_for(
+    table: ViewTable, times: np.ndarray, steps: np.ndarray
+) -> dict[int, str]:
+    # Number of the step of each picture, and the words of the study for it
+    stamps = {
+        str(np.datetime_as_string(times[step], unit="m"))[5:]: int(step)
+        for step in steps
+    }
+    if EVERY in table.pictures:
+        return {step: stamp for stamp, step in stamps.items()}
+    for moment in table.pictures:
+        if moment not in stamps:
+            raise InputError(
+                f'view "{table.label}": no step with light at {moment}; one such as'
+                f" {list(stamps)[len(stamps) // 2]} expected"
+            )
+    return {stamps[moment]: moment for moment in table.pictures}
+
+
+def _with_lamps(
+    series: Iterator[tuple[int, Picture]],
+    lamps: Sequence[np.ndarray],
+    output: Float[np.ndarray, "zone time"],
+) -> Iterator[tuple[int, Picture]]:
+    # Add the light of every zone as far as it is on
+    for step, picture in series:
+        pixels = picture.radiance
+        for lit, share in zip(lamps, output[:, step], strict=True):
+            if share > 0:
+                pixels = pixels + np.float32(share) * lit.reshape(pixels.shape)
+        yield step, Picture(pixels, view=picture.view, header=picture.header)
+
+
+def _written(
+    series: Iterator[tuple[int, Picture]],
+    kept: dict[int, str],
+    folder: Path,
+    label: str,
+) -> Iterator[np.ndarray]:
+    for step, picture in series:
+        if step in kept:
+            make_folder(folder)
+            name = f"{label}_{kept[step].replace(':', '')}.hdr"
+            write_picture(picture, folder / name)
+        yield picture.luminance()

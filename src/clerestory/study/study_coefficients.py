@@ -1,0 +1,156 @@
+"""Matrices of a study that lead from sensors straight to the sky or to the suns.
+
+In the two-phase method light passes one window group at a time, a surface of its BSDF,
+while the others are black; the sum over the groups is that of the room. What a group's
+own shade reflects back into the room is part of it, what the others' reflect is not.
+"""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from clerestory import __version__
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.fingerprint import fingerprint
+from clerestory.phases.matrix_equation import MatrixChain
+from clerestory.phases.methods import METHODS
+from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.traced_matrices import daylight_coefficients
+from clerestory.phases.unscattered_light import (
+    unscattered_coefficients,
+    unscattered_sun,
+)
+from clerestory.scene.model import BsdfSurface, Plastic, Scene
+from clerestory.sky.sun_matrix import SunMatrix
+from clerestory.study.job import COEFFICIENTS, DIRECT, STATE, SUN, Job
+from clerestory.study.kept_matrices import kept
+from clerestory.study.window_groups import state_label
+
+
+def coefficients(job: Job, *, direct: bool) -> list[MatrixChain]:
+    """Return C of each window group in each state, or of a scene that has its glass.
+
+    Parameters
+    ----------
+    direct : whether only direct light counts: C_d
+    """
+    if not job.inputs.groups:
+        unscattered = _unscattered(job) if direct else _traced(job, job.scene, "", 0)
+        return [MatrixChain((unscattered,))]
+    return [
+        MatrixChain(
+            tuple(
+                _of_state(job, number, at, direct=direct)
+                for at in range(len(group.states))
+            )
+        )
+        for number, group in enumerate(job.inputs.groups)
+    ]
+
+
+def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
+    """Return C_ds of each window group in each state, or of a scene with its glass."""
+    if not job.inputs.groups:
+        return [MatrixChain((_unscattered_sun(job, suns),))]
+    return [
+        MatrixChain(
+            tuple(_sun(job, number, at, suns) for at in range(len(group.states)))
+        )
+        for number, group in enumerate(job.inputs.groups)
+    ]
+
+
+def _of_state(job: Job, number: int, at: int, *, direct: bool) -> TransferMatrix:
+    # The scene with one window in one state, and the others black
+    groups = job.inputs.groups
+    chosen, state = groups[number], groups[number].states[at]
+    up = chosen.inner.frame.up
+    shade = BsdfSurface("window shade", state.fine, 0.0, up, peak=state.peak)
+    black = Plastic("window black", np.zeros(3))
+    surfaces = [
+        replace(polygon, material=shade.name if each is chosen else black.name)
+        for each in groups
+        for polygon in each.inner.polygons
+    ]
+    panes = Scene({shade.name: shade, black.name: black}, tuple(surfaces))
+    stream = COEFFICIENTS + number + STATE * at + DIRECT * direct
+    label = state_label(chosen, at)
+    return _traced(job, job.scene + panes, label, stream, direct=direct)
+
+
+def _traced(
+    job: Job, scene: Scene, label: str, stream: int, *, direct: bool = False
+) -> TransferMatrix:
+    sensors, options = job.inputs.sensors(), job.options(stream)
+    options["subdivision"] = job.study.sky.subdivision
+    scene_key = job.scene_key if scene is job.scene else fingerprint(__version__, scene)
+    prefix, of = "direct-" if direct else "", f"-{label}" if label else ""
+    return kept(
+        job,
+        f"{prefix}coefficients{of}",
+        partial(daylight_coefficients, scene, sensors=sensors),
+        ("coefficients", scene_key, sensors),
+        options,
+        shown=f"{prefix}daylight coefficients{of}",
+    )
+
+
+def _unscattered(job: Job) -> TransferMatrix:
+    sensors = job.inputs.sensors()
+    options: dict[str, Any] = {
+        "subdivision": job.study.sky.subdivision,
+        "seed": job.seed(COEFFICIENTS + DIRECT),
+        "device": job.device,
+    }
+    return kept(
+        job,
+        "direct-coefficients",
+        partial(unscattered_coefficients, job.scene, sensors=sensors),
+        ("unscattered", job.scene_key, sensors),
+        options,
+        shown="direct daylight coefficients",
+    )
+
+
+def _unscattered_sun(job: Job, suns: SunMatrix) -> TransferMatrix:
+    sensors = job.inputs.sensors()
+    trace = partial(unscattered_sun, job.scene, sensors=sensors, suns=suns.directions)
+    key = "unscattered sun", job.scene_key, sensors, suns.directions
+    return kept(job, "sun", trace, key, _sun_options(job, 0), shown="direct sun")
+
+
+def _sun_options(job: Job, stream: int) -> dict[str, Any]:
+    return {
+        "samples": job.study.sun.samples,
+        "seed": job.seed(SUN + stream),
+        "device": job.device,
+    }
+
+
+def _sun(job: Job, number: int, at: int, suns: SunMatrix) -> TransferMatrix:
+    group = job.inputs.groups[number]
+    chosen, sensors = group.states[at], job.inputs.sensors()
+    windows = [each.inner for each in job.inputs.groups]
+    scene, scene_key = job.scene, job.scene_key
+    if METHODS[job.study.method].facade and chosen.shade.surfaces:
+        scene = scene + blackened(chosen.shade)
+        scene_key = fingerprint(__version__, scene)
+    label = state_label(group, at)
+    return kept(
+        job,
+        f"sun-{label}",
+        partial(
+            sun_coefficients,
+            scene,
+            windows,
+            group.name,
+            chosen.fine,
+            sensors=sensors,
+            suns=suns.directions,
+        ),
+        ("sun", scene_key, windows, number, chosen.fine, sensors, suns.directions),
+        _sun_options(job, number + STATE * at) | {"peak": chosen.peak},
+        shown=f"direct sun through {label}",
+    )

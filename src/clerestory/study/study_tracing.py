@@ -1,0 +1,226 @@
+"""Tracing of the matrices that a study asks for.
+
+Matrices of an earlier run are found again. Each is traced once for all time steps,
+whatever state of the shades acts when.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from clerestory.errors import InputError
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
+from clerestory.phases.fingerprint import fingerprint
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Skies,
+    WindowMatrices,
+    window_chain,
+)
+from clerestory.phases.methods import METHODS
+from clerestory.phases.pooled import with_few_components
+from clerestory.phases.stored_views import StoredColumns, store_views, stored_columns
+from clerestory.phases.sun_coefficients import blackened
+from clerestory.phases.traced_matrices import (
+    daylight_matrices,
+    daylight_matrix,
+    view_matrices,
+)
+from clerestory.sky.sky_matrix import sky_matrix
+from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
+from clerestory.sky.weather import Weather
+from clerestory.study.config import Study
+from clerestory.study.job import DIRECT, STATE, Job
+from clerestory.study.kept_matrices import kept, kept_together
+from clerestory.study.memory_size import is_stored, most_sensors
+from clerestory.study.study_coefficients import coefficients, direct_suns
+from clerestory.study.study_matrices import StudyMatrices
+from clerestory.study.window_groups import WindowGroup, state_label
+
+# Random numbers of façade matrices and of the daylight matrices of their ports
+FACADE, PORTS = 0x100000, 0x200000
+
+
+def study_skies(study: Study, weather: Weather, suns: SunMatrix | None) -> Skies:
+    """Return the skies that the method of a study multiplies."""
+    make = partial(
+        sky_matrix,
+        weather,
+        subdivision=study.sky.subdivision,
+        ground_reflectance=study.sky.ground_reflectance,
+        rotation_deg=study.sky.rotation_deg,
+    )
+    return Skies(make(), make(include="sun") if needs_direct(study) else None, suns)
+
+
+def needs_direct(study: Study) -> bool:
+    """Whether direct light is traced apart: direct correction, or LM-83's rule."""
+    rules = [window.control.rule for window in study.window if window.control]
+    return study.corrected or (METHODS[study.method].windows and "LM-83" in rules)
+
+
+def study_suns(study: Study, weather: Weather) -> SunMatrix | None:
+    """Return the suns of the direct correction; None for methods without it."""
+    table, rotation = study.sun, study.sky.rotation_deg
+    if not study.corrected:
+        return None
+    if table.places == "patches":
+        return patch_suns(weather, rotation_deg=rotation)
+    return sun_matrix(weather, tolerance_deg=table.tolerance_deg, rotation_deg=rotation)
+
+
+def trace_study(job: Job) -> StudyMatrices:
+    """Return the matrices of a study; those of an earlier run are not traced again.
+
+    Raises
+    ------
+    InputError : a rule asks for light that the method does not know
+    """
+    study, direct = job.study, needs_direct(job.study)
+    method, stored = METHODS[study.method], is_stored(study, job.inputs, direct=direct)
+    rules = [window.control.rule for window in study.window if window.control]
+    if "LM-83" in rules and not direct:
+        raise InputError(
+            f'rule "LM-83" by the {study.method} method with the sun in patches, which'
+            " does not know direct light; the sun at its exact place expected"
+        )
+    suns = study_suns(study, job.inputs.weather)
+    black = job
+    if job.inputs.groups:
+        # Windows scatter direct light, and all else is black
+        black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
+    make = partial(_window_chains, stored=stored) if method.windows else coefficients
+    whole = make(job, direct=False)
+    none: list[MatrixChain | None] = [None] * len(whole)
+    dark = make(black, direct=True) if direct else none
+    sun = direct_suns(black, suns) if suns is not None else none
+    windows = tuple(map(WindowMatrices, whole, dark, sun))
+    terms = method.terms(corrected=study.corrected)
+    if not stored:
+        return StudyMatrices(terms, windows, suns)
+    most = most_sensors(study, job.inputs, direct=direct)
+    return StudyMatrices(terms, windows, suns, job.scratch, most)
+
+
+def _window_chains(job: Job, *, direct: bool, stored: bool) -> list[MatrixChain]:
+    # V, T and D, or F D; all views are traced at once, each daylight matrix on its own
+    trace = _stored_views if stored else _views
+    views: Sequence[TransferMatrix | StoredColumns] = trace(job, direct=direct)
+    chains = []
+    for number, (group, view) in enumerate(zip(job.inputs.groups, views, strict=True)):
+        daylight = _daylight(job, group, number, direct=direct)
+        if stored:
+            daylight = [with_few_components(matrix) for matrix in daylight]
+        T = [state.transmission for state in group.states]
+        chains.append(window_chain(view, T, daylight * (len(T) // len(daylight))))
+    return chains
+
+
+def _prefix(direct: bool) -> str:
+    return "direct-" if direct else ""
+
+
+def _view_options(job: Job, *, direct: bool) -> dict[str, Any]:
+    options = job.options(DIRECT * direct)
+    if direct:
+        options["bounces"] = 1  # the gather at the sensor itself
+    return options
+
+
+def _views(job: Job, *, direct: bool) -> list[TransferMatrix]:
+    sensors, prefix = job.inputs.sensors(), _prefix(direct)
+    windows = [group.inner for group in job.inputs.groups]
+    found = kept_together(
+        job,
+        f"{prefix}view",
+        windows,
+        partial(view_matrices, job.scene, windows, sensors=sensors),
+        ("view", job.scene_key, windows, sensors),
+        _view_options(job, direct=direct),
+        shown=f"{prefix}view matrices",
+    )
+    return list(found.values())
+
+
+def _stored_views(job: Job, *, direct: bool) -> Sequence[StoredColumns]:
+    sensors, options = job.inputs.sensors(), _view_options(job, direct=direct)
+    windows = [group.inner for group in job.inputs.groups]
+    views = store_views(
+        job,
+        job.scene,
+        windows,
+        name=f"{_prefix(direct)}views",
+        key=fingerprint("views", job.scene_key, windows, sensors, options),
+        sensors=sensors,
+        executor=job.executor,
+        progress=job.display(f"{_prefix(direct)}view matrices"),
+        **options,
+    )
+    return stored_columns(views, windows)
+
+
+def _daylight(
+    job: Job, group: WindowGroup, number: int, *, direct: bool
+) -> list[TransferMatrix]:
+    # D, shared by all states, or F D of each of them
+    if METHODS[job.study.method].facade and group.ports:
+        D = _port_daylight(job, group, number, direct=direct)
+        return [
+            facade_daylight(_facade(job, group, number, at, direct=direct), D)
+            for at in range(len(group.states))
+        ]
+    # Each window has a seed of its own, apart from that of the view matrices
+    options = _outside_options(job, 1 + number, direct=direct)
+    options["subdivision"] = job.study.sky.subdivision
+    matrix = kept(
+        job,
+        f"{_prefix(direct)}daylight-{group.name}",
+        partial(daylight_matrix, job.scene, group.outer),
+        ("daylight", job.scene_key, group.outer),
+        options,
+        shown=f"{_prefix(direct)}daylight matrix of {group.name}",
+    )
+    return [matrix]
+
+
+def _outside_options(job: Job, stream: int, *, direct: bool) -> dict[str, Any]:
+    options = job.options(stream + DIRECT * direct)
+    if direct:
+        options["bounces"] = 0
+    return options
+
+
+def _port_daylight(
+    job: Job, group: WindowGroup, number: int, *, direct: bool
+) -> dict[str, TransferMatrix]:
+    # D of each port, without the shade before the window
+    options = _outside_options(job, PORTS + STATE * number, direct=direct)
+    options["subdivision"] = job.study.sky.subdivision
+    return kept_together(
+        job,
+        f"{_prefix(direct)}daylight-{group.name}",
+        group.ports,
+        partial(daylight_matrices, job.scene, group.ports),
+        ("ports", job.scene_key, group.ports),
+        options,
+        shown=f"{_prefix(direct)}daylight matrices of the ports of {group.name}",
+    )
+
+
+def _facade(
+    job: Job, group: WindowGroup, number: int, at: int, *, direct: bool
+) -> dict[str, TransferMatrix]:
+    # F of each port, through one state of the exterior shade
+    shade, label = group.states[at].shade, state_label(group, at)
+    scene = job.scene + (blackened(shade) if direct else shade)
+    return kept_together(
+        job,
+        f"{_prefix(direct)}facade-{label}",
+        group.ports,
+        partial(facade_matrices, scene, group.outer, group.ports),
+        ("facade", job.scene_key, shade, group.outer, group.ports),
+        _outside_options(job, FACADE + number + STATE * at, direct=direct),
+        shown=f"{_prefix(direct)}façade matrices of {label}",
+    )

@@ -1,0 +1,227 @@
+"""Trace what the pictures of one view need, and multiply them out for given states.
+
+V and V_d of the pixels are traced once for all states. Direct suns are traced for each
+state when it first acts. All are kept beside the other matrices as half-precision
+numbers; those of suns only if all states' fit into what the study allows, else they are
+forgotten as the pictures pass.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.image.picture import Picture
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.fingerprint import fingerprint
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Skies,
+    States,
+    WindowMatrices,
+)
+from clerestory.phases.methods import METHODS
+from clerestory.phases.picture_matrices import (
+    Camera,
+    SunPictures,
+    picture_sun_coefficients,
+    picture_view_matrices,
+    sun_pictures,
+)
+from clerestory.phases.picture_series import pictures_over_time
+from clerestory.study.config_tables import ViewTable
+from clerestory.study.job import DIRECT, STATE, SUN, Job
+from clerestory.study.study_matrices import StudyMatrices
+
+# Bytes of a pixel's coefficient for one sun: three half-precision numbers
+_PIXEL_BYTES = 6
+
+
+@dataclass(frozen=True, eq=False)
+class ViewMatrices:
+    """Matrices of one view, for all states of all window groups.
+
+    Attributes
+    ----------
+    matrices : of the sensors, whose T and D are those of the pixels
+    windows : V of the pixels, T and D of each window group; V_d, T, D_d and direct suns
+        with the direct correction
+    """
+
+    job: Job
+    table: ViewTable
+    camera: Camera
+    matrices: StudyMatrices
+    windows: tuple[WindowMatrices, ...] = ()
+    _suns: dict[tuple[int, int], SunPictures] = field(default_factory=dict)
+
+    def pictures(
+        self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
+    ) -> Iterator[tuple[int, Picture]]:
+        """Yield number and picture of each of some steps.
+
+        Steps of one combination of states come together, in order of time.
+
+        Parameters
+        ----------
+        states : number of the state at every step of the skies, per window group
+        steps : numbers of the steps wanted
+        """
+        for alike in _combinations(states, steps):
+            series = pictures_over_time(
+                self.windows,
+                self.matrices.terms,
+                self.camera,
+                skies.select(alike),
+                [np.asarray(state)[alike] for state in states],
+            )
+            yield from zip(alike.tolist(), series, strict=True)
+
+    def order(
+        self, states: States, steps: Int[np.ndarray, " step"]
+    ) -> Int[np.ndarray, " step"]:
+        """Numbers of the steps in the order in which their pictures come."""
+        return np.concatenate(_combinations(states, steps))
+
+    def sun_of(
+        self, number: int, state: int, asked: Int[np.ndarray, " sun"]
+    ) -> Float[np.ndarray, "channel pixel sun"]:
+        """Direct-sun coefficients of some suns, traced or read when first asked for."""
+        return self.sun(number, state)(asked)
+
+    def sun(self, number: int, state: int) -> SunPictures:
+        """Direct sun through one window group in one of its states, by suns."""
+        if (number, state) not in self._suns:
+            self._suns[number, state] = self._sun(number, state)
+        return self._suns[number, state]
+
+    def _sun(self, number: int, state: int) -> SunPictures:
+        job, suns = self.job, self.matrices.suns
+        group = job.inputs.groups[number]
+        chosen = group.states[state]
+        directions = np.zeros((0, 3)) if suns is None else suns.directions
+        windows = [each.inner for each in job.inputs.groups]
+        options: dict[str, Any] = {
+            "peak": chosen.peak,
+            "samples": job.study.sun.picture_samples,
+            "seed": job.seed(SUN + number + STATE * state),
+            "device": job.device,
+        }
+        scene = job.scene
+        if METHODS[job.study.method].facade:
+            scene = scene + chosen.shade
+        where = (scene, windows, group.name, chosen.fine, self.camera)
+        if self._bytes(len(directions)) > job.study.sun.keep_gb * 1e9:
+            return sun_pictures(
+                *where, suns=directions, executor=job.executor, **options
+            )
+        label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
+        key = fingerprint(
+            "picture sun", job.scene_key, chosen.shade, windows, number, chosen.fine,
+            self.camera, directions, options,
+        )  # fmt: skip
+
+        def make() -> TransferMatrix:
+            progress = job.display(f"direct sun in pictures, {label}")
+            traced = picture_sun_coefficients(
+                *where,
+                suns=directions,
+                executor=job.executor,
+                progress=progress,
+                **options,
+            )
+            return _half(traced)
+
+        values = job.matrix(f"picture-sun-{label}", key, make).values
+        return lambda asked: values[:, :, asked]
+
+    def _bytes(self, suns: int) -> int:
+        # What the direct suns of all views and states take
+        inputs = self.job.inputs
+        pixels = sum(len(camera) for camera in inputs.cameras)
+        states = sum(len(group.states) for group in inputs.groups)
+        return _PIXEL_BYTES * pixels * suns * states
+
+
+def _half(matrix: TransferMatrix) -> TransferMatrix:
+    # Three digits are enough for a pixel, whose noise is larger. Grey rooms have three
+    # equal channels, which are one in memory: one is enough
+    values = matrix.values
+    alike = values.strides[0] == 0
+    return replace(matrix, values=values[: 1 if alike else 3].astype(np.float16))
+
+
+def _combinations(
+    states: States, steps: Int[np.ndarray, " step"]
+) -> list[Int[np.ndarray, " alike"]]:
+    # Steps of each combination of states that occurs
+    chosen = np.stack([np.asarray(state)[steps] for state in states], axis=1)
+    return [
+        steps[(chosen == combination).all(axis=1)]
+        for combination in np.unique(chosen, axis=0)
+    ]
+
+
+def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
+    """Return the matrices of all views; what was traced before is found again."""
+    return tuple(
+        _view(job, matrices, table, camera)
+        for table, camera in zip(job.study.view, job.inputs.cameras, strict=True)
+    )
+
+
+def _view(
+    job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
+) -> ViewMatrices:
+    def chains(part: Literal["whole", "direct"]) -> list[MatrixChain]:
+        views = _view_matrices(job, table, camera, direct=part == "direct")
+        found = []
+        for group, window in zip(job.inputs.groups, matrices.windows, strict=True):
+            chain = window.direct if part == "direct" else window.whole
+            factors = chain.factors if chain else ()
+            found.append(MatrixChain((views[group.name],), factors))
+        return found
+
+    view = ViewMatrices(job, table, camera, matrices)
+    whole = chains("whole")
+    if matrices.suns is None:
+        return replace(view, windows=tuple(map(WindowMatrices, whole)))
+    suns = [
+        MatrixChain(
+            tuple(partial(view.sun_of, n, at) for at in range(len(group.states)))
+        )
+        for n, group in enumerate(job.inputs.groups)
+    ]
+    windows = tuple(map(WindowMatrices, whole, chains("direct"), suns))
+    return replace(view, windows=windows)
+
+
+def _view_matrices(
+    job: Job, table: ViewTable, camera: Camera, *, direct: bool
+) -> dict[str, TransferMatrix]:
+    options = job.options(DIRECT * direct)
+    del options["relative_error" if "relative_error" in options else "samples"]
+    options |= {"samples": table.samples, "direct": direct}
+    prefix = "direct-picture" if direct else "picture"
+    inner = {f"{prefix}-{table.label}-{g.name}": g.inner for g in job.inputs.groups}
+    key = fingerprint(
+        "half picture", job.scene_key, list(inner.values()), camera, options
+    )
+
+    def make() -> dict[str, TransferMatrix]:
+        progress = job.display(f"{prefix} matrices of {table.label}")
+        traced = picture_view_matrices(
+            job.scene,
+            list(inner.values()),
+            camera,
+            executor=job.executor,
+            progress=progress,
+            **options,
+        )
+        return {name: _half(traced[window.name]) for name, window in inner.items()}
+
+    found = job.matrices(list(inner), key, make)
+    return {window.name: found[name] for name, window in inner.items()}
