@@ -149,7 +149,7 @@ def test_windows_are_sampled_evenly_by_solid_angle(device):
     take = [dr.gather(mi.UInt32, u, dr.arange(mi.UInt32, n) + k * n) for k in (0, 1)]
     u, v = (mi.Float(t >> 8) / (1 << 24) for t in take)
     origin = mi.Point3f(0.3, 0.4, 0.2)
-    point, _, spherical = table.aim(origin, u, v)
+    point, _, _, _, spherical = table.sample_direction(origin, u, v)
     # Solid angle of a rectangle from a point: four corner terms of the arctangent form
     corners = [(0 - 0.3, 0 - 0.2), (2 - 0.3, 1.5 - 0.2)]
     solid = 0.0

@@ -145,7 +145,7 @@ class PixelSunJob:
     samples : paths per pixel and sun
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("direct_sun_pixels", "prepare_pixel_sun")
+    tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_pixel_sun")
     batches: ClassVar[int] = 1
 
     scene: Scene

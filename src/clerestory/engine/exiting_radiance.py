@@ -40,7 +40,7 @@ class Patches:
 class ExitingRadianceJob:
     """Mean radiance that patches send within rings and sectors, patch by patch."""
 
-    tracer: ClassVar[tuple[str, str]] = ("outgoing_tracer", "prepare_outgoing")
+    tracer: ClassVar[tuple[str, str]] = ("exiting_radiance_tracer", "prepare_outgoing")
     batches: ClassVar[int] = PICTURE_BATCHES
 
     scene: Scene

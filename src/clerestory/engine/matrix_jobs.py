@@ -127,7 +127,7 @@ class PixelViewJob(MatrixJob):
     direct : whether paths stop at the first surface
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("pixel_view_tracer", "prepare_pixel_view")
+    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_pixel_view")
     together: ClassVar[bool] = False
 
     scene: Scene

@@ -22,12 +22,13 @@ from clerestory.engine.device import in_use
 from clerestory.engine.effort import Effort
 from clerestory.engine.matrix_tracers import matrix_tracer
 from clerestory.engine.patches import PatchTable
+from clerestory.engine.path_tracer import segments_of
 from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
-from clerestory.engine.sampler import Points
+from clerestory.engine.sampler import PathNumbers
+from clerestory.engine.sinks import MatrixSink
 from clerestory.engine.sums import BATCHES
 from clerestory.engine.upload import on_device
-from clerestory.engine.walk import Target
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
@@ -44,12 +45,12 @@ class Patches:
 
     Attributes
     ----------
-    target : sums of transmission, then of reflection
+    sink : sums of transmission, then of reflection
     table, count : patches of either
     back : of each path, whether it came from the room
     """
 
-    target: Target
+    sink: MatrixSink
     table: PatchTable
     count: int
     back: mi.Bool
@@ -59,7 +60,7 @@ class Patches:
         column = self.table.find(direction)
         reflected = (direction.z > 0) == self.back
         column += dr.select(reflected, mi.UInt32(self.count), 0)
-        self.target.score(paths.slot, column, weight, active)
+        self.sink.score(paths.slot, column, weight, active)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,14 +148,13 @@ def prepare_slab(job: SlabJob) -> Tracer:
     table, count = PatchTable.of(job.partition), len(job.incidents)
     incidents = on_device(mi.UInt32, job.incidents)
     backs = mi.Bool([bool(side) for side in job.sides])
-    limit = (1 << 30) if job.bounces is None else job.bounces + 1
+    limit = segments_of(job.bounces)
 
-    def launch(target: Target, sequence: Points, paths: Lanes, _unit: Unit) -> None:
+    def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
         back = dr.gather(mi.Bool, backs, paths.number // count)
         patch = dr.gather(mi.UInt32, incidents, paths.number % count)
-        ray = start(slab, sequence, paths, table, patch, back)
-        receiver = Patches(target, table, len(job.partition), back)
-        follow(slab, receiver, sequence, paths, ray, dr.opaque(mi.UInt32, limit))
+        ray = start(slab, numbers.points, paths, table, patch, back)
+        receiver = Patches(sink, table, len(job.partition), back)
+        follow(slab, receiver, numbers.points, paths, ray, dr.opaque(mi.UInt32, limit))
 
-    target = Target(None, None, mi.UInt64(), *job.shape[2:])
-    return matrix_tracer(job, target, launch, stream=0, seed=job.seed ^ _SALT)
+    return matrix_tracer(job, launch, stream=0, seed=job.seed ^ _SALT)

@@ -132,7 +132,11 @@ def test_threads_do_not_touch():
         ("venetian", {**BLIND, "reflectance": 1.5}, "values from 0 to 1"),
         ("perforated", {"hole": 0.01}, "less than the pitch"),
         ("fabric", {"openness": 1.0, "reflectance": 0.5}, "below 1"),
-        ("diffuse_pane", {"transmittance": 0.8, "reflectance": 0.4}, "sum of at most 1"),
+        (
+            "diffuse_pane",
+            {"transmittance": 0.8, "reflectance": 0.4},
+            "sum of at most 1",
+        ),
         ("prismatic", {"index": 0.5}, "above 1"),
         ("mirrored_channels", {"mirror_depth": 1.0}, "at most the thickness"),
         ("microlouvre", {"cutoff_deg": 95}, "0 to 90"),
