@@ -116,7 +116,7 @@ class UnscatteredJob:
 
     @property
     def channels(self) -> int:
-        """One in a grey scene, else three."""
+        """One in a grey scene, else one per band."""
         return channels_of(self.scene)
 
     @property

@@ -98,7 +98,7 @@ def _traced(
             _after_ground(values * angle),
             _after_ground(components * angle.astype(np.float32)),
         )
-    return TransferMatrix(values, rows, columns, components)
+    return TransferMatrix(values, rows, columns, components, scene.bands)
 
 
 def _after_ground(values: np.ndarray) -> np.ndarray:

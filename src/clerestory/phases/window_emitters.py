@@ -11,6 +11,7 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import RGB
 from clerestory.directions import unit
 from clerestory.engine.effort import EffortKeywords, effort_of
 from clerestory.engine.exiting_radiance import Patches, trace_exiting_radiance
@@ -68,7 +69,10 @@ def precompute_illums(
     if not pieces:
         raise InputError("no panes given; at least one polygon expected")
     patches = _patches(pieces)
-    lit = trace_exiting_radiance(room + panes, patches, rings, 2 * rings, effort)
+    whole = room + panes
+    if whole.bands != RGB:
+        raise InputError(f"a scene in the bands {whole.bands}; {RGB} expected")
+    lit = trace_exiting_radiance(whole, patches, rings, 2 * rings, effort)
     warn_if_short(lit, "light of the windows", effort)
     radiance = lit.value.reshape(len(pieces), rings, 2 * rings, 3)
     materials: dict[str, Material] = {}
