@@ -19,8 +19,8 @@ from clerestory.bsdfgen.shading_system import System
 from clerestory.engine.primary_rays import lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
 from clerestory.engine.sampler import points
+from clerestory.engine.sinks import FIXED_POINT, MatrixSink
 from clerestory.engine.square import square_from_disc
-from clerestory.engine.walk import FIXED_POINT, Target
 from clerestory.gonio.angles import angle_between, straight_on
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import Measurement, Scan
@@ -95,7 +95,7 @@ class TracedLayer:
 
     def _traced(self, incident, number):
         wide = 1 << HALVINGS
-        target = Target(None, None, dr.zeros(mi.UInt64), wide * wide, 1)
+        target = MatrixSink(dr.zeros(mi.UInt64), wide * wide, 1)
         target.sums = dr.zeros(mi.UInt64, wide * wide + 1)
         table = _Disc(mi.Vector3f(*straight_on(incident).tolist()), self.source)
         dr.make_opaque(table.centre)
@@ -132,7 +132,7 @@ class _Disc:
 
 @dataclass
 class _Cells:
-    target: Target
+    target: MatrixSink
 
     def receive(self, _paths, direction, weight, active):
         place = square_from_disc(direction.x, direction.y) * (1 << HALVINGS)

@@ -8,7 +8,7 @@ import numpy as np
 
 from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.walk import offset
+from clerestory.engine.visibility import offset
 from truth.setting import FACE, HEIGHT, PLANE, WIDTH
 
 _RAYS = 1 << 18
@@ -63,7 +63,7 @@ def beams(film: LoweredScene, sky: DistantEmitters) -> Beams:
 def _through(film: LoweredScene, sky: DistantEmitters, seed: mi.UInt32):
     """Return where rays of the sun go, their cosine to the film, whether they left."""
     rng = random_numbers(dr.arange(mi.UInt32, _RAYS), seed)
-    sun, _, _ = sky.aim(mi.Float(0.5), rng.next_float32(), rng.next_float32())
+    sun, _, _ = sky.sample_sun(mi.Float(0.5), rng.next_float32(), rng.next_float32())
     place = mi.Point3f(rng.next_float32() - 0.5, -0.02, rng.next_float32() - 0.5)
     context = mi.BSDFContext()
 

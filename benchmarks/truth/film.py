@@ -23,11 +23,11 @@ import numpy as np
 
 import clerestory as cl
 from clerestory.bands import RGB
+from clerestory.engine.camera_rays import CameraRays
 from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.lower import LoweredScene, lower
-from clerestory.engine.radiance_tracers import PixelRays
 from clerestory.engine.upload import vectors
-from clerestory.engine.walk import offset
+from clerestory.engine.visibility import offset
 from clerestory.phases.picture_matrices import Camera
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
@@ -140,8 +140,8 @@ def follow(room: FilmRoom, rng, ray, weight, sharp, active):
 
         # Take the sky; the sun's disc only where nothing matt stands between
         away = active & ~met
-        sun, _ = sky.radiance_of_suns(ray.d, away & sharp)
-        shone = sky.radiance_of_dome(ray.d) + dr.select(sharp, sun, 0)
+        sun, _ = sky.sun_radiance(ray.d, away & sharp)
+        shone = sky.environment_radiance(ray.d) + dr.select(sharp, sun, 0)
         light += dr.select(away, weight * shone, 0)
 
         # Ask for the sun: borrowed rays of it in the room, itself outdoors
@@ -150,7 +150,7 @@ def follow(room: FilmRoom, rng, ray, weight, sharp, active):
         indoors = si.p.y > 0
         a, b, c = rng.next_float32(), rng.next_float32(), rng.next_float32()
         towards, irradiance, distance = _borrowed(room, si.p, a)
-        itself, density, radiance = sky.aim(a, b, c)
+        itself, density, radiance = sky.sample_sun(a, b, c)
         towards = dr.select(indoors, towards, itself)
         start = offset(model, si, towards, matt)
         far = dr.select(indoors, distance - 1e-4, dr.largest(mi.Float))
@@ -236,7 +236,7 @@ def _gathered(room, position, normal, samples, lanes, seed):
 
 def picture(room: FilmRoom, camera: Camera, *, samples: int, seed: int) -> np.ndarray:
     """Radiance of a camera's pixels (pixel, channel)."""
-    rays = PixelRays.of(camera.view, camera.columns, camera.rows)
+    rays = CameraRays.of(camera.view, camera.columns, camera.rows)
     count = len(camera)
     lane = dr.arange(mi.UInt32, count * samples)
     rng = random_numbers(lane, dr.opaque(mi.UInt32, seed))

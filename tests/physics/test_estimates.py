@@ -72,7 +72,7 @@ def test_results_do_not_depend_on_the_size_of_launches(device, monkeypatch):
     options = {"sensors": SENSORS, "samples": 16 * 600, "seed": 3, "device": device}
     whole = cl.view_matrix(scene, south, **options)
     monkeypatch.setattr(work_units, "_PATHS", 16 * 256)
-    monkeypatch.setattr(controller, "_STRETCH", 256)
+    monkeypatch.setattr(controller, "_LONGEST_RANGE", 256)
     cut = cl.view_matrix(scene, south, **options)
     assert np.array_equal(whole.values, cut.values)
 
@@ -149,7 +149,7 @@ def test_windows_are_sampled_evenly_by_solid_angle(device):
     take = [dr.gather(mi.UInt32, u, dr.arange(mi.UInt32, n) + k * n) for k in (0, 1)]
     u, v = (mi.Float(t >> 8) / (1 << 24) for t in take)
     origin = mi.Point3f(0.3, 0.4, 0.2)
-    point, _, spherical = table.aim(origin, u, v)
+    point, _, _, _, spherical = table.sample_direction(origin, u, v)
     # Solid angle of a rectangle from a point: four corner terms of the arctangent form
     corners = [(0 - 0.3, 0 - 0.2), (2 - 0.3, 1.5 - 0.2)]
     solid = 0.0

@@ -1,4 +1,4 @@
-"""What is known of a room before it is traced: cells, and what to aim at from them."""
+"""Path guiding: cells of a room, and the sampling probabilities learned for them."""
 
 import numpy as np
 import pytest
@@ -33,15 +33,15 @@ def test_cells_tell_places_and_facings_apart(cells):
 
 
 def test_places_in_the_sun_do_not_outvote_those_in_the_shade(device):
-    """A cell's own glances tell its shares, however bright it is elsewhere.
+    """A cell's own pilot samples tell its shares, however bright it is elsewhere.
 
-    Thirty glances in each of two cells: in the shade one part has all the light, out
-    in the sun, ten thousand times as bright, the other. Eight of all glances beside
+    Thirty samples in each of two cells: in the shade one part has all the light, out
+    in the sun, ten thousand times as bright, the other. Eight of all samples beside
     thirty of its own give a part (30 + 8/2)/38 of the squares.
     """
-    sizes = load(device, "path_guiding")._sizes
-    glances = np.repeat([[1.0, 0.0], [0.0, 1e4]], 30, axis=0)
-    found = sizes(glances, np.repeat([0, 1], 30), 3) ** 2
+    sizes = load(device, "path_guiding")._root_mean_squares
+    samples = np.repeat([[1.0, 0.0], [0.0, 1e4]], 30, axis=0)
+    found = sizes(samples, np.repeat([0, 1], 30), 3) ** 2
     assert found[0] == pytest.approx([34 / 38, 4 / 38])
     assert found[1] == pytest.approx([4 / 38, 34 / 38])
     assert found[2] == pytest.approx([0.5, 0.5])

@@ -141,8 +141,7 @@ def generate_bsdf(
         rank = int(basis[-1])
         traced = trace_trees(engine, system.scene, request, rank=rank, depth=halvings)
     else:
-        engine = devices.load(effort.device, "sample_area_matrix")
-        traced = trace_matrices(engine, system.scene, klems(basis), request)
+        traced = trace_matrices(system.scene, klems(basis), request)
     if not traced.reached:
         warnings.warn(
             f"the relative error {effort.relative_error} was not reached after"

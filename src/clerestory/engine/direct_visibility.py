@@ -5,10 +5,10 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.direct_sun_jobs import BATCHES, UnscatteredJob
+from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.lower import lower
 from clerestory.engine.upload import launching, vectors
-from clerestory.engine.walk import passed
+from clerestory.engine.visibility import transmittance
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 
@@ -31,7 +31,9 @@ def direct_transmittance(
         model = lower(scene, origin=origin)
         start = vectors(mi.Point3f, np.repeat(points - origin, count, axis=0))
         towards = vectors(mi.Vector3f, np.tile(directions, (len(points), 1)))
-        share = passed(model, start, lambda at: mi.Ray3f(at, towards), mi.Bool(True))
+        share = transmittance(
+            model, start, lambda origin: mi.Ray3f(origin, towards), mi.Bool(True)
+        )
         found = np.asarray(dr.mean(share))
     return np.broadcast_to(found, len(points) * count).reshape(-1, count).astype(float)
 
@@ -41,7 +43,9 @@ def prepare_unscattered(job: UnscatteredJob) -> Tracer:
     origin = job.sensors.position.mean(axis=0)
     model = lower(job.scene, origin=origin)
 
-    def trace(unit: Unit) -> Float[np.ndarray, "row column batch 3"]:
+    _, batches, _, channels = job.shape
+
+    def trace(unit: Unit) -> Float[np.ndarray, "row batch column channel"]:
         rows, columns = len(unit.rows), len(unit.columns)
         normal = job.sensors.direction[unit.rows]
         flat = job.directions[unit.columns].reshape(-1, 3)
@@ -49,13 +53,14 @@ def prepare_unscattered(job: UnscatteredJob) -> Tracer:
         with launching():
             start = vectors(mi.Point3f, point)
             towards = vectors(mi.Vector3f, np.tile(flat, (rows, 1)))
-            aim = lambda at: mi.Ray3f(at, towards)  # noqa: E731
-            share = passed(model, start, aim, mi.Bool(True))
+            share = transmittance(
+                model, start, lambda origin: mi.Ray3f(origin, towards), mi.Bool(True)
+            )
             dr.eval(share)
             found = share.numpy()
         share = np.broadcast_to(found, (3, rows * len(flat))).reshape(3, rows, -1)
         light = share * np.maximum(normal @ flat.T, 0)
-        shape = 3, rows, columns, BATCHES, job.points
-        return np.moveaxis(light.reshape(shape).mean(axis=-1), 0, -1).astype(float)
+        means = light.reshape(3, rows, columns, batches, job.points).mean(axis=-1)
+        return means[:channels].transpose(1, 3, 2, 0).astype(float)
 
     return trace

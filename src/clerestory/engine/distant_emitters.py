@@ -1,4 +1,4 @@
-"""What shines at infinity: sky and ground as a table, suns as discs."""
+"""Distant emitters: sky and ground as a directional map, suns as discs."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from clerestory.engine.directional_map import DirectionalMap, map_directions
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
-# Sources that subtend less than this are discs with sharp edges, aimed at directly.
+# Sources that subtend less than this are discs with sharp edges, sampled directly.
 _DISC_DEG = 12.0
 
 # Cells along the edge of the sky's table, and points of a cell that are averaged.
@@ -19,7 +19,7 @@ _EDGE = 512
 
 
 def is_sun(source: DistantSource) -> bool:
-    """Whether a distant source is narrow, and aimed at directly."""
+    """Whether a distant source is narrow, and sampled directly."""
     return source.angle_deg <= _DISC_DEG
 
 
@@ -49,7 +49,7 @@ class DistantEmitters:
         """Return the tables of a scene's distant sources."""
         wide = [s for s in scene.distant if not is_sun(s)]
         narrow = [s for s in scene.distant if is_sun(s)]
-        # Kernels take no empty tables: without suns, one that is never looked at
+        # Kernels take no empty tables: without suns, one that is never used
         direction = np.array([s.direction for s in narrow] or [[0.0, 0.0, 1.0]])
         radiance = np.array([_at_centre(scene, s) for s in narrow] or [np.zeros(3)])
         half = np.radians([s.angle_deg / 2 for s in narrow] or [0.5])
@@ -72,15 +72,15 @@ class DistantEmitters:
         )
         return light
 
-    def radiance_of_dome(self, direction):
+    def environment_radiance(self, direction):
         """Return the radiance of the wide sources in a direction."""
         if self.dome is None:
             return mi.Color3f(0)
         return self.dome.look_up(direction)
 
     @dr.syntax
-    def radiance_of_suns(self, direction, active):
-        """Return the radiance of the narrow sources, and the pdf of aiming there."""
+    def sun_radiance(self, direction, active):
+        """Return the radiance of the narrow sources, and the density of sampling it."""
         found = mi.Color3f(0)
         pdf = mi.Float(0)
         number = mi.UInt32(0)
@@ -95,8 +95,8 @@ class DistantEmitters:
             number += 1
         return found, pdf
 
-    def aim(self, pick, u, v):
-        """Return a direction to a narrow source, its pdf, and what shines there."""
+    def sample_sun(self, pick, u, v):
+        """Return a direction to a narrow source, its density and its radiance."""
         number = mi.UInt32(
             dr.binary_search(
                 0,

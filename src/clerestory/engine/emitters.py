@@ -1,8 +1,8 @@
-"""Surfaces that shine: what they send, and where to aim at them.
+"""Emitting surfaces: radiance by direction, and sampling by area and power.
 
-Every shining shape is one lamp. Its radiance may vary with the direction of the
-light, by a pattern, which is tabulated over all directions; a pattern that varies
-with place is taken at the middle of each surface.
+Every emitting shape is one emitter. A pattern that varies its radiance by direction is
+tabulated over all directions; one that varies with position is taken at the middle of
+the surface.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from clerestory.errors import InputError
 from clerestory.scene.model import Emitter, Glow, Illum, Spotlight
 from clerestory.scene.tessellate import Mesh
 
-# Cells along the edge of a pattern's table: 0.6° wide, for lamps of narrow beams
+# Cells along the edge of a pattern's table: 0.6° wide, for emitters of narrow beams
 _EDGE = 256
 
 
@@ -45,34 +45,35 @@ class Emitters:
     Attributes
     ----------
     count : of triangles to aim at
-    radiance : of each lamp
-    table : of each lamp: 1 + number of its pattern, or 0
-    shy : whether a lamp shows itself to the eye only (glow of negative radius)
-    veiled : whether the eye sees another material in its place (illum)
+    radiance : of each emitter
+    table : of each emitter: 1 + number of its pattern, or 0
+    view_only : whether an emitter is seen and does not illuminate (glow of negative
+        radius)
+    illum : whether camera rays see another material in its place (illum)
     patterns : tables of all patterns
     corner, edge_u, edge_v, normal : of the triangles to aim at [m]
-    lamp : of each triangle
+    emitter : of each triangle
     chance : of each triangle over its area [1/m²]
     cumulative : chances up to and with each triangle
-    aimed : for each lamp, its chance over area [1/m²]; 0 where it is not aimed at
+    aimed : for each emitter, its chance over area [1/m²]; 0 where it is not aimed at
     """
 
     count: int
     radiance: mi.Color3f
     table: mi.UInt32
-    shy: mi.Bool
-    veiled: mi.Bool
+    view_only: mi.Bool
+    illum: mi.Bool
     patterns: DirectionalMap | None
     corner: mi.Point3f
     edge_u: mi.Vector3f
     edge_v: mi.Vector3f
-    lamp: mi.UInt32
+    emitter: mi.UInt32
     cumulative: mi.Float
     aimed: mi.Float
 
     @classmethod
     def of(cls, shining: list[Mesh], origin: Float[np.ndarray, "3"]) -> "Emitters":
-        """Return the tables of shining meshes; lamp i is mesh i."""
+        """Return the tables of shining meshes; emitter i is mesh i."""
         radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
         tables, number = [], []
         for mesh in shining:
@@ -84,13 +85,13 @@ class Emitters:
             mean[index] *= 1 if which == 0 else tables[which - 1].mean()
 
         # Triangles that are aimed at, by power
-        corners, lamp = [], []
+        corners, emitter = [], []
         for index, mesh in enumerate(shining):
             if is_aimed_at(mesh.material) and mean[index] > 0:
                 corners.append(mesh.vertices[mesh.faces] - origin)
-                lamp.append(np.full(len(mesh.faces), index))
+                emitter.append(np.full(len(mesh.faces), index))
         corner = np.concatenate([np.zeros((0, 3, 3)), *corners])
-        owner = np.concatenate([np.zeros(0, dtype=int), *lamp])
+        owner = np.concatenate([np.zeros(0, dtype=int), *emitter])
         u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
         area = 0.5 * np.linalg.norm(np.cross(u, v), axis=1)
         power = area * mean[owner]
@@ -103,35 +104,35 @@ class Emitters:
             count=len(owner),
             radiance=vectors(mi.Color3f, radiance),
             table=on_device(mi.UInt32, number),
-            shy=on_device(mi.Bool, [_is_shy(m.material) for m in shining]),
-            veiled=on_device(mi.Bool, [isinstance(m.material, Illum) for m in shining]),
+            view_only=on_device(mi.Bool, [_is_view_only(m.material) for m in shining]),
+            illum=on_device(mi.Bool, [isinstance(m.material, Illum) for m in shining]),
             patterns=DirectionalMap(np.array(tables), _EDGE) if tables else None,
             corner=vectors(mi.Point3f, corner[:, 0]),
             edge_u=vectors(mi.Vector3f, u),
             edge_v=vectors(mi.Vector3f, v),
-            lamp=on_device(mi.UInt32, owner),
+            emitter=on_device(mi.UInt32, owner),
             cumulative=on_device(mi.Float, cumulative),
             aimed=on_device(mi.Float, aimed),
         )
         dr.make_opaque(made.radiance, made.table, made.cumulative, made.aimed)
         return made
 
-    def emitted(self, lamp, direction, active):
-        """Return the radiance that a lamp sends along a direction."""
-        found = dr.gather(mi.Color3f, self.radiance, lamp, active)
+    def emitted(self, emitter, direction, active):
+        """Return the radiance that a emitter sends along a direction."""
+        found = dr.gather(mi.Color3f, self.radiance, emitter, active)
         if self.patterns is None:
             return found
-        table = dr.gather(mi.UInt32, self.table, lamp, active)
+        table = dr.gather(mi.UInt32, self.table, emitter, active)
         varied = self.patterns.look_up(direction, dr.maximum(table, 1) - 1)
         return dr.select(table > 0, found * varied, found)
 
-    def pdf(self, lamp, distance2, cosine, active):
-        """Return the density of aiming at a point of a lamp [1/sr]."""
-        chance = dr.gather(mi.Float, self.aimed, lamp, active)
+    def pdf(self, emitter, distance2, cosine, active):
+        """Return the density of aiming at a point of a emitter [1/sr]."""
+        chance = dr.gather(mi.Float, self.aimed, emitter, active)
         return chance * distance2 / dr.maximum(cosine, 1e-6)
 
-    def aim(self, origin, pick, u, v):
-        """Return a point of a lamp, the direction and cosine there, pdf and lamp."""
+    def sample_direction(self, origin, pick, u, v):
+        """Return a point of an emitter, its direction and cosine, density, emitter."""
         number = mi.UInt32(
             dr.binary_search(
                 0,
@@ -149,11 +150,17 @@ class Emitters:
         direction = across * dr.rsqrt(distance2)
         normal = dr.normalize(dr.cross(edge_u, edge_v))
         cosine = -dr.dot(normal, direction)
-        lamp = dr.gather(mi.UInt32, self.lamp, number)
-        return point, direction, cosine, self.pdf(lamp, distance2, cosine, True), lamp
+        emitter = dr.gather(mi.UInt32, self.emitter, number)
+        return (
+            point,
+            direction,
+            cosine,
+            self.pdf(emitter, distance2, cosine, True),
+            emitter,
+        )
 
 
-def _is_shy(material: Emitter) -> bool:
+def _is_view_only(material: Emitter) -> bool:
     return isinstance(material, Glow) and material.radius < 0
 
 

@@ -1,19 +1,19 @@
-"""The surface that a pixel shows: where its irradiance is asked for.
+"""First opaque surface along camera rays, where a pixel's irradiance is measured.
 
-Clear panes, solids that refract and BSDFs that stand for geometry are looked through,
-straight on, as rpict -i does. What shines has no irradiance here.
+Clear panes, solids that refract and proxies are passed straight, as `rpict -i` does.
+Emitters have no irradiance here.
 """
 
 import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.walk import offset
+from clerestory.engine.visibility import offset
 
 
 @dr.syntax
-def seen_surface(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
-    """Follow rays to the first surface that is not looked through.
+def first_hit(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
+    """Follow rays to the first surface that they do not pass.
 
     Returns
     -------
@@ -29,18 +29,18 @@ def seen_surface(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
         looking &= hit.is_valid()
         si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, looking)
         shape = dr.reinterpret_array(mi.UInt32, si.shape)
-        lamp = dr.gather(mi.UInt32, model.emitter_of_shape, shape, looking) > 0
+        emitter = dr.gather(mi.UInt32, model.emitter_of_shape, shape, looking) > 0
         proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, looking) != 0
         flags = si.bsdf().flags()
         through = mi.has_flag(flags, mi.BSDFFlags.Null)
         through |= mi.has_flag(flags, mi.BSDFFlags.Transmission)
         through &= ~mi.has_flag(flags, mi.BSDFFlags.Smooth)
         through |= proxy
-        shown = looking & ~through & ~lamp
+        shown = looking & ~through & ~emitter
         facing = dr.mulsign(si.n, -dr.dot(si.n, ray.d))
         point = dr.select(shown, offset(model, si, -ray.d, shown), point)
         normal = dr.select(shown, facing, normal)
         found |= shown
-        looking &= through & ~lamp
+        looking &= through & ~emitter
         ray.o = dr.select(looking, offset(model, si, ray.d, looking), ray.o)
     return point, normal, found

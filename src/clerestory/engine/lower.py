@@ -42,8 +42,8 @@ class LoweredScene:
     panes : whether shadow rays may pass something
     grey : whether all materials are, so that one channel says all
     windows : tables of the receiving windows, None without any
-    lamps : tables of what shines
-    emitter_of_shape : by Mitsuba's shape number: 1 + lamp, or 0
+    emitters : tables of emitting surfaces
+    emitter_of_shape : by Mitsuba's shape number: 1 + emitter, or 0
     thickness_of_shape : by Mitsuba's shape number, for BSDFs that stand for geometry
         behind (positive) or before them: how far it reaches [m]; 0 for all others
     layer_of_shape : by Mitsuba's shape number: whether it is a BSDF without thickness
@@ -57,7 +57,7 @@ class LoweredScene:
     panes: bool
     grey: bool
     windows: WindowTable | None
-    lamps: Emitters
+    emitters: Emitters
     emitter_of_shape: mi.UInt32
     thickness_of_shape: mi.Float
     layer_of_shape: mi.Bool
@@ -164,7 +164,7 @@ def _lowered(
         panes=panes or bool(thickness),
         grey=channels_of(scene) == 1,
         windows=table,
-        lamps=Emitters.of(shining, origin),
+        emitters=Emitters.of(shining, origin),
         emitter_of_shape=mi.UInt32(lamps),
         thickness_of_shape=mi.Float(depth),
         layer_of_shape=mi.Bool(layer),

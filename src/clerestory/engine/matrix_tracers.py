@@ -1,7 +1,7 @@
-"""Launches of matrices: what traces the units of V, F, D and C on the device.
+"""Tracers of matrices: of sensors, pixels and windows to windows and sky.
 
-Each function takes a job, lowers its scene once, and returns what traces its units.
-Sums leave the device once, when a unit is done.
+Each function takes a job, builds its scene on the device once, and returns what traces
+its units. Sums leave the device once, when a unit is done.
 """
 
 from collections.abc import Callable
@@ -12,115 +12,164 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, UInt64
 
-from clerestory.engine.controller import MatrixJob
-from clerestory.engine.facade_jobs import FacadeJob
+from clerestory.engine.camera_rays import CameraRays
+from clerestory.engine.controller import EstimatedJob
 from clerestory.engine.lower import LoweredScene, lower
-from clerestory.engine.matrix_jobs import CoefficientsJob, DaylightJob, ViewJob
+from clerestory.engine.matrix_jobs import (
+    CoefficientsJob,
+    DaylightJob,
+    FacadeJob,
+    PixelViewJob,
+    ViewJob,
+)
+from clerestory.engine.next_event_estimation import Source
 from clerestory.engine.origin import middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
-from clerestory.engine.primary_rays import (
-    Lanes,
-    lanes,
-    trace_sensors,
-    trace_window_patches,
-)
-from clerestory.engine.sampler import Points, points
-from clerestory.engine.upload import launching
-from clerestory.engine.walk import Target
+from clerestory.engine.path_tracer import PathTracer, segments_of
+from clerestory.engine.primary_rays import Lanes, lanes, window_ray
+from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
+from clerestory.engine.sinks import MatrixSink
+from clerestory.engine.upload import launching, vectors
+from clerestory.engine.window_sampling import SkyPatches, WindowPatches
 from clerestory.engine.windows import window_shapes
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.errors import DeviceError
 
-# Streams of random numbers: errors of V and D must not agree
+# Streams of random numbers: errors of V and D must not agree. Those of pictures and of
+# their direct part may have the numbers of either.
 _SENSORS, _WINDOWS = 0, 1
+_PIXELS, _PIXELS_DIRECT = 0, 1
 
 # Nor may those of F and D, which both start at patches of windows
 _FACADE_SEED = 0x5FACADE5
 
-Launch = Callable[[Target, Points, Lanes, Unit], None]
+# Paths below this share of their first throughput go on only by Russian roulette. For
+# windows in a room, the cost (time × variance) was flat from 0.25 to 1 and a fifth
+# higher below 0.1; paths to the sky are short, and roulette would only add noise.
+_ROULETTE_TO_WINDOWS = 0.4
+_ROULETTE_TO_SKY = 0.1
+
+Launch = Callable[[MatrixSink, PathNumbers, Lanes, Unit], None]
 
 
 def prepare_view(job: ViewJob) -> Tracer:
     """Return what traces from sensors to windows."""
     origin = np.mean(job.sensors.position, axis=0)
-    model = lower(job.scene, origin=origin, receivers=job.windows)
-    return _from_sensors(job, model, None, origin)
+    return _from_sensors(job, _to_windows(lower_for(job, origin)), origin)
 
 
 def prepare_coefficients(job: CoefficientsJob) -> Tracer:
     """Return what traces from sensors to the sky."""
     origin = np.mean(job.sensors.position, axis=0)
-    return _from_sensors(
-        job, lower(job.scene, origin=origin), SkyTable.of(job.sky), origin
-    )
+    model = lower(job.scene, origin=origin)
+    return _from_sensors(job, _to_sky(model, SkyTable.of(job.sky)), origin)
 
 
 def prepare_daylight(job: DaylightJob) -> Tracer:
     """Return what traces from a window to the sky."""
     origin = window_origin(job.scene, job.window)
     model = lower(job.scene, origin=origin)
-    target = Target(model, SkyTable.of(job.sky), mi.UInt64(), *job.shape[2:])
-    return _from_window(job, target, job.seed, origin)
+    return _from_window(job, _to_sky(model, SkyTable.of(job.sky)), job.seed, origin)
 
 
 def prepare_facade(job: FacadeJob) -> Tracer:
     """Return what traces from a window to ports before it."""
     origin = middle_of_window(job.window)
     model = lower(job.scene, origin=origin, receivers=job.ports)
-    target = Target(model, None, mi.UInt64(), *job.shape[2:])
-    return _from_window(job, target, job.seed ^ _FACADE_SEED, origin)
+    return _from_window(job, _to_windows(model), job.seed ^ _FACADE_SEED, origin)
+
+
+def prepare_pixel_view(job: PixelViewJob) -> Tracer:
+    """Return what traces from pixels to windows.
+
+    The direct part ends at the first surface: the windows that the eye sees, and light
+    straight from them that the surface reflects to the eye by all of its material.
+    """
+    origin = np.asarray(job.view.position, dtype=float)
+    tracer = _to_windows(lower_for(job, origin), direct_only=job.direct)
+    rays = CameraRays.of(job.view, job.columns, job.rows)
+    limit = segments_of(job.bounces)
+
+    def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
+        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
+        ray, valid = rays.through(paths.number, x, y)
+        segments = dr.opaque(mi.UInt32, limit)
+        path = tracer.camera_path(ray)
+        tracer.trace(sink, sink.begin(), path, numbers, segments, valid)
+
+    stream = _PIXELS_DIRECT if job.direct else _PIXELS
+    return matrix_tracer(job, launch, stream=stream)
+
+
+def lower_for(
+    job: ViewJob | PixelViewJob, origin: Float[np.ndarray, "3"]
+) -> LoweredScene:
+    """Return the scene of a job with its windows as receivers, around a point."""
+    return lower(job.scene, origin=origin, receivers=job.windows)
+
+
+def _to_windows(model: LoweredScene, *, direct_only: bool = False) -> PathTracer:
+    windows = WindowPatches(model, direct=direct_only)
+    return _tracer(model, windows, _ROULETTE_TO_WINDOWS, direct_only=direct_only)
+
+
+def _to_sky(model: LoweredScene, sky: SkyTable) -> PathTracer:
+    return _tracer(model, SkyPatches(sky), _ROULETTE_TO_SKY)
+
+
+def _tracer(
+    model: LoweredScene, source: Source, roulette: float, *, direct_only: bool = False
+) -> PathTracer:
+    return PathTracer(
+        model, (source,), roulette, direct_only=direct_only, bounce_to_source=True
+    )
 
 
 def _from_window(
     job: DaylightJob | FacadeJob,
-    target: Target,
+    tracer: PathTracer,
     seed: int,
     origin: Float[np.ndarray, "3"],
 ) -> Tracer:
     table, _ = window_shapes((job.window,), origin)
-    segments = _segments(job.bounces, first=1)
+    limit = segments_of(job.bounces)
 
-    def launch(target: Target, sequence: Points, paths: Lanes, _unit: Unit) -> None:
-        trace_window_patches(target, sequence, paths, window=table, segments=segments)
+    def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
+        ray = window_ray(table, paths.number, numbers)
+        segments = dr.opaque(mi.UInt32, limit)
+        path = tracer.camera_path(ray)
+        tracer.trace(sink, sink.begin(), path, numbers, segments, mi.Bool(True))
 
-    return matrix_tracer(job, target, launch, stream=_WINDOWS, seed=seed)
+    return matrix_tracer(job, launch, stream=_WINDOWS, seed=seed)
 
 
 def _from_sensors(
-    job: ViewJob | CoefficientsJob,
-    model: LoweredScene,
-    sky: SkyTable | None,
-    origin: Float[np.ndarray, "3"],
+    job: ViewJob | CoefficientsJob, tracer: PathTracer, origin: Float[np.ndarray, "3"]
 ) -> Tracer:
     position, normal = job.sensors.position - origin, job.sensors.direction
-    segments = _segments(job.bounces, first=0)
+    limit = segments_of(job.bounces, first=0)
 
-    def launch(target: Target, sequence: Points, paths: Lanes, unit: Unit) -> None:
-        start = {"position": position[unit.rows], "normal": normal[unit.rows]}
-        trace_sensors(target, sequence, paths, **start, segments=segments)
+    def launch(
+        sink: MatrixSink, numbers: PathNumbers, paths: Lanes, unit: Unit
+    ) -> None:
+        o = dr.gather(mi.Point3f, vectors(mi.Point3f, position[unit.rows]), paths.row)
+        n = dr.gather(mi.Vector3f, vectors(mi.Vector3f, normal[unit.rows]), paths.row)
+        total, path = tracer.gather(sink, sink.begin(), numbers, position=o, normal=n)
+        segments = dr.opaque(mi.UInt32, limit)
+        active = dr.max(path.throughput) > 0
+        tracer.trace(sink, total, path, numbers, segments, active)
 
-    target = Target(model, sky, mi.UInt64(), *job.shape[2:])
-    return matrix_tracer(job, target, launch, stream=_SENSORS)
-
-
-def _segments(bounces: int | None, *, first: int) -> int:
-    # Radiance counts an irradiance sensor's own gather as a bounce, a sample ray not
-    return (1 << 30) if bounces is None else bounces + first
+    return matrix_tracer(job, launch, stream=_SENSORS)
 
 
 def matrix_tracer(
-    job: MatrixJob,
-    target: Target,
-    launch: Launch,
-    *,
-    stream: int,
-    seed: int | None = None,
+    job: EstimatedJob, launch: Launch, *, stream: int, seed: int | None = None
 ) -> Tracer:
-    """Return what traces units of a matrix and fetches what they scored.
+    """Return what traces units of a matrix and fetches their sums.
 
     Parameters
     ----------
-    launch : traces the paths of a unit into the target
+    launch : traces the paths of a unit into the sink
     stream : of random numbers
     seed : that of the job by default
     """
@@ -130,19 +179,25 @@ def matrix_tracer(
 
     def trace(unit: Unit) -> UInt64[np.ndarray, "row batch column channel"]:
         size = len(unit.rows) * batches * columns * channels
-        target.sums = dr.zeros(mi.UInt64, size + 1)
+        sums = dr.zeros(mi.UInt64, size + 1)
         with launching():
             sequence = stretch(unit.first, unit.count)
             paths = lanes(
                 sequence, rows=unit.rows, batches=batches, seed=start, stream=stream
             )
-            launch(target, sequence, paths, unit)
-            added = target.sums.numpy()
-        target.sums = mi.UInt64()
-        if added[0]:
-            raise DeviceError(
-                f"{added[0]} paths carry more than a path can: a fault of the tracer"
-            )
+            sink = MatrixSink(sums, columns, channels, paths.slot)
+            launch(sink, paths.numbers(sequence), paths, unit)
+            added = sink.sums.numpy()
+        refuse_out_of_range(int(added[0]))
         return added[1:].reshape(len(unit.rows), batches, columns, channels)
 
     return trace
+
+
+def refuse_out_of_range(number: int) -> None:
+    """Raise a DeviceError if any contributions were outside the range of the sums."""
+    if number:
+        raise DeviceError(
+            f"{number} contributions of paths are negative or too large for the sums;"
+            " materials that reflect and transmit between 0 and 1 expected"
+        )

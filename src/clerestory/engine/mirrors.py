@@ -1,9 +1,7 @@
-"""Sun by way of mirrors: aimed at where plane mirrors would show it.
+"""Plane mirrors of a scene, for the sun's images in them.
 
-Paths that leave a surface at random hardly ever meet the sun in a mirror. So mirrors
-are aimed through as Radiance's virtual sources are: for a plane mirror the sun's image
-is a sun again. Only suns and single reflections are treated so; all else reaches
-mirrors by the paths themselves.
+Mirrors are treated as Radiance's virtual sources are: in a plane mirror the sun's image
+is a sun again. Only suns and single reflections are treated so; paths find all else.
 """
 
 from dataclasses import dataclass
@@ -15,11 +13,11 @@ from jaxtyping import Float
 
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.upload import on_device, vectors
-from clerestory.engine.walk import offset
+from clerestory.engine.visibility import first_opaque, offset
 from clerestory.scene.model import Mirror, Polygon, Ring, Scene
 
-# Mirrors of more orientations than this are curved in effect; the smallest are left
-# to the paths.
+# Mirrors of more orientations than this are curved in effect; paths find the sun in
+# the smallest.
 MOST = 64
 
 # Normals whose dot product differs from one by less are the same (0.08°).
@@ -53,7 +51,7 @@ class Mirrors:
             if isinstance(surface, Polygon | Ring):
                 _add(normals, areas, _area_vector(surface))
         order = np.argsort(areas)[::-1][:MOST]
-        # Kernels take no empty tables: without mirrors, one that is never aimed at
+        # Kernels take no empty tables: without mirrors, one that is never used
         kept = np.array([normals[i] for i in order] or [[0.0, 0.0, 1.0]])
         share = np.array([areas[i] for i in order] or [1.0])
         cumulative = np.cumsum(share) / share.sum()
@@ -81,7 +79,7 @@ class Mirrors:
 
     @dr.syntax
     def holds(self, normal, active):
-        """Return whether mirrors with a normal are aimed through."""
+        """Return whether mirrors with a normal are sampled."""
         found = mi.Bool(False)
         number = mi.UInt32(0)
         while active & ~found & (number < self.count):
@@ -101,9 +99,8 @@ def is_same(normal, other):
     return dr.dot(normal, other) > 1 - _SAME
 
 
-@dr.syntax
 def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
-    """Look for a mirror of a given normal along a direction, through panes.
+    """Find a mirror of a given normal in a direction, through panes.
 
     Returns
     -------
@@ -111,35 +108,19 @@ def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
         where there is no such mirror
     point : on the mirror, moved off its front [m]
     """
-    ray = mi.Ray3f(start, direction)
-    looking = mi.Bool(active)
-    seen = mi.Color3f(1)
-    share = mi.Color3f(0)
-    point = mi.Point3f(start)
-    while looking:
-        hit = model.scene.ray_intersect_preliminary(ray, active=looking)
-        met = looking & hit.is_valid()
-        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
-        si.sh_frame = mi.Frame3f(si.n)
-        si.wi = si.to_local(-ray.d)
-        bsdf = si.bsdf()
-
-        # Stop at the mirror, pass panes and what only stands for geometry
-        shape = dr.reinterpret_array(mi.UInt32, si.shape)
-        proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, met) != 0
-        lamp = dr.gather(mi.UInt32, model.emitter_of_shape, shape, met) > 0
-        found = met & is_mirror(bsdf) & is_same(si.n, normal)
-        _, colour = bsdf.sample(
-            mi.BSDFContext(), si, mi.Float(0.5), mi.Point2f(0.5, 0.5), found
-        )
-        share = dr.select(found, seen * colour, share)
-        point = dr.select(found, offset(model, si, si.n, found), point)
-        pane = met & ~lamp & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null)
-        through = bsdf.eval_null_transmission(si, pane & ~proxy)
-        seen = dr.select(pane & ~proxy, seen * through, seen)
-        looking = (pane | proxy) & (dr.max(seen) > 0)
-        ray = mi.Ray3f(offset(model, si, ray.d, looking), ray.d)
-    return share, point
+    share, ray, hit = first_opaque(
+        model, start, lambda origin: mi.Ray3f(origin, direction), active
+    )
+    met = active & hit.is_valid()
+    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
+    si.sh_frame = mi.Frame3f(si.n)
+    si.wi = si.to_local(-ray.d)
+    bsdf = si.bsdf()
+    found = met & is_mirror(bsdf) & is_same(si.n, normal)
+    _, colour = bsdf.sample(
+        mi.BSDFContext(), si, mi.Float(0.5), mi.Point2f(0.5, 0.5), found
+    )
+    return dr.select(found, share * colour, 0), offset(model, si, si.n, found)
 
 
 def _area_vector(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:

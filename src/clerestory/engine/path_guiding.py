@@ -1,18 +1,16 @@
-"""How much it is worth to aim at each portal, from each part of a room.
+"""Learned sampling probabilities of portals, by cells of a room.
 
-The best chances to share samples among several estimates of a sum are in proportion to
-the root mean square of each (the single-sample model with disjoint parts: the variance
-Σ mᵢ/pᵢ is least for pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i). Here the parts
-are the light from each portal and that from anywhere else. Their moments are measured
-at places of the room before it is traced, in cells of space and of the way a surface
-faces: for paths that go on there, and for rays that seek what a sun lights. Few paths
-are enough: chances that are a little wrong cost a little noise, never light.
+The best probabilities to share samples among several estimates of a sum are in
+proportion to the root mean square of each (the single-sample model with disjoint parts:
+the variance Σ mᵢ/pᵢ is least for pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i).
+The parts are the light from each portal and that from anywhere else. A pilot run
+measures their moments at surface points of the room, in cells of position and normal:
+for continued paths, and for rays that look for sunlit surfaces. Few paths are enough:
+probabilities that are a little wrong cost a little noise, never light.
 
 Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 chapter 9.
 """
-
-from dataclasses import replace
 
 import drjit as dr
 import mitsuba as mi
@@ -21,37 +19,36 @@ from jaxtyping import Float, Int
 
 from clerestory.engine import sampler
 from clerestory.engine.guiding_cells import GuidingCells
-from clerestory.engine.next_event_estimation import LitScene, SunAim, sunlit
-from clerestory.engine.path_tracer import look
-from clerestory.engine.pilot_paths import Places
+from clerestory.engine.illumination import Illumination
+from clerestory.engine.path_tracer import SAMPLED_AT_START
+from clerestory.engine.pilot_paths import SurfacePoints
 from clerestory.engine.portals import Portals, Rectangles
-from clerestory.engine.sampler import points
+from clerestory.engine.sampler import PathNumbers, points
+from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import launching, vectors
 
-# Paths go on towards portals at most this often, for each such turn weakens those that
-# go on elsewhere; portals that nowhere have more than the least share are none.
+# Paths continue towards portals at most this often, for that leaves less to the BSDF;
+# portals that nowhere have more than the least share are left out.
 _MOST, _LEAST = 0.25, 0.02
 
-# Glances in the whole room that count as much as one glance in a cell.
+# Pilot samples in the whole room that count as much as one sample in a cell.
 _PRIOR = 8.0
 
-# Segments that a glance follows, and the pdf of its first: so small that all that was
-# aimed at from its origin is left to the aim.
+# Segments that a pilot path follows.
 _SEGMENTS = 4
-_LEFT = 1e-20
 
 
-def guided(
-    lit: LitScene, windows: Rectangles, patches: Rectangles, places: Places
-) -> LitScene:
-    """Return the scene with windows and patches as portals, aimed at by their worth.
+def learned_portals(
+    scene: Illumination, windows: Rectangles, patches: Rectangles, places: SurfacePoints
+) -> Portals | None:
+    """Return windows and sunlit areas as portals, with learned probabilities.
 
     Parameters
     ----------
-    places : of the room, from which light is gathered
+    places : points of the room's surfaces, from which light is gathered
     """
-    trial = replace(lit, portals=Portals.unknown(windows + patches))
-    if trial.portals.count == 0 or len(places) == 0:
+    trial = Portals.uniform(windows + patches)
+    if trial is None or len(places) == 0:
         return trial
     cells = GuidingCells.around(places.point)
     point, normal = (
@@ -59,44 +56,43 @@ def guided(
         for kind, values in ((mi.Point3f, places.point), (mi.Vector3f, places.normal))
     )
     number = cells.number(point, normal).numpy()
-    onward, sought = (
-        _sizes(found, number, cells.count) for found in _glances(trial, places)
+    onward, sunlit = (
+        _root_mean_squares(found, number, cells.count)
+        for found in _pilot_samples(scene, trial, places)
     )
-    most = np.maximum(_shares(onward[:, :-1]), _shares(sought)).max(axis=0)
+    most = np.maximum(_shares(onward[:, :-1]), _shares(sunlit)).max(axis=0)
     kept = most > _LEAST
     if not kept.any():
         return trial
     total, other = onward[:, :-1].sum(axis=1), onward[:, -1]
-    portals = Portals.of(
+    return Portals.of(
         (windows + patches).some(kept),
         cells,
         _even(_shares(onward[:, :-1][:, kept])),
-        _shares(sought[:, kept]),
+        _shares(sunlit[:, kept]),
         np.minimum(_MOST, total / np.maximum(total + other, 1e-30)),
     )
-    return replace(lit, portals=portals)
 
 
 def _shares(size: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
-    # Chances in proportion to the sizes, 0 where none is of any worth
+    # Probabilities in proportion to the sizes, 0 where all sizes are
     shares: Float[np.ndarray, "cell part"]
     shares = size / np.maximum(size.sum(axis=1, keepdims=True), 1e-30)
     return shares
 
 
 def _even(shares: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
-    # Even chances where none is of any worth
+    # Equal probabilities where all are zero
     none = shares.sum(axis=1, keepdims=True) == 0
     return np.where(none, 1 / shares.shape[1], shares)
 
 
-def _glances(
-    lit: LitScene, places: Places
+def _pilot_samples(
+    scene: Illumination, portals: Portals, places: SurfacePoints
 ) -> tuple[Float[np.ndarray, "place part"], Float[np.ndarray, "place portal"]]:
-    # What one sample towards each portal, and one anywhere else, tells of irradiance:
-    # from a path that goes on there, without what is aimed at from the place itself;
-    # and from asking what a sun lights there
-    portals = lit.portals
+    # Irradiance by one sample towards each portal, and one anywhere else: of a path
+    # that continues there, without next-event estimation at the place itself; and of a
+    # ray that looks for sunlit surfaces there
     parts = portals.count + 1
     every = dr.opaque(mi.UInt32, portals.count)
     lanes = dr.arange(mi.UInt32, len(places) * parts)
@@ -110,41 +106,44 @@ def _glances(
     one = dr.minimum(part, every - 1)
     there = portals.towards(one, origin, u, v)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
-    aimed = part < every
-    ray = mi.Ray3f(origin, dr.select(aimed, there, mi.Frame3f(normal).to_world(local)))
+    in_portal = part < every
+    ray = mi.Ray3f(
+        origin, dr.select(in_portal, there, mi.Frame3f(normal).to_world(local))
+    )
     cosine = dr.dot(ray.d, normal)
     at_portals, _ = portals.pdf(origin, mi.UInt32(0), ray.d, mi.Bool(True))
     # Where portals overlap, each has its share in proportion to its density
     all_portals = mi.Float(every) * at_portals
     shared = dr.select(at_portals > 0, cosine / all_portals, 0)
-    weight = dr.select(aimed, shared, dr.select(at_portals > 0, 0, dr.pi))
+    weight = dr.select(in_portal, shared, dr.select(at_portals > 0, 0, dr.pi))
     works = (cosine > 0) & (weight > 0)
+    numbers = PathNumbers(points(0, 1), lanes, mi.UInt32(0), mi.UInt32(0))
+    tracer, sink = scene.tracer(portals), RadianceSink()
     with launching():
-        onward = look(
-            lit, points(0, 1), ray, lanes, mi.UInt32(0), mi.Color3f(1),
-            mi.Float(_LEFT), mi.Float(1), mi.Bool(False),
-            dr.opaque(mi.UInt32, _SEGMENTS), works, parted=False,
-        )  # fmt: skip
-        sought = mi.Color3f(0)
-        if lit.sky.suns:
-            sought = sunlit(lit, SunAim(*lit.sky.aim(pick, x, y)), ray, works & aimed)
+        path = tracer.path(ray, 1, SAMPLED_AT_START, sunlit=1)
+        limit = dr.opaque(mi.UInt32, _SEGMENTS)
+        onward = tracer.trace(sink, sink.begin(), path, numbers, limit, works)
+        sunlit = mi.Color3f(0)
+        if scene.distant.suns:
+            suns = scene.suns(portals)
+            sunlit = suns.on_surface(suns.sample(pick, x, y), ray, works & in_portal)
         found = [
             dr.select(works, weight * dr.sum(light) / 3, 0).numpy().astype(float)
-            for light in (onward, sought)
+            for light in (onward, sunlit)
         ]
     both = [light.reshape(len(places), parts) for light in found]
     return both[0], both[1][:, :-1]
 
 
-def _sizes(
-    glances: Float[np.ndarray, "place part"],
+def _root_mean_squares(
+    samples: Float[np.ndarray, "place part"],
     cell: Int[np.ndarray, " place"],
     cells: int,
 ) -> Float[np.ndarray, "cell part"]:
-    # Root mean square of what glances in a cell found, over that of all parts, and some
-    # of all glances: those out in the sun count no more than those in the shade
-    square = glances**2
-    total = np.zeros((cells, glances.shape[1]))
+    # Root mean square of the samples of a cell, over that of all parts, with a prior of
+    # all samples: those in the sun count no more than those in the shade
+    square = samples**2
+    total = np.zeros((cells, samples.shape[1]))
     np.add.at(total, cell, square)
     seen = np.bincount(cell, minlength=cells)[:, None]
     part = total / np.maximum(total.sum(axis=1, keepdims=True), 1e-30)

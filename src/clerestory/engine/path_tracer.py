@@ -1,251 +1,237 @@
-"""Radiance along rays: a picture's pixels, or what a sensor gathers.
+"""Path tracer for radiance, irradiance and transfer matrices.
 
-Paths run against the light. At every vertex suns and emitters are sampled (see
-`next_event_estimation`).
-The path goes on in a direction proposed by the material or by a place where light
-enters the room (`portals`), one sample from both in mixture.
+Paths run against the light. At every vertex the sources are sampled (next-event
+estimation), then the path continues by BSDF sampling or path guiding; what it meets by
+itself shares the light with the former by multiple importance sampling. Contributions
+go to a sink: the columns of a matrix, or the radiance of a pixel or sensor.
 
-Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation,
-1997, chapter 9 (one-sample model).
+References: J. Kajiya, "The rendering equation", SIGGRAPH 1986; M. Pharr, W. Jakob,
+G. Humphreys, Physically Based Rendering, 4th edition, 2023, section 13.4.
 """
+
+from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine import materials, sampler
-from clerestory.engine.mirrors import is_mirror
-from clerestory.engine.next_event_estimation import (
-    Draw,
-    LitScene,
-    PortalAim,
-    SunAim,
-    Vertex,
-    at_surface,
-    is_sought,
-    lamplight,
-    mirrored_sunlight,
-    seeks,
-    share_of_portals,
-    share_of_sun,
-    sought_pdf,
-    sought_sunlight,
-    sunlight,
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.next_event_estimation import Emission, Path, Source, Vertex
+from clerestory.engine.portals import Portals
+from clerestory.engine.sampler import PathNumbers
+from clerestory.engine.sinks import Sink
+from clerestory.engine.sun_sampling import NOT_SAMPLED
+from clerestory.engine.vertices import (
+    continue_from_sensor,
+    continue_from_surface,
+    sensor_vertex,
+    surface_vertex,
 )
-from clerestory.engine.sampler import Points
-from clerestory.engine.walk import offset
+from clerestory.engine.visibility import passes_proxy
 
-# Paths below this share of their first weight go on only by Russian roulette.
-_ROULETTE = 0.2
+# Safety net for unlimited bounces: no path of a physical scene comes near it.
+_MOST_VERTICES = 1000
 
-_MOST_SEGMENTS = 1000
+# Density of a first segment that leaves all sampled sources to the place it starts at.
+SAMPLED_AT_START = 1e-20
 
-# For paths that begin where nothing was sought.
-NOTHING = -1.0
-
-
-def gather_at_sensor(lit: LitScene, draw: Draw, position, normal):
-    """Begin at an irradiance sensor.
-
-    Returns
-    -------
-    light : irradiance from what is aimed at directly
-    ray, weight, pdf, sought : how the path goes on, as `path_tracer` takes it
-    """
-
-    def scatter(direction):
-        cosine = dr.maximum(dr.dot(normal, direction), 0)
-        return mi.Color3f(cosine), cosine * dr.inv_pi
-
-    portal = PortalAim.of(lit, position, normal, mi.Float(1))
-    vertex = Vertex(position, lambda d, a: position, scatter, portal)
-    light = lamplight(lit, vertex, draw, mi.Bool(True))
-    if lit.sky.suns:
-        sun = SunAim.of(lit, draw)
-        light += sunlight(lit, vertex, sun, mi.Bool(True))
-        light += mirrored_sunlight(lit, vertex, draw, mi.Bool(True))
-        if seeks(lit):
-            light += sought_sunlight(lit, vertex, sun, draw, mi.Bool(True))
-    u, v = draw.number(sampler.DIRECTION_U), draw.number(sampler.DIRECTION_V)
-    local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
-    direction = mi.Frame3f(normal).to_world(local)
-    if lit.portals.count:
-        aimed = draw.number(sampler.LOBE) < portal.chance
-        target = lit.portals.aim(lit.portals.share, position, portal.cell, u, v)
-        direction = dr.select(aimed, target, direction)
-    value, own = scatter(direction)
-    onward, sought = vertex.portal_pdf(lit, direction, mi.Bool(True))
-    pdf = vertex.mixture(onward, own)
-    weight = dr.select(pdf > 0, value / pdf, 0)
-    return light, mi.Ray3f(position, direction), weight, pdf, sought
+# Segments of paths whose bounces are not limited.
+_UNLIMITED = 1 << 30
 
 
-@dr.syntax
-def look(
-    lit: LitScene,
-    points: Points,
-    ray: mi.Ray3f,
-    seed: mi.UInt32,
-    index: mi.UInt32,
-    weight: mi.Color3f,
-    pdf: mi.Float,
-    sought: mi.Float,
-    sharp: mi.Bool,
-    segments: mi.UInt32,
-    active: mi.Bool,
-    *,
-    parted: bool,
-):
-    """Follow paths until they end; return the light each brings [W/(m²·sr)].
+def segments_of(bounces: int | None, *, first: int = 1) -> int:
+    """Return the most segments between diffuse reflections.
 
     Parameters
     ----------
-    ray : first segment of each path
-    weight : what its light counts
-    pdf : of the first direction; 0: nothing was aimed at from its origin
-    sought : density with which what suns light was sought at portals along it;
-        `NOTHING` where it was not sought from its origin
-    sharp : whether the eye looks along the first segment
-    segments : most segments between diffuse scattering
-    parted : whether of directions to portals the glossy share is not counted as
-        diffuse, which only matters where `segments` are few; a BSDF call more
+    bounces : as Radiance's -ab; None for no limit
+    first : 1 if the first segment is no bounce, like a camera ray; 0 if it is one,
+        like a sensor's own gathering
     """
-    model = lit.model
-    scene = model.scene
-    context, straight = mi.BSDFContext(), materials.lamp_context()
-    shiny = materials.glossy_context()
-    weight = mi.Color3f(weight)
+    return _UNLIMITED if bounces is None else bounces + first
 
-    # ------------------------------- Loop state -------------------------------
-    light = mi.Color3f(0)  # gathered so far
-    origin = mi.Point3f(ray.o)  # last vertex at which lights were aimed at
-    start = dr.maximum(dr.max(weight), 1e-20)  # weight that roulette compares with
-    segment = mi.UInt32(1)  # segments between diffuse scattering, this one included
-    vertex = mi.UInt32(1)  # vertices so far, the start included
-    # Mirrors since a vertex at which suns were aimed at; 2: more, or something else
-    relay = dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2))
-    looked = mi.Bool(sought >= 0)  # whether the last vertex sought what suns light
 
-    while active:
-        hit = scene.ray_intersect_preliminary(ray, active=active)
-        met = active & hit.is_valid()
+@dataclass
+class PathTracer:
+    """Path loop over a scene, with its sources and ways to sample them.
 
-        # Take what shines at infinity; suns are shared with the direct aim, and those
-        # in mirrors left to it
-        escaped = active & ~met
-        sky = lit.sky.radiance_of_dome(ray.d)
-        sun, aim = lit.sky.radiance_of_suns(ray.d, escaped)
-        share = dr.select(pdf > 0, share_of_sun(pdf, aim), 1)
-        share = dr.select(relay == 1, 0, share)
-        light += dr.select(escaped, weight * (sky + sun * share), 0)
+    Attributes
+    ----------
+    roulette : paths below this share of their first throughput go on only by Russian
+        roulette
+    direct_only : whether paths end at the first surface, where the sources count in
+        full
+    bounce_to_source : whether the segment to a source counts as one between diffuse
+        reflections, as to the windows of a matrix
+    split_lobes : see `continue_from_surface`
+    """
 
-        # Take what a lamp sends from its front; the eye sees illums as something else
-        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
-        shape = dr.reinterpret_array(mi.UInt32, si.shape)
-        role = dr.gather(mi.UInt32, model.emitter_of_shape, shape, met)
-        at_lamp = met & (role > 0)
-        cosine = -dr.dot(ray.d, si.n)
-        lamp = role - 1
-        veiled = dr.gather(mi.Bool, model.lamps.veiled, lamp, at_lamp)
-        shy = dr.gather(mi.Bool, model.lamps.shy, lamp, at_lamp)
-        at_lamp &= ~(veiled & (sharp | (cosine <= 0)))
-        shining = at_lamp & (cosine > 0) & (sharp | ~shy)
-        sent = model.lamps.emitted(lamp, -ray.d, shining)
-        aim = model.lamps.pdf(lamp, dr.squared_norm(si.p - origin), cosine, shining)
-        share = dr.select(pdf > 0, pdf / (pdf + aim), 1)
-        light += dr.select(shining, weight * sent * share, 0)
+    model: LoweredScene
+    sources: tuple[Source, ...]
+    roulette: float
+    portals: Portals | None = None
+    direct_only: bool = False
+    bounce_to_source: bool = False
+    split_lobes: bool = False
 
-        # Pass what only stands for geometry and shows it to the eye
-        active = met & ~at_lamp
-        depth = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
-        ignored = (depth != 0) & (sharp | ((depth > 0) != (cosine > 0)))
+    def path(self, ray, throughput, pdf, *, sunlit=NOT_SAMPLED, camera=False) -> Path:
+        """Return a path at its first segment; see `Path` and `Source.begin`."""
+        pdf, sunlit = mi.Float(pdf), mi.Float(sunlit)
+        memory = {source.name: source.begin(pdf, sunlit) for source in self.sources}
+        return Path(
+            mi.Ray3f(ray), mi.Color3f(throughput), mi.Point3f(ray.o), pdf,
+            mi.Bool(camera), {name: each for name, each in memory.items() if each},
+        )  # fmt: skip
 
-        # Prepare the vertex: its frame and its material
-        si.sh_frame = mi.Frame3f(si.n)
-        si.wi = si.to_local(-ray.d)
-        bsdf = si.bsdf()
-        works = active & ~ignored
-        flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, works)
-        smooth = mi.has_flag(flags, mi.BSDFFlags.Smooth)
-        opaque = ~mi.has_flag(flags, mi.BSDFFlags.Null)
-        opaque &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
-        draw = Draw(points, seed, index, vertex)
-        facing = dr.mulsign(si.n, cosine)
-        share = share_of_portals(flags, works & smooth & opaque)
-        portal = PortalAim.of(lit, si.p, facing, share)
-        aimed = portal.chance
-        place = at_surface(model, si, straight, depth, works, portal)
+    def camera_path(self, ray: mi.Ray3f) -> Path:
+        """Return a path at a camera ray."""
+        return self.path(ray, 1, 0, camera=True)
 
-        # Aim at suns and lamps
-        near = works & smooth & (segment <= segments)
-        gained = lamplight(lit, place, draw, near)
-        matt = near & opaque & (segment < segments)
-        if dr.hint(lit.sky.suns > 0, mode="scalar"):
-            sun = SunAim.of(lit, draw)
-            direct = sunlight(lit, place, sun, near)
-            if dr.hint(seeks(lit), mode="scalar"):
-                shared = looked & (pdf > 0) & is_sought(model, shape, near)
-                aim = sought_pdf(lit, sun, ray.d, sought)
-                direct *= dr.select(shared, pdf / (pdf + aim), 1)
-                gained += sought_sunlight(lit, place, sun, draw, matt)
-            gained += direct + mirrored_sunlight(lit, place, draw, near)
-        light += dr.select(near, weight * gained, 0)
+    def gather(
+        self,
+        sink: Sink,
+        total: mi.Color3f | None,
+        numbers: PathNumbers,
+        *,
+        position: mi.Point3f,
+        normal: mi.Vector3f,
+    ) -> tuple[mi.Color3f | None, Path]:
+        """Sample the sources at irradiance sensors; return the sum and the paths."""
+        vertex = sensor_vertex(self.portals, position, normal)
+        one = mi.Color3f(1)
+        total = self.sample_sources(sink, total, vertex, numbers, one)
+        direction, weight, densities = continue_from_sensor(
+            self.portals, vertex, normal, numbers
+        )
+        ray = mi.Ray3f(position, direction)
+        path = self.path(ray, weight, densities.path, sunlit=densities.sunlit)
+        return total, path
 
-        # Go on along the material's proposal, or towards a portal
-        chance = draw.number(sampler.LOBE)
-        u = draw.number(sampler.DIRECTION_U)
-        v = draw.number(sampler.DIRECTION_V)
-        to_portal = chance < aimed
-        lobe = dr.clip((chance - aimed) / (1 - aimed), 0, 0.9999999)
-        if dr.hint(lit.portals.count > 0, mode="scalar"):
-            target = lit.portals.aim(lit.portals.share, si.p, portal.cell, u, v)
-            value, own, sample, factor = bsdf.eval_pdf_sample(
-                context, si, si.to_local(target), lobe, mi.Point2f(u, v), works
+    def sample_sources(
+        self,
+        sink: Sink,
+        total: mi.Color3f | None,
+        vertex: Vertex,
+        numbers: PathNumbers,
+        throughput: mi.Color3f,
+        path: Path | None = None,
+    ) -> mi.Color3f | None:
+        """Add the light that next-event estimation finds at a vertex."""
+        active = vertex.active
+        if self.bounce_to_source:
+            active = active & vertex.continues
+        for source in self.sources:
+            for sample in source.samples(vertex, path, numbers):
+                light, lit = sample.estimate(vertex, active)
+                total = sink.add(total, sample.column, throughput * light, lit)
+        return total
+
+    @dr.syntax
+    def trace(
+        self,
+        sink: Sink,
+        total: mi.Color3f | None,
+        path: Path,
+        start: PathNumbers,
+        segments: mi.UInt32,
+        active: mi.Bool,
+    ):
+        """Follow paths until they end; return the sum with what they collect.
+
+        Parameters
+        ----------
+        start : numbers of the paths' first vertex
+        segments : most segments between diffuse reflections
+        """
+        model, scene = self.model, self.model.scene
+
+        # ----------------------------- Loop state -----------------------------
+        strongest = dr.maximum(dr.max(path.throughput), 1e-20)
+        depth = mi.UInt32(1)  # segments between diffuse reflections, this one included
+        number = mi.UInt32(1)  # vertices so far, the start included
+
+        while active:
+            hit = scene.ray_intersect_preliminary(path.ray, active=active)
+            met = active & hit.is_valid()
+            for source in self.sources:
+                found = source.escaped(path, active & ~met)
+                total = _collect(sink, total, path, found)
+
+            si = hit.compute_surface_interaction(path.ray, mi.RayFlags.Minimal, met)
+            si.sh_frame = mi.Frame3f(si.n)
+            si.wi = si.to_local(-path.ray.d)
+            shape = dr.reinterpret_array(mi.UInt32, si.shape)
+            active = mi.Bool(met)
+            for source in self.sources:
+                surface = source.met(path, si, shape, met)
+                if dr.hint(surface is not None, mode="scalar"):
+                    total = _collect(sink, total, path, surface[0])
+                    active &= ~surface[1]
+
+            # Sample the sources at the vertex; rays pass proxies that they see through
+            thickness, works = None, active
+            if dr.hint(model.proxies, mode="scalar"):
+                thickness = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
+                passed = (thickness != 0) & path.camera
+                passed |= passes_proxy(thickness, si.wi.z)
+                thickness = dr.select(passed, 0, thickness)
+                works = active & ~passed
+            numbers = start.at(number)
+            vertex = surface_vertex(
+                model, self.portals, si, shape, works, depth < segments, thickness
             )
-            direction = dr.select(to_portal, target, si.to_world(sample.wo))
-            value = dr.select(to_portal, value, factor * sample.pdf)
-            own = dr.select(to_portal, own, sample.pdf)
-        else:
-            sample, factor = bsdf.sample(context, si, lobe, mi.Point2f(u, v), works)
-            direction = si.to_world(sample.wo)
-            value, own = factor * sample.pdf, sample.pdf
-        kind = sample.sampled_type
-        null = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Null) | ignored
-        delta = ~to_portal & mi.has_flag(kind, mi.BSDFFlags.Delta) & ~null
-        onward, sought = place.portal_pdf(lit, direction, works)
-        mixed = place.mixture(onward, own)
-        both = dr.select(mixed > 0, value / mixed, 0)
-        spread = aimed > 0
-        kept = dr.select(spread & ~delta, both, factor / (1 - aimed))
-        weight *= dr.select(ignored, 1, kept)
-        direction = dr.select(ignored, ray.d, direction)
-        scattered = dr.select(to_portal, flags, kind)
-        if dr.hint(parted, mode="scalar"):
-            way = si.to_local(direction)
-            glossy = bsdf.eval(shiny, si, way, works & to_portal)
-            free = materials.credited(draw.other(11), glossy, value - glossy)
-            scattered = dr.select(to_portal & free, mi.UInt32(0), scattered)
-        diffuse = ~null & ~delta & mi.has_flag(scattered, mi.BSDFFlags.Diffuse)
-        origin = dr.select(null, origin, si.p)
-        leave = offset(model, si, direction, active)
-        through = ~null & (dr.dot(direction, si.n) * cosine < 0)
-        leave = dr.select(through, leave - si.n * depth, leave)
-        ray = mi.Ray3f(leave, direction)
-        density = dr.select(spread, mixed, sample.pdf)
-        pdf = dr.select(null, pdf, dr.select(delta, 0, density))
-        sharp &= null | delta
-        looked = matt & ~null & ~delta
-        if dr.hint(lit.mirrors.count > 0, mode="scalar"):
-            known = lit.mirrors.holds(si.n, works & delta & is_mirror(bsdf))
-            once = dr.select(known & (relay == 0), mi.UInt32(1), mi.UInt32(2))
-            relay = dr.select(null, relay, dr.select(delta, once, mi.UInt32(0)))
-        segment += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
-        active &= (dr.max(weight) > 0) & (segment <= segments)
+            total = self.sample_sources(
+                sink, total, vertex, numbers, path.throughput, path
+            )
 
-        # Let weak paths go on only by chance, then with the weight of those that end
-        survive = dr.minimum(dr.max(weight) / (start * _ROULETTE), 1)
-        number = sampler.random_number(seed, index + points.first, vertex + 0x10000)
-        weight = dr.select(survive < 1, weight / survive, weight)
-        active &= (number < survive) & (vertex < _MOST_SEGMENTS)
-        vertex += 1
+            # Continue the path; what it passes straight leaves it as it was
+            after = continue_from_surface(
+                self.portals, vertex, si, numbers, works, split_lobes=self.split_lobes
+            )
+            if dr.hint(model.proxies, mode="scalar"):
+                after.null |= passed
+                after.delta &= ~passed
+                after.direction = dr.select(passed, path.ray.d, after.direction)
+                after.factor = dr.select(passed, 1, after.factor)
+            sampled = ~after.delta
+            if dr.hint(self.bounce_to_source, mode="scalar"):
+                sampled &= vertex.continues
+            pdf = dr.select(sampled, after.densities.path, 0)
+            diffuse = ~after.null & ~after.delta
+            diffuse &= mi.has_flag(after.flags, mi.BSDFFlags.Diffuse)
+            memory = {
+                source.name: source.remember(
+                    si, vertex, after, path.memory[source.name]
+                )
+                for source in self.sources
+                if source.name in path.memory
+            }
+            throughput = path.throughput * after.factor
+            depth += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
+            active &= (dr.max(throughput) > 0) & (depth <= segments)
+            if dr.hint(self.direct_only, mode="scalar"):
+                active &= after.null
 
-    return light
+            # Russian roulette
+            survive = dr.minimum(dr.max(throughput) / (strongest * self.roulette), 1)
+            chance = start.hashed(number + 0x10000)
+            throughput = dr.select(survive < 1, throughput / survive, throughput)
+            active &= (chance < survive) & (number < _MOST_VERTICES)
+            number += 1
+            path = Path(
+                mi.Ray3f(vertex.leave(after.direction, active), after.direction),
+                throughput,
+                dr.select(after.null, path.point, si.p),
+                dr.select(after.null, path.pdf, pdf),
+                path.camera & (after.null | after.delta),
+                memory,
+            )
+
+        return total
+
+
+def _collect(sink: Sink, total, path: Path, found: Emission | None):
+    # Add the light that a path meets by itself
+    if found is None:
+        return total
+    value = path.throughput * found.value * found.share(path)
+    return sink.add(total, found.column, value, found.active)

@@ -1,8 +1,8 @@
-"""Places of a room: what paths come to, found before a picture or sensors are traced.
+"""Surface points sampled by pilot paths.
 
-Paths walk diffusely from surface to surface on this side of all windows. Where they
-touch tells where light is gathered: which surfaces sun may fall on (`sun_patches`) and
-from where portals are seen (`path_guiding`).
+Pilot paths scatter diffusely from surface to surface on this side of all windows. Their
+vertices tell from where light is gathered: which surfaces the sun may light
+(`sun_patches`), and where portals are sampled from (`path_guiding`).
 """
 
 from dataclasses import dataclass
@@ -16,16 +16,16 @@ from clerestory.engine import sampler
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.sampler import points
 from clerestory.engine.upload import launching
-from clerestory.engine.walk import offset
+from clerestory.engine.visibility import offset
 
-# Paths that look for places, and how many each visits.
-LOOKING = 1 << 13
+# Pilot paths, and vertices of each.
+PILOT_PATHS = 1 << 13
 _VERTICES = 4
 
 
 @dataclass
-class Places:
-    """Places on the surfaces of a room.
+class SurfacePoints:
+    """Points on the surfaces of a room.
 
     Attributes
     ----------
@@ -41,8 +41,8 @@ class Places:
         return len(self.point)
 
 
-def visit(model: LoweredScene, ray: mi.Ray3f) -> Places:
-    """Walk from surface to surface, from the first segments of `LOOKING` paths on."""
+def sample_surfaces(model: LoweredScene, ray: mi.Ray3f) -> SurfacePoints:
+    """Follow pilot paths from their first segments from surface to surface."""
     sequence = points(0, dr.width(ray.d))
     index, seed = dr.arange(mi.UInt32, dr.width(ray.d)), mi.UInt32(0)
     active = mi.Bool(True)
@@ -71,4 +71,4 @@ def visit(model: LoweredScene, ray: mi.Ray3f) -> Places:
     point, start, normal = (
         np.concatenate(part).astype(float) for part in zip(*found, strict=True)
     )
-    return Places(point, start, normal)
+    return SurfacePoints(point, start, normal)

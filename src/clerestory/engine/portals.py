@@ -25,15 +25,15 @@ from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Tr
 # Rectangles beyond the largest ones only cost time.
 MOST = 12
 
-# Polygons smaller than this share of the largest are no place to aim at.
+# Polygons smaller than this share of the largest are no portals.
 _SMALLEST = 1e-3
 
 # Kernels go through rectangles without a loop, which would fetch each from memory for
 # each path: five times slower. There is a kernel for every multiple of so many.
 _TOGETHER = 4
 
-# Directions that are aimed at rectangles as long as nothing is known of them.
-_UNKNOWN = 0.35
+# Chance of a portal before sampling probabilities are learned.
+_UNIFORM_CHANCE = 0.35
 
 _TRANSMITTING = (Glass, BsdfSurface, Illum, Trans)
 
@@ -80,9 +80,9 @@ class Portals:
     facing : edge_u × edge_v [m²]
     across, upwards : edges over their squared lengths [1/m]
     cells : of the room
-    share : of each rectangle in the paths that go on towards them, cell by cell
-    sought : of each rectangle in the rays that seek what suns light
-    aimed : chance that a path goes on towards any of them
+    share : of each rectangle in the paths that continue towards them, cell by cell
+    sunlit : of each rectangle in the rays that look for sunlit surfaces
+    chance : that a path continues towards any of them
     sunny : whether suns light anything in any of them
     """
 
@@ -96,8 +96,8 @@ class Portals:
     upwards: mi.Vector3f
     cells: GuidingCells
     share: mi.Float
-    sought: mi.Float
-    aimed: mi.Float
+    sunlit: mi.Float
+    chance: mi.Float
     sunny: bool
 
     @classmethod
@@ -106,10 +106,10 @@ class Portals:
         rectangles: Rectangles,
         cells: GuidingCells,
         share: Float[np.ndarray, "cell rectangle"],
-        sought: Float[np.ndarray, "cell rectangle"],
-        aimed: Float[np.ndarray, " cell"],
+        sunlit: Float[np.ndarray, "cell rectangle"],
+        chance: Float[np.ndarray, " cell"],
     ) -> "Portals":
-        """Return rectangles that are aimed at by the cell of a place."""
+        """Return portals with their sampling probabilities by guiding cell."""
         count = len(rectangles)
         places = -(-count // _TOGETHER) * _TOGETHER
         empty = ((0, 0), (0, places - count))
@@ -125,18 +125,22 @@ class Portals:
             vectors(mi.Vector3f, _inverse(every.edge_v)),
             cells,
             on_device(mi.Float, np.pad(share, empty)),
-            on_device(mi.Float, np.pad(sought, empty)),
-            on_device(mi.Float, aimed),
-            bool(sought.any()),
+            on_device(mi.Float, np.pad(sunlit, empty)),
+            on_device(mi.Float, chance),
+            bool(sunlit.any()),
         )
 
     @classmethod
-    def unknown(cls, rectangles: Rectangles) -> "Portals":
-        """Return rectangles of which nothing is known: all are worth the same."""
+    def uniform(cls, rectangles: Rectangles) -> "Portals | None":
+        """Return portals of equal probabilities; None without any rectangle."""
+        if len(rectangles) == 0:
+            return None
         cells = GuidingCells.around(np.zeros((0, 3)))
         count = len(rectangles)
-        even = np.full((cells.count, count), 1 / max(count, 1))
-        return cls.of(rectangles, cells, even, even, np.full(cells.count, _UNKNOWN))
+        even = np.full((cells.count, count), 1 / count)
+        return cls.of(
+            rectangles, cells, even, even, np.full(cells.count, _UNIFORM_CHANCE)
+        )
 
     def _view(self, number, origin) -> RectangleView:
         corner = dr.gather(mi.Point3f, self.corner, number) - origin
@@ -184,42 +188,46 @@ class Portals:
             found |= dr.select(hit, mi.UInt32(1 << number), 0)
         return found
 
-    def aim(self, shares, origin, cell, u, v):
-        """Return a direction to a point of a rectangle; by its cell.
+    def sample(self, shares, origin, cell, u, v):
+        """Sample a direction towards a portal by the probabilities of a cell.
 
         Parameters
         ----------
-        shares : `share` or `sought`
+        shares : `share` or `sunlit`
+
+        Returns
+        -------
+        direction, valid : valid is false where all probabilities of the cell are zero
         """
-        target = mi.Float(u)
-        before = mi.Float(0)
-        chosen = mi.UInt32(0)
+        target, before = mi.Float(u), mi.Float(0)
+        chosen, valid = mi.UInt32(0), mi.Bool(False)
         for number in range(self.places):
             here = dr.gather(mi.Float, shares, cell * self.places + number)
             take = (target >= before) & (here > 0)
             chosen = dr.select(take, number, chosen)
             u = dr.select(take, (target - before) / here, u)
+            valid |= take
             before += here
-        return self.towards(chosen, origin, dr.clip(u, 0, 0.9999999), v)
+        return self.towards(chosen, origin, dr.clip(u, 0, 0.9999999), v), valid
 
     @dr.syntax
     def pdf(self, origin, cell, direction, active):
-        """Return densities of aiming along a direction [1/sr].
+        """Return densities of sampling a direction [1/sr].
 
         Returns
         -------
-        onward, sought : of paths that go on, and of seeking what suns light
+        onward, sunlit : of continued paths, and of looking for sunlit surfaces
         """
-        onward, sought = mi.Float(0), mi.Float(0)
+        onward, sunlit = mi.Float(0), mi.Float(0)
         left = self.met(origin, direction)
         while active & (left != 0):
             number = dr.tzcnt(left)
             at = cell * self.places + number
             density = self.density(number, origin, direction)
             onward += dr.gather(mi.Float, self.share, at) * density
-            sought += dr.gather(mi.Float, self.sought, at) * density
+            sunlit += dr.gather(mi.Float, self.sunlit, at) * density
             left &= left - 1
-        return onward, sought
+        return onward, sunlit
 
 
 def _inverse(edges: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:

@@ -21,7 +21,7 @@ from clerestory.engine import sampler
 from clerestory.engine.lower import lower
 from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.sampler import Points
-from clerestory.engine.walk import offset
+from clerestory.engine.visibility import offset
 from clerestory.scene.model import Scene
 
 # Paths below this share of their first weight go on only by Russian roulette.

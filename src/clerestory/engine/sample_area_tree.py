@@ -13,13 +13,13 @@ import numpy as np
 from jaxtyping import Float, Int, Int64
 
 from clerestory.bands import RGB
+from clerestory.engine.matrix_tracers import refuse_out_of_range
 from clerestory.engine.primary_rays import Lanes, lanes
 from clerestory.engine.sample_area import Slab, follow, lower_slab, start
 from clerestory.engine.sampler import points
+from clerestory.engine.sinks import MatrixSink
 from clerestory.engine.square import disc_from_square, square_from_disc
 from clerestory.engine.sums import FIXED_POINT
-from clerestory.engine.walk import Target
-from clerestory.errors import DeviceError
 
 __all__ = ["Grid", "Scores", "lower_slab", "trace_block"]
 
@@ -100,7 +100,7 @@ class _IncidentCells:
 class _Cells:
     # Scores light by the cells through which it came and leaves
     grid: Grid
-    target: Target
+    sink: MatrixSink
     incident: mi.UInt32
     back: mi.Bool
     turn: mi.Vector2f
@@ -127,13 +127,13 @@ class _Cells:
         cell = (cell << grid.rank * grid.block) | inside
         reflected = (direction.z > 0) == self.back
         cell += dr.select(reflected, mi.UInt32(grid.cells), 0)
-        light = [weight[channel] for channel in range(self.target.channels - 1)]
+        light = [weight[channel] for channel in range(self.sink.channels - 1)]
         luminance = light[0]
         if len(light) == 3:
             shares = RGB.shares.tolist()
             luminance = sum(w * c for w, c in zip(shares, light, strict=True))
         scores = [*light, dr.square(luminance)]
-        self.target.score(mi.UInt32(0), cell, scores, active)
+        self.sink.score(mi.UInt32(0), cell, scores, active)
 
 
 def trace_block(
@@ -160,8 +160,8 @@ def trace_block(
     sums of transmission, and of reflection
     """
     channels = 1 if slab.grey else 3
-    target = Target(None, None, dr.zeros(mi.UInt64), 2 * grid.cells, channels + 1)
-    target.sums = dr.zeros(mi.UInt64, target.columns * target.channels + 1)
+    sink = MatrixSink(dr.zeros(mi.UInt64), 2 * grid.cells, channels + 1)
+    sink.sums = dr.zeros(mi.UInt64, sink.columns * sink.channels + 1)
     total = grid.blocks * grid.incidents
     offset = block * grid.incidents + (total if back else 0)
     behind, limit = dr.opaque(mi.Bool, back), dr.opaque(mi.UInt32, segments)
@@ -174,27 +174,23 @@ def trace_block(
         ray = start(slab, sequence, paths, _IncidentCells(grid), incident, behind)
         # Only in rank 3 are all azimuths of incidence turned into one
         turn = _azimuth(ray.d) if grid.rank == 3 else mi.Vector2f(1, 0)
-        receiver = _Cells(grid, target, incident, behind, turn)
+        receiver = _Cells(grid, sink, incident, behind, turn)
         follow(slab, receiver, sequence, paths, ray, limit)
-        dr.eval(target.sums)
-    return _scores(target, grid)
+        dr.eval(sink.sums)
+    return _scores(sink, grid)
 
 
-def _scores(target: Target, grid: Grid) -> tuple[Scores, Scores]:
+def _scores(sink: MatrixSink, grid: Grid) -> tuple[Scores, Scores]:
     # What was scored, without the cells that no light reached
-    cell = dr.arange(mi.UInt32, target.columns)
-    first = cell * target.channels + 1
+    cell = dr.arange(mi.UInt32, sink.columns)
+    first = cell * sink.channels + 1
     parts = [
-        dr.gather(mi.UInt64, target.sums, first + channel)
-        for channel in range(target.channels)
+        dr.gather(mi.UInt64, sink.sums, first + channel)
+        for channel in range(sink.channels)
     ]
     lit = dr.compress(sum(parts[1:], parts[0]) > 0)
     taken = [dr.gather(mi.UInt64, part, lit).numpy() for part in parts]
-    heavy = dr.gather(mi.UInt64, target.sums, 0)[0]
-    if heavy:
-        raise DeviceError(
-            f"{heavy} paths carry more than a path can: a fault of the tracer"
-        )
+    refuse_out_of_range(int(dr.gather(mi.UInt64, sink.sums, 0)[0]))
     number = lit.numpy().astype(np.int64)
     sums = np.stack(taken, axis=1) / FIXED_POINT
     middle = int(np.searchsorted(number, grid.cells))

@@ -103,3 +103,37 @@ def coordinate(sequence: Points, seed, index, vertex, purpose: int):
     return dr.select(
         low, scrambled, random_number(seed, index + sequence.first, dimension)
     )
+
+
+@dataclass
+class PathNumbers:
+    """Sample numbers of a path at one of its vertices.
+
+    Attributes
+    ----------
+    points : of the sequence
+    seed : of the row and batch
+    index : number of the path's point in the table
+    vertex : vertices of the path so far
+    """
+
+    points: Points
+    seed: mi.UInt32
+    index: mi.UInt32
+    vertex: mi.UInt32
+
+    def at(self, vertex: mi.UInt32) -> "PathNumbers":
+        """Return the numbers of another vertex."""
+        return PathNumbers(self.points, self.seed, self.index, vertex)
+
+    def sobol(self, purpose: int):
+        """Return a coordinate of the sequence."""
+        return coordinate(self.points, self.seed, self.index, self.vertex, purpose)
+
+    def hashed(self, dimension):
+        """Return a random number of the path that is no part of the sequence."""
+        return random_number(self.seed, self.index + self.points.first, dimension)
+
+    def extra(self, purpose: int):
+        """Return a random number of the vertex, by its purpose below 16."""
+        return self.hashed(self.vertex * 16 + (0x20000 + purpose))

@@ -1,11 +1,10 @@
-"""Lobes of sunlight behind BSDFs: where to look for sun that a window scatters.
+"""Lobes of sunlight behind BSDFs, as directions of rays back to the windows.
 
-A blind or a film sends the light of the sun into few directions. They are known
-before any path is: drawn from the BSDF for the sun's own direction, they are looked
-back along from a place in the room. Places that a lobe meets find it at once, where
-aiming at points of the window seldom does.
+A blind or a film sends the light of the sun into few directions. They are sampled from
+the BSDF for the sun's own direction: rays from a surface in the room run back along
+them to a window, where sampling points of the window seldom finds a lobe.
 
-The directions do not ask which window they meet, so their density is that of all
+The directions do not depend on which window they meet, so their density is that of all
 windows' lobes together, on every window.
 """
 
@@ -45,10 +44,10 @@ class Lobes:
 
     Attributes
     ----------
-    table : the BSDF, drawn from for light that comes from the sun
+    table : the BSDF, sampled for light that comes from the sun
     frame : of the layer; its normal is that of the surfaces
     side : 1 where the sun shines on the back of the surfaces, -1 on the front
-    chance : of drawing from these
+    chance : of sampling these
     """
 
     table: Table
@@ -56,14 +55,14 @@ class Lobes:
     side: int
     chance: float
 
-    def draw(self, sun, u, v):
-        """Return a direction to look along for the light of a sun."""
+    def sample(self, sun, u, v):
+        """Return the direction of a ray back to a window for the light of a sun."""
         disc, _, _ = self.table.sample(mi.UInt32(0), self.frame.to_local(sun), u, v)
         height = dr.safe_sqrt(1 - dr.squared_norm(disc))
         return -self.frame.to_world(mi.Vector3f(disc.x, disc.y, self.side * height))
 
     def pdf(self, direction, sun):
-        """Return the density of looking along a direction [1/sr]."""
+        """Return the density of sampling a direction [1/sr]."""
         leaving, incident = self.frame.to_local(-direction), self.frame.to_local(sun)
         _, density = self.table.evaluate(mi.UInt32(0), leaving, incident)
         met = (leaving.z * self.side > 0) & (incident.z * self.side < 0)
@@ -84,7 +83,7 @@ class Lobes:
         for direction in shining[:MOST]:
             sun = mi.Vector3f(*[float(c) for c in direction])
             dr.make_opaque(sun)
-            along = self.draw(sun, u, v)
+            along = self.sample(sun, u, v)
             cosine = dr.maximum(dr.abs(dr.dot(along, self.frame.n)), 1e-6)
             density = dr.mean(self.pdf(along, sun) / cosine) * dr.pi
             found = max(found, float(density[0]))
@@ -124,18 +123,18 @@ class SunLobes:
             made[key].chance = found[key] / total
         return cls([made[key] for key in largest])
 
-    def draw(self, pick, sun, u, v):
-        """Return a direction to look along for the light of a sun."""
-        direction = self.groups[0].draw(sun, u, v)
+    def sample(self, pick, sun, u, v):
+        """Return the direction of a ray back to a window for the light of a sun."""
+        direction = self.groups[0].sample(sun, u, v)
         before = self.groups[0].chance
         for lobes in self.groups[1:]:
             chosen = pick >= before
-            direction = dr.select(chosen, lobes.draw(sun, u, v), direction)
+            direction = dr.select(chosen, lobes.sample(sun, u, v), direction)
             before += lobes.chance
         return direction
 
     def pdf(self, direction, sun):
-        """Return the density of looking along a direction [1/sr]."""
+        """Return the density of sampling a direction [1/sr]."""
         return sum(
             (lobes.chance * lobes.pdf(direction, sun) for lobes in self.groups),
             start=mi.Float(0),

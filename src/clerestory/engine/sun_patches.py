@@ -1,9 +1,9 @@
-"""Sunlit patches: small places in a room that the sun shines on, to aim at.
+"""Sunlit areas of a room as portals.
 
 A stripe of sun on the floor may light the room more than the window beside it, and
-paths find it by chance only. Before a picture is traced, rays from the sun look where
-on a room's surfaces it falls. Rectangles around what they find join the windows as
-portals. What they miss costs noise, never light.
+paths find it by chance only. Rays from the sun are traced into the room before a
+picture is; rectangles around the clusters of the points that they meet join the
+windows as portals. Areas that are missed cost noise, never light.
 """
 
 import drjit as dr
@@ -13,11 +13,11 @@ from jaxtyping import Float, Int
 from scipy.ndimage import binary_dilation, label
 
 from clerestory.engine import sampler
-from clerestory.engine.next_event_estimation import LitScene
-from clerestory.engine.pilot_paths import Places
+from clerestory.engine.illumination import Illumination
+from clerestory.engine.pilot_paths import SurfacePoints
 from clerestory.engine.portals import MOST, Rectangles
 from clerestory.engine.upload import launching, vectors
-from clerestory.engine.walk import offset, passed
+from clerestory.engine.visibility import offset, transmittance
 
 # Rays from the sun, and panes that these pass at most.
 _SUNBEAMS = 1 << 18
@@ -41,32 +41,34 @@ _CELLS = 48
 _MARGIN = 2.0
 
 
-def sun_patches(lit: LitScene, places: Places) -> Rectangles:
-    """Return rectangles around what the sun shines on, if it is little."""
-    if lit.sky.suns == 0 or len(places) == 0:
+def sun_patches(scene: Illumination, places: SurfacePoints) -> Rectangles:
+    """Return rectangles around sunlit areas, if the sun lights little of the room."""
+    if scene.distant.suns == 0 or len(places) == 0:
         return Rectangles.none()
-    if _sunlit(lit, places) > _SELDOM:
+    if _sunlit_share(scene, places) > _SELDOM:
         return Rectangles.none()
-    return _patches(*_sunbeams(lit, places), places)
+    return _patches(*_sunbeams(scene, places), places)
 
 
-def _sunlit(lit: LitScene, places: Places) -> float:
+def _sunlit_share(scene: Illumination, places: SurfacePoints) -> float:
     # Share of the places on which a sun shines
     index, seed = dr.arange(mi.UInt32, len(places)), mi.UInt32(1)
     u, v, pick = (
         sampler.random_number(seed, index, mi.UInt32(number)) for number in range(3)
     )
-    sun, _, _ = lit.sky.aim(pick, u, v)
+    sun, _, _ = scene.distant.sample_sun(pick, u, v)
     start = vectors(mi.Point3f, places.start)
     shone = dr.dot(sun, vectors(mi.Vector3f, places.normal)) > 0
     with launching():
-        seen = passed(lit.model, start, lambda o: mi.Ray3f(o, sun), shone, True)
+        seen = transmittance(
+            scene.model, start, lambda o: mi.Ray3f(o, sun), shone, through_illums=True
+        )
         return float((shone & (dr.max(seen) > 0)).numpy().mean())
 
 
-def _sunbeams(lit: LitScene, places: Places):
+def _sunbeams(scene: Illumination, places: SurfacePoints):
     # Points and normals of what the sun shines on, through panes, around the places
-    model = lit.model
+    model = scene.model
     low, high = np.quantile(places.point, [_OUTLYING, 1 - _OUTLYING], axis=0)
     middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) * _WIDENED / 2
     index, seed = dr.arange(mi.UInt32, _SUNBEAMS), mi.UInt32(2)
@@ -74,7 +76,7 @@ def _sunbeams(lit: LitScene, places: Places):
         sampler.random_number(seed, index, mi.UInt32(number)) for number in range(5)
     )
     # From all of the sun's disc: patches reach as far as the penumbra
-    sun, _, _ = lit.sky.aim(pick, a, b)
+    sun, _, _ = scene.distant.sample_sun(pick, a, b)
     frame = mi.Frame3f(sun)
     disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, v))
     disc *= dr.opaque(mi.Float, radius)
@@ -118,7 +120,9 @@ def _plane(
 
 
 def _patches(
-    point: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "n 3"], places: Places
+    point: Float[np.ndarray, "n 3"],
+    normal: Float[np.ndarray, "n 3"],
+    places: SurfacePoints,
 ) -> Rectangles:
     # Rectangles around sunlit places, those that the most beams met first
     plane = _plane(point, normal)

@@ -107,31 +107,43 @@ class WindowTable:
         )
         return point, dr.gather(mi.UInt32, self.window, element)
 
-    def aim(self, origin, u, v):
-        """Return a point of the windows to connect `origin` with.
+    def sample_direction(self, origin, u, v):
+        """Sample a direction from a point to the windows, hidden or not.
 
         Returns
         -------
-        point, window : the point and its window
-        spherical : its pdf per solid angle [1/sr] where it was chosen by solid angle,
-            0 where it was chosen by area, with `self.area` as the inverse pdf [m²]
+        point, direction, window : of the windows, and the unit vector to it
+        cosine : between the window's normal and the reversed direction
+        pdf : of the direction [1/sr]
         """
         element, rest = self.choose(u)
         by_area, window = self.sample_point(u, v)
-        view = self.look(origin, element)
+        view = self._view(origin, element)
         x, y = view.sample(rest, v)
         point = origin + view.right * x + view.up * y + view.axis * view.depth
         point = dr.select(view.usable, point, by_area)
-        return point, window, self.spherical_pdf(element, view)
+        direction = dr.normalize(point - origin)
+        cosine = -dr.dot(direction, dr.gather(mi.Vector3f, self.normal, window))
+        pdf = self._pdf(element, view, dr.squared_norm(point - origin), cosine)
+        return point, direction, window, cosine, pdf
 
-    def spherical_pdf(self, element, view: "RectangleView"):
-        """Return the pdf of aiming at a point of an element by solid angle, or 0."""
+    def pdf(self, origin, element, point, cosine):
+        """Return the density of sampling the direction to a point of an element [1/sr].
+
+        Parameters
+        ----------
+        cosine : between the window's normal and the reversed direction
+        """
+        view = self._view(origin, element)
+        return self._pdf(element, view, dr.squared_norm(point - origin), cosine)
+
+    def _pdf(self, element, view: "RectangleView", distance2, cosine):
         low = dr.gather(mi.Float, self.cumulative, element - 1, element > 0)
         share = dr.gather(mi.Float, self.cumulative, element) - low
-        return dr.select(view.usable, share / view.solid_angle, 0)
+        by_area = distance2 / (dr.maximum(cosine, 1e-6) * self.area)
+        return dr.select(view.usable, share / view.solid_angle, by_area)
 
-    def look(self, origin, element) -> "RectangleView":
-        """Return how an element looks from a point."""
+    def _view(self, origin, element) -> "RectangleView":
         corner = dr.gather(mi.Point3f, self.corner, element) - origin
         edge_u = dr.gather(mi.Vector3f, self.edge_u, element)
         edge_v = dr.gather(mi.Vector3f, self.edge_v, element)

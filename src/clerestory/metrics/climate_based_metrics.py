@@ -111,10 +111,6 @@ def useful_illuminance(
     -------
     fractions over (band, sensor)
 
-    Raises
-    ------
-    InputError : the limits do not increase
-
     Examples
     --------
     >>> lux = xr.DataArray([[50.0, 100.0, 300.0, 4000.0]], dims=("sensor", "time"))

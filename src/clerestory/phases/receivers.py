@@ -12,6 +12,7 @@ from operator import matmul
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
+from clerestory.bands import common_bands
 from clerestory.errors import MatrixError
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain, Readable, Receiving
@@ -66,7 +67,8 @@ def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMat
         view = window.receiving[0]
         if isinstance(view, StoredColumns):
             values, own = view.read(rows)
-            view = TransferMatrix(values, view.rows_of(rows), view.columns, own)
+            bands = view.views.bands
+            view = TransferMatrix(values, view.rows_of(rows), view.columns, own, bands)
         elif isinstance(view, TransferMatrix):
             view = view.select_rows(rows)
         else:
@@ -81,7 +83,7 @@ def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMat
             shared[:count] += product.components[:count]
             parts.append(product.components[count:])
     components = np.concatenate(parts)
-    bands = max((p for p in products), key=lambda p: len(p.values)).bands
+    bands = common_bands([(p.bands, len(p.values)) for p in products])
     columns = windows[0].factors[0][-1].columns
     return TransferMatrix(
         total, products[0].rows, columns, components if len(components) else None, bands

@@ -1,9 +1,9 @@
-"""A day as a film: the pictures of all views side by side, step by step.
+"""Animation of a day: the pictures of all views side by side, step by step.
 
 Frames are small JPEG pictures within the page; its script shows one after the other.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -13,9 +13,9 @@ from jaxtyping import Float, Int
 
 from clerestory.image.picture import Picture
 from clerestory.report.colour import ColourScale
-from clerestory.report.colour_bar import legend
+from clerestory.report.colour_bar import colour_bar
 from clerestory.report.embedded_data import jpeg
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, render
 from clerestory.report.period import date_words
 from clerestory.report.view_pictures import (
     ViewPictures,
@@ -171,69 +171,43 @@ def film_section(
         return Markup("")
     steps = shown.steps
     middle = len(steps) // 2
-    clock = str(times[steps[middle]].astype("datetime64[m]"))[11:]
-    screens = [
-        _screen(v, middle, note(v.view, int(steps[middle]))) for v in shown.views
-    ]
-    scales = [
-        element("div", element("span", v.view, class_="note"), legend(v.scale))
-        for v in shown.views
-    ]
-    play = element("button", "Play", type="button", id="film-play")
-    slider = element(
-        "input",
-        type="range",
-        id="film-slider",
-        min=0,
-        max=len(steps) - 1,
-        value=middle,
-        aria_label="Time of day",
-    )
-    looks = [
-        element("option", words, value=value)
-        for value, words in (("seen", "as seen"), ("luminance", "luminances"))
-    ]
-    look = element("select", *looks, id="film-look", aria_label="How frames are shown")
-    bar = (play, element("output", clock, id="film-clock"), slider, look)
-    return element(
-        "section",
-        element("h2", f"A day in pictures: {date_words(times[steps[0]])}"),
-        element("p", f"{len(steps)} frames from {_span(times, steps)}.", class_="note"),
-        element("div", *screens, class_="screens"),
-        element("div", *bar, class_="bar film-bar"),
-        element("div", *(_row(row) for row in rows), class_="course"),
-        element("div", *scales, class_="scales", id="film-scales", hidden="hidden"),
-        element("div", class_="sheet", id="film-sheet"),
-        id="film",
+    clock = [str(times[step].astype("datetime64[m]"))[11:] for step in steps]
+    views = []
+    for view in shown.views:
+        columns, height = view.size
+        views.append(
+            {
+                "name": view.view,
+                "note": note(view.view, int(steps[middle])),
+                # Without a picture of the frame, the first of the view
+                "address": view.seen[middle] or next(a for a in view.seen if a),
+                "columns": columns,
+                "rows": height,
+                "bar": colour_bar(view.scale),
+            }
+        )
+    return render(
+        "animation.html",
+        date=date_words(times[steps[0]]),
+        count=len(steps),
+        first=clock[0],
+        last=clock[-1],
+        clock=clock[middle],
+        middle=middle,
+        views=views,
+        rows=[{"name": row.name, "segments": list(_segments(row))} for row in rows],
     )
 
 
-def _span(times: np.ndarray, steps: Int[np.ndarray, " frame"]) -> str:
-    first, last = (str(times[steps[k]].astype("datetime64[m]"))[11:] for k in (0, -1))
-    return f"{first} to {last}, local standard time"
-
-
-def _screen(view: FilmView, frame: int, said: str) -> Markup:
-    # Where the view has no picture of the frame, its first
-    address = view.seen[frame] or next(a for a in view.seen if a)
-    columns, rows = view.size
-    image = element("img", src=address, alt=view.view, width=columns, height=rows)
-    caption = element(
-        "figcaption", element("b", view.view), element("span", said, class_="said")
-    )
-    return element("figure", caption, image, style=f"flex-grow:{columns / rows:.3f}")
-
-
-def _row(row: Row) -> Markup:
-    # Frames of the same words are one segment
-    segments = []
+def _segments(row: Row) -> Iterator[dict[str, object]]:
+    # Frames with the same words are one segment
     for (words, colour), group in groupby(zip(row.words, row.colours, strict=True)):
-        length = len(list(group))
-        ink = "#fff" if _dark(colour) else "#1b1f24"
-        style = f"flex:{length};background:{colour};color:{ink}"
-        segments.append(element("i", words, style=style, title=words))
-    name = element("span", row.name, class_="label")
-    return element("div", name, element("div", *segments, class_="segments"))
+        yield {
+            "words": words,
+            "length": len(list(group)),
+            "colour": colour,
+            "ink": "#fff" if _dark(colour) else "#1b1f24",
+        }
 
 
 def _dark(colour: str) -> bool:

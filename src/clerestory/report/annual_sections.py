@@ -1,4 +1,4 @@
-"""The course of a year beyond illuminance: maps, films and what is told of moments."""
+"""Sections of the year beyond illuminance: states, pictures, glare, sunlight, lamps."""
 
 from functools import partial
 
@@ -46,7 +46,7 @@ def moment_note(content: ReportContent, view: str, step: int) -> str:
     return "; ".join(filter(None, words))
 
 
-def course_sections(content: ReportContent) -> Markup:
+def annual_sections(content: ReportContent) -> Markup:
     """Return states, pictures, film, glare, sun and lamps, those that the run has."""
     times, occupied = content.times, content.occupied
     note = partial(moment_note, content)

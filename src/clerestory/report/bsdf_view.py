@@ -7,16 +7,13 @@ of Klems.
 
 from collections.abc import Sequence
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float, UInt16
 
-import clerestory
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.quality_checks import check
-from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
@@ -25,8 +22,8 @@ from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.report.colour import ColourScale
 from clerestory.report.embedded_data import packed
-from clerestory.report.markup import Markup, element, embedded_json, join
-from clerestory.report.page_assets import asset, content_policy
+from clerestory.report.markup import render
+from clerestory.report.page_assets import asset, render_page
 
 _SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_view.js")
 
@@ -62,29 +59,22 @@ def view_page(bsdf: Bsdf) -> str:
     name = bsdf.product.name.strip()
     file = Path(bsdf.source).name if bsdf.source else ""
     title = file if name in ("", "Name") else name
-    script = Markup("\n".join(asset(name) for name in _SCRIPTS))
-    data = view_data(bsdf)
-    body = join(
-        element("p", "Scattering of a layer", class_="maker"),
-        element("h1", title or "BSDF"),
-        element("p", _subtitle(bsdf, file), class_="where"),
-        _left_out(data["left_out"]),
-        Markup(asset("bsdf_view.html")),
-        _findings(check(bsdf)),
-        element(
-            "footer",
-            f"Made by Clerestory {clerestory.__version__}. This file is complete: it"
-            " opens without a network and loads nothing.",
-        ),
+    data, findings = view_data(bsdf), check(bsdf)
+    body = render(
+        "bsdf_view.html",
+        title=title or "BSDF",
+        subtitle=_subtitle(bsdf, file),
+        left_out=data["left_out"],
+        most=f"{_MOST_VALUES / 1e6:g}",
+        findings=[str(finding) for finding in findings if finding.matters],
+        remarks=[str(finding) for finding in findings if not finding.matters],
     )
-    return Template(asset("page.html")).substitute(
-        version=clerestory.__version__,
-        policy=content_policy(script),
-        title=join(title or "BSDF", " · scattering"),
+    return render_page(
+        title=f"{title or 'BSDF'} · scattering",
         style=asset("style.css") + asset("bsdf_view.css"),
         body=body,
-        data=embedded_json("data", data),
-        script=script,
+        data=data,
+        scripts=_SCRIPTS,
     )
 
 
@@ -204,34 +194,3 @@ def _subtitle(bsdf: Bsdf, file: str) -> str:
     )
     words = (file, bsdf.product.manufacturer, kind)
     return " · ".join(word for word in words if word)
-
-
-def _left_out(names: Sequence[str]) -> Markup:
-    # What the page lacks, so that nobody takes it for missing in the file
-    if not names:
-        return Markup("")
-    kept = f"more than {_MOST_VALUES / 1e6:g} million values"
-    return element(
-        "p",
-        f"Not on this page, which would hold {kept}: {', '.join(names)}.",
-        class_="left-out",
-    )
-
-
-def _findings(findings: Sequence[Finding]) -> Markup:
-    # What the doctor says, the remarks folded away
-    grave = [finding for finding in findings if finding.matters]
-    items = [element("li", str(finding)) for finding in grave]
-    told = [element("li", str(f)) for f in findings if not f.matters]
-    head = (
-        f"{len(grave)} finding{'s' * (len(grave) > 1)} that can change results"
-        if grave
-        else "Energy, reciprocity and labels are in order"
-    )
-    remarks = element(
-        "details", element("summary", f"{len(told)} remarks"), element("ul", *told)
-    )
-    if not grave:
-        return element("section", element("h2", head), remarks, class_="doctor")
-    box = element("div", element("h2", head), element("ul", *items), class_="warnings")
-    return element("section", box, remarks, class_="doctor")

@@ -4,6 +4,7 @@ Glare, the states of windows and the dimming of lamps are drawn with it. The pag
 under the pointer what a cell stands for.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,12 +88,9 @@ def day_map_data(shown: DayMap, times: np.ndarray) -> dict[str, Any]:
     }
 
 
-def keys(texts: list[str], colours: UInt8[np.ndarray, "kind 3"]) -> Markup:
-    """Return swatches with their words."""
-    items = (
-        element(
-            "li", element("i", style="background:#{:02x}{:02x}{:02x}".format(*c)), t
-        )
-        for t, c in zip(texts, colours.tolist(), strict=True)
-    )
-    return element("ul", *items, class_="keys")
+def keys(
+    texts: Sequence[str], colours: UInt8[np.ndarray, "kind 3"]
+) -> list[tuple[str, str]]:
+    """Return the colour `#rrggbb` of each class with its text."""
+    shades = ["#{:02x}{:02x}{:02x}".format(*rgb) for rgb in colours.tolist()]
+    return list(zip(shades, texts, strict=True))

@@ -1,4 +1,4 @@
-"""The colour bar beside a drawing: which colour stands for which value."""
+"""Colour bar of a false-colour drawing, with its ticks and its unit."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from clerestory.report.embedded_data import png
 from clerestory.report.markup import Markup, element
 
 
-def legend(scale: ColourScale) -> Markup:
+def colour_bar(scale: ColourScale) -> Markup:
     """Return the colour bar of a scale, with its ticks."""
     table = scale.table()[None]
     opaque = np.full((*table.shape[:2], 1), 255, dtype=np.uint8)

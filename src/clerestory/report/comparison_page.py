@@ -1,6 +1,5 @@
-"""The page of a comparison: tables, drawings, and what was left out; opens offline."""
+"""HTML page of a comparison with measurements: tables, figures, notes."""
 
-import base64
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,18 +22,12 @@ from clerestory.report.comparison_plots import (
     scatter_figure,
     time_figure,
 )
-from clerestory.report.markup import Markup, element, join
+from clerestory.report.embedded_data import png_address
+from clerestory.report.markup import Markup, render
 from clerestory.report.page_assets import asset, content_policy
 
 PAGE_FILE = "comparison.html"
 _MOST_SERIES = 9
-_TABLE_STYLE = (
-    "table.wide{font-size:13px;border-collapse:collapse;display:block;overflow-x:auto}"
-    "table.wide td,table.wide th{padding:3px 9px;border-bottom:1px solid var(--line);"
-    "text-align:right;white-space:nowrap}"
-    "table.wide td:first-child,table.wide th:first-child{text-align:left}"
-    "img{max-width:100%;height:auto;margin:10px 0}"
-)
 
 
 @final
@@ -145,39 +138,17 @@ def _drawing(name: str, words: str, figure: Figure) -> Drawing:
 def _page(
     comparisons: Sequence[Comparison], drawings: Sequence[Drawing], title: str
 ) -> str:
-    limits = ", ".join(f"{100 * limit:g}" for limit in LIMITS)
-    parts: list[Markup] = [
-        element("p", "Clerestory: measured and simulated", class_="maker"),
-        element("h1", title),
-        element("h2", f"Share of values within {limits} % [%]"),
-        _table(shares_table(comparisons)),
-        element("p", "Δ is the deviation of the simulated from the measured value,"
-                " relative to the measured one.", class_="note"),
-        element("h2", "How it was made"),
-    ]  # fmt: skip
-    for comparison in comparisons:
-        notes = [element("li", note) for note in comparison_notes(comparison)]
-        parts += [element("h3", comparison.name), element("ul", *notes)]
-    parts.append(element("h2", "Pictures"))
-    for drawing in drawings:
-        data = base64.b64encode(drawing.png).decode()
-        parts.append(element("h3", drawing.words))
-        image = Markup(f'<img alt="{drawing.name}" src="data:image/png;base64,{data}">')
-        parts.append(image)
-    parts += [element("h2", "All statistics"), _table(statistics_table(comparisons))]
-    policy = content_policy("")
-    head = join(
-        Markup('<meta charset="utf-8">'),
-        Markup('<meta name="viewport" content="width=device-width">'),
-        Markup(f'<meta http-equiv="Content-Security-Policy" content="{policy}">'),
-        element("title", title),
-        element("style", Markup(asset("style.css") + _TABLE_STYLE)),
+    return render(
+        "comparison.html",
+        policy=content_policy(""),
+        title=title,
+        style=Markup(asset("style.css")),
+        limits=", ".join(f"{100 * limit:g}" for limit in LIMITS),
+        shares=shares_table(comparisons),
+        comparisons=[(each.name, comparison_notes(each)) for each in comparisons],
+        drawings=[
+            {"name": d.name, "words": d.words, "address": png_address(d.png)}
+            for d in drawings
+        ],
+        statistics=statistics_table(comparisons),
     )
-    body = element("body", element("main", *parts))
-    return f'<!doctype html>\n<html lang="en">{element("head", head)}{body}</html>\n'
-
-
-def _table(rows: list[list[str]]) -> Markup:
-    head = element("tr", *(element("th", cell) for cell in rows[0]))
-    body = [element("tr", *(element("td", cell) for cell in row)) for row in rows[1:]]
-    return element("table", head, *body, class_="wide")

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from matplotlib import colormaps
 
 from clerestory.report.class_map import DayMap, day_map
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, render
 from clerestory.report.period import hours_in
 from clerestory.report.uncertain_value import Figure
 
@@ -82,21 +82,16 @@ def lamps_section(
     """Return the year of each zone."""
     if not zones:
         return Markup("")
-    intro = (
-        "Output of the luminaires in every step, from off, pale, to full, dark. They"
-        " fill up what daylight lacks in the occupied hours."
-    )
-    blocks = []
-    for zone, shown in zip(zones, lamp_maps(zones), strict=True):
-        blocks.append(element("h3", zone.name))
-        blocks.append(element("p", lamp_words(zone, times, occupied)))
-        blocks.append(day_map(shown, times, occupied=occupied))
-    return element(
-        "section",
-        element("h2", "Electric light through the year"),
-        element("p", intro, class_="note"),
-        *blocks,
-        id="lamps",
+    return render(
+        "lamps.html",
+        zones=[
+            {
+                "name": zone.name,
+                "text": lamp_words(zone, times, occupied),
+                "map": day_map(shown, times, occupied=occupied),
+            }
+            for zone, shown in zip(zones, lamp_maps(zones), strict=True)
+        ],
     )
 
 

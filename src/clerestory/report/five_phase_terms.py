@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.phases.methods import DIRECT_IN_PATCHES, DIRECT_SUN, METHODS
 from clerestory.report.embedded_data import code_step, illuminance_codes, packed
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, element, render
 from clerestory.report.period import date_words
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.uncertain_value import number
@@ -27,10 +27,10 @@ _MUCH = 0.10
 
 # Lines of the drawing: class in the page, and words
 _LINES = (
-    ("three", "three phases, V T D S"),
+    ("three", "three-phase, V T D S"),
     ("spread", "less the sun in patches, V_d T D_d S_ds"),
-    ("sun", "plus the sun at its place, C_ds S_sun"),
-    ("five", "five phases, the sum"),
+    ("sun", "plus the sun at its position, C_ds S_sun"),
+    ("five", "five-phase, the sum"),
 )
 
 # Round steps of an axis within a decade
@@ -124,44 +124,16 @@ def equation_section(
     if terms is None:
         return Markup("")
     chosen = terms.chosen()
-    options = [
-        element("option", sensors.names[sensor], value=k)
-        for k, sensor in enumerate(chosen)
-    ]
     day = terms.strongest_day(chosen[0], times)
-    intro = (
-        "Five phases are three phases whose direct sun, spread over patches of sky and"
-        " window, is taken out and put back at its true place. Where the orange line"
-        " lies above the dashed one, the patches gave the sensor too little direct sun;"
-        " where it lies below, too much. First shown: the sensor and the day that"
-        " change most."
+    return render(
+        "equation.html",
+        sensors=[sensors.names[sensor] for sensor in chosen],
+        day=date_words(day),
+        drawing=_drawing(terms, chosen[0], day, times),
+        lines=_LINES,
+        much=f"{100 * _MUCH:.0f}",
+        rows=_grid_rows(terms, sensors, occupied),
     )
-    names = ("Previous day", "Next day")
-    steps = [
-        element("button", sign, type="button", data_step=by, aria_label=name)
-        for sign, by, name in zip("‹›", (-1, 1), names, strict=True)
-    ]
-    chooser = (
-        element("label", "Sensor", for_="term-sensor"),
-        element("select", *options, id="term-sensor"),
-        steps[0],
-        element("output", date_words(day), id="term-day"),
-        steps[1],
-    )
-    return element(
-        "section",
-        element("h2", "What the direct correction did"),
-        element("p", intro, class_="note"),
-        element("div", *chooser, class_="chooser"),
-        element("div", _drawing(terms, chosen[0], day, times), class_="year-scroll"),
-        element("ul", *(_key(*line) for line in _LINES), class_="keys line-keys"),
-        _grid_table(terms, sensors, occupied),
-        id="equation",
-    )
-
-
-def _key(kind: str, words: str) -> Markup:
-    return element("li", element("i", class_=kind), words)
 
 
 def _drawing(
@@ -224,17 +196,10 @@ def _path(minute: Int[np.ndarray, " step"], share: Float[np.ndarray, " step"]) -
     return "M" + "L".join(f"{_x(m):.1f},{_y(s):.1f}" for m, s in points)
 
 
-def _grid_table(
+def _grid_rows(
     terms: EquationTerms, sensors: SensorPoints, occupied: Bool[np.ndarray, " time"]
-) -> Markup:
-    head = (
-        "Occupied hours",
-        "Three phases [lux]",
-        "− sun in patches",
-        "+ sun at its place",
-        "= five phases",
-        f"Steps changed by over {100 * _MUCH:.0f} %",
-    )
+) -> list[tuple[str, list[str]]]:
+    # Means of the terms over each grid, and the share of steps that change much
     rows = []
     for grid, members in sensors.by_grid().items():
         part = np.ix_(members, np.flatnonzero(occupied))
@@ -246,14 +211,5 @@ def _grid_table(
         lit = three > 0
         much = np.abs(sun - spread)[lit] > _MUCH * three[lit]
         share = 100 * float(much.mean()) if much.size else 0.0
-        cells = [*(number(float(m)) for m in means), f"{share:.1f} %"]
-        label = element("th", grid, scope="row")
-        rows.append(element("tr", label, *(element("td", cell) for cell in cells)))
-    titles = (element("th", title, scope="col") for title in head)
-    table = element(
-        "table",
-        element("thead", element("tr", *titles)),
-        element("tbody", *rows),
-        class_="numbers",
-    )
-    return element("div", table, class_="wide")
+        rows.append((grid, [*(number(float(m)) for m in means), f"{share:.1f} %"]))
+    return rows

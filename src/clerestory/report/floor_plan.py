@@ -125,7 +125,7 @@ def plan(
         element("use", href=f"#{frame.identifier}", class_="halo"),
         element("use", href=f"#{frame.identifier}", class_="walls"),
         *(
-            _window(frame, window, doubt=bool(orientation(window, content).doubt))
+            _window(frame, window, doubt=bool(orientation(window, content).problem))
             for window in content.windows
         ),
         element("circle", class_="chosen", r=5, cx=-99, cy=-99),

@@ -1,43 +1,44 @@
-"""The top of the page: what was studied, what came out, how sure it is."""
+"""Head of the report: title, key figures with their uncertainty, warnings."""
+
+import numpy as np
+from jaxtyping import Int
 
 from clerestory.glare.comfort_classes import glare_autonomy
 from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX
 from clerestory.report.content import ReportContent
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, render
 from clerestory.report.metric_maps import MetricMap, metric_maps, useful_share
 from clerestory.report.orientation import orientation
 from clerestory.report.period import hours_in, period_words
 from clerestory.report.uncertain_value import Figure
 from clerestory.report.uncertainty import error_words
 
+Members = Int[np.ndarray, " member"]
+
 _METHODS = {
     "2-phase": "Two-phase method: daylight coefficients",
     "3-phase": "Three-phase method: view, transmission, daylight and sky matrices",
-    "5-phase": "Five-phase method: three phases, with the direct sun at its true place",
+    "5-phase": "Five-phase method: the direct sun at its true position",
 }
 
 
 def headline(content: ReportContent) -> Markup:
-    """Return the title, the key figures of the first grid, and their accuracy."""
+    """Return the title, the key figures of the first grid, and their uncertainty."""
     maps = {metric.key: metric for metric in metric_maps(content.metrics)}
     places = (content.place, period_words(content.times))
-    return element(
-        "header",
-        element("p", "Clerestory · annual daylight", class_="maker"),
-        element("h1", content.title),
-        element("p", _METHODS.get(content.method, content.method), class_="where"),
-        element("p", " · ".join(filter(None, places)), class_="where"),
-        element("p", lead_words(content), class_="lead"),
-        warnings_box(content),
-        _key_figures(content, maps),
-        element(
-            "p",
-            error_words(content),
-            " The ± of a mean is cautious: it supposes that the errors of all hours"
-            " and sensors go the same way.",
-            class_="note",
-        ),
-        _grid_table(content, maps),
+    return render(
+        "headline.html",
+        title=content.title,
+        method=_METHODS.get(content.method, content.method),
+        places=" · ".join(filter(None, places)),
+        lead=lead_words(content),
+        warnings=_warnings(content),
+        figures=_key_figures(content, maps),
+        errors=error_words(content),
+        grids=[
+            (name, (f"{len(members):,}", *_grid_figures(content, maps, members)))
+            for name, members in content.sensors.by_grid().items()
+        ],
     )
 
 
@@ -75,80 +76,43 @@ def target_words(content: ReportContent) -> str:
     return f"{float(content.metrics.attrs.get('target_lux', 300)):,.0f} lux"
 
 
-def warnings_box(content: ReportContent) -> Markup:
-    """Return what the reader should doubt, if anything."""
-    doubts = [
-        f"Window “{row.window}”: {row.doubt}"
+def _warnings(content: ReportContent) -> list[str]:
+    # What the reader should check
+    problems = [
+        f"Window “{row.window}”: {row.problem}"
         for row in (orientation(window, content) for window in content.windows)
-        if row.doubt
+        if row.problem
     ]
-    warnings = (*doubts, *dict.fromkeys(content.warnings))
-    if not warnings:
-        return Markup("")
-    items = (element("li", warning) for warning in warnings)
-    heading = element("h2", "Please check")
-    return element("section", heading, element("ul", *items), class_="warnings")
+    return [*problems, *dict.fromkeys(content.warnings)]
 
 
-def _key_figures(content: ReportContent, maps: dict[str, MetricMap]) -> Markup:
+def _grid_figures(
+    content: ReportContent, maps: dict[str, MetricMap], members: Members
+) -> tuple[Figure, Figure, Figure, Figure]:
+    return (
+        maps["mean"].mean(members),
+        maps["autonomy"].mean(members),
+        useful_share(content.metrics, members),
+        maps["exceeded"].mean(members),
+    )
+
+
+def _key_figures(
+    content: ReportContent, maps: dict[str, MetricMap]
+) -> list[tuple[str, str, str, str]]:
+    # Title, value, unit with error, and note of each figure of the first grid
     members = next(iter(content.sensors.by_grid().values()))
     low, _, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
-    figures: tuple[tuple[str, Figure, str], ...] = (
-        ("Mean illuminance", maps["mean"].mean(members), maps["mean"].note),
-        ("Daylight autonomy", maps["autonomy"].mean(members), maps["autonomy"].note),
-        (
-            "Useful illuminance",
-            useful_share(content.metrics, members),
-            f"hours from {low} to {high} lux",
-        ),
-        (
-            "Too bright",
-            maps["exceeded"].mean(members),
-            f"hours with {high} lux or more",
-        ),
+    titles = (
+        ("Mean illuminance", maps["mean"].note),
+        ("Daylight autonomy", maps["autonomy"].note),
+        ("Useful illuminance", f"hours from {low} to {high} lux"),
+        ("Too bright", f"hours with {high} lux or more"),
     )
-    items = []
-    for title, figure, note in figures:
+    figures = []
+    for (title, note), figure in zip(
+        titles, _grid_figures(content, maps, members), strict=True
+    ):
         value, _, rest = str(figure).partition(" ")
-        items.append(
-            element(
-                "div",
-                element("dt", title),
-                element("dd", value, " ", element("small", rest)),
-                element("dd", note, class_="about"),
-            )
-        )
-    return element("dl", *items, class_="key-figures")
-
-
-def _grid_table(content: ReportContent, maps: dict[str, MetricMap]) -> Markup:
-    grids = content.sensors.by_grid()
-    if len(grids) < 2:
-        return Markup("")
-    head = (
-        "Grid",
-        "Sensors",
-        "Mean illuminance",
-        "Daylight autonomy",
-        "Useful illuminance",
-        "Too bright",
-    )
-    rows = []
-    for name, members in grids.items():
-        cells = (
-            f"{len(members):,}",
-            maps["mean"].mean(members),
-            maps["autonomy"].mean(members),
-            useful_share(content.metrics, members),
-            maps["exceeded"].mean(members),
-        )
-        label = element("th", name, scope="row")
-        rows.append(element("tr", label, *(element("td", cell) for cell in cells)))
-    titles = (element("th", title, scope="col") for title in head)
-    table = element(
-        "table",
-        element("thead", element("tr", *titles)),
-        element("tbody", *rows),
-        class_="numbers",
-    )
-    return element("div", table, class_="wide")
+        figures.append((title, value, rest, note))
+    return figures

@@ -1,18 +1,32 @@
-"""HTML and SVG put together from values, with user text escaped by default.
+"""HTML and SVG of pages: Jinja2 templates and elements made from values.
 
-`Markup` marks text that is ready for the page. A plain string is the user's and
-is escaped on its way in, so that no title or path can become a tag.
+All text is escaped unless it is `Markup`, so that no title or path can become a tag.
 """
 
 import json
-from html import escape
+from functools import cache
 from typing import Any
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
 
-class Markup(str):
-    """Text that is already markup."""
+__all__ = ["Markup", "element", "embedded_json", "join", "render"]
 
-    __slots__ = ()
+
+@cache
+def _templates() -> Environment:
+    return Environment(
+        loader=PackageLoader("clerestory.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def render(template: str, **values: object) -> Markup:
+    """Return a template of the package filled with values."""
+    return Markup(_templates().get_template(template).render(**values))
 
 
 def element(tag: str, *children: object, **attributes: object) -> Markup:
@@ -21,8 +35,8 @@ def element(tag: str, *children: object, **attributes: object) -> Markup:
     A trailing underscore in an attribute's name falls away, other underscores
     become hyphens. Attributes that are None are left out.
 
-    >>> element("p", "a < b", class_="note")
-    '<p class="note">a &lt; b</p>'
+    >>> print(element("p", "a < b", class_="note"))
+    <p class="note">a &lt; b</p>
     """
     opening = tag
     for name, value in attributes.items():
@@ -34,12 +48,7 @@ def element(tag: str, *children: object, **attributes: object) -> Markup:
 
 def join(*children: object) -> Markup:
     """Return the children one after the other, plain text escaped."""
-    return Markup(
-        "".join(
-            child if isinstance(child, Markup) else escape(str(child))
-            for child in children
-        )
-    )
+    return Markup("").join(escape(child) for child in children)
 
 
 def embedded_json(identifier: str, value: Any) -> Markup:

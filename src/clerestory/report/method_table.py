@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float
 
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, render
 from clerestory.report.uncertain_value import number
 from clerestory.study.method_comparison import LEAST_LUX, WITHIN, differences
 
@@ -46,39 +46,22 @@ def methods_section(compared: MethodComparison | None) -> Markup:
     """Return a table of every method and grid against the last method."""
     if compared is None:
         return Markup("")
-    intro = (
-        f"Each method against the last, {compared.methods[-1]}, in the occupied hours"
-        f" in which that one gives {LEAST_LUX:.0f} lux or more. The windows’ states are"
-        " the same for all."
-    )
     head = ["Method", "Grid", "Mean [lux]", "Mean bias", "Root mean square"]
     head += [f"Within {100 * share:.0f} %" for share in WITHIN]
     rows = []
-    grids = np.array(compared.grids)
-    hours = np.flatnonzero(compared.occupied)
+    grids, hours = np.array(compared.grids), np.flatnonzero(compared.occupied)
     for name, lux in zip(compared.methods, compared.illuminance, strict=True):
         for grid in dict.fromkeys(compared.grids):
             chosen = np.ix_(np.flatnonzero(grids == grid), hours)
             found = differences(lux[chosen], compared.illuminance[-1][chosen])
-            cells = [
-                element("td", grid),
-                element("td", number(float(lux[chosen].mean()))),
-                *(element("td", _percent(value)) for value in found),
-            ]
-            rows.append(element("tr", element("th", name, scope="row"), *cells))
-    titles = (element("th", title, scope="col") for title in head)
-    table = element(
-        "table",
-        element("thead", element("tr", *titles)),
-        element("tbody", *rows),
-        class_="numbers",
-    )
-    return element(
-        "section",
-        element("h2", "Methods compared"),
-        element("p", intro, class_="note"),
-        element("div", table, class_="wide"),
-        id="methods",
+            mean = number(float(lux[chosen].mean()))
+            rows.append((name, [grid, mean, *map(_percent, found)]))
+    return render(
+        "methods.html",
+        reference=compared.methods[-1],
+        least=f"{LEAST_LUX:.0f}",
+        head=head,
+        rows=rows,
     )
 
 

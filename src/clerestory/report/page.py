@@ -1,27 +1,26 @@
-"""The page as a whole: what stands where, in which words.
+"""Report of a run as one HTML page that needs no network.
 
-The page asks nothing of the network: style, scripts, pictures and data are in
-it, and its content policy forbids everything else, scripts that came in with a
-name or a path included.
+Style, scripts, pictures and data are in the page; its content policy forbids everything
+else, including scripts in names or paths.
 """
 
 from pathlib import Path
-from string import Template
 
-import clerestory
 from clerestory.files import write_text
-from clerestory.report.annual_sections import course_sections
-from clerestory.report.appendix import (
-    accuracy_section,
-    making_section,
-    words_section,
-)
+from clerestory.report.annual_sections import annual_sections
 from clerestory.report.content import ReportContent
 from clerestory.report.content_from_results import from_results
 from clerestory.report.headline import headline
-from clerestory.report.main_sections import plans_section, room_section, year_section
-from clerestory.report.markup import Markup, element, embedded_json, join
-from clerestory.report.page_assets import asset, content_policy
+from clerestory.report.main_sections import (
+    accuracy_section,
+    computation_section,
+    glossary_section,
+    plans_section,
+    room_section,
+    year_section,
+)
+from clerestory.report.markup import element, join
+from clerestory.report.page_assets import asset, render_page
 from clerestory.report.page_data import page_data
 from clerestory.report.window_layers import layers_section
 from clerestory.study.annual_views import PICTURE_FOLDER
@@ -81,9 +80,9 @@ _CONTENTS = (
     ("methods", "Methods"),
     ("layers", "BSDFs"),
     ("room", "Room"),
-    ("accuracy", "Accuracy"),
-    ("making", "How computed"),
-    ("words", "Words"),
+    ("accuracy", "Uncertainty"),
+    ("making", "Computation"),
+    ("words", "Glossary"),
 )
 
 
@@ -92,40 +91,23 @@ def report_page(content: ReportContent) -> str:
     sections = join(
         plans_section(content),
         year_section(content),
-        course_sections(content),
+        annual_sections(content),
         layers_section(content.layers),
         room_section(content),
         accuracy_section(content),
-        making_section(content),
-        words_section(content),
+        computation_section(content),
+        glossary_section(content),
     )
-    body = join(
-        headline(content),
-        _contents(sections),
-        sections,
-        element(
-            "footer",
-            f"Made by Clerestory {clerestory.__version__}. This file is complete: it"
-            " opens without a network and loads nothing.",
-        ),
-        element("div", id="tip", aria_hidden="true"),
-    )
-    script = Markup("\n".join(asset(name) for name in _SCRIPTS))
-    return Template(asset("page.html")).substitute(
-        version=clerestory.__version__,
-        policy=content_policy(script),
-        title=join(content.title, " · daylight report"),
-        style=asset("style.css"),
-        body=body,
-        data=embedded_json("data", page_data(content)),
-        script=script,
-    )
-
-
-def _contents(sections: Markup) -> Markup:
     links = (
         element("a", words, href=f"#{identifier}")
         for identifier, words in _CONTENTS
         if f' id="{identifier}"' in sections
     )
-    return element("nav", *links, class_="contents", aria_label="Contents")
+    contents = element("nav", *links, class_="contents", aria_label="Contents")
+    return render_page(
+        title=f"{content.title} · daylight report",
+        style=asset("style.css"),
+        body=join(headline(content), contents, sections),
+        data=page_data(content),
+        scripts=_SCRIPTS,
+    )

@@ -1,8 +1,13 @@
-"""What a page needs to open offline: its parts, and a policy that forbids the rest."""
+"""Self-contained HTML pages: style, scripts and data inline, nothing loaded."""
 
 import base64
 import hashlib
+from collections.abc import Sequence
 from importlib import resources
+from typing import Any
+
+import clerestory
+from clerestory.report.markup import Markup, embedded_json, render
 
 
 def asset(name: str) -> str:
@@ -21,4 +26,21 @@ def content_policy(script: str) -> str:
     return (
         "default-src 'none'; style-src 'unsafe-inline'; img-src data:;"
         f" script-src 'sha256-{digest}'"
+    )
+
+
+def render_page(
+    *, title: str, style: str, body: Markup, data: Any, scripts: Sequence[str]
+) -> str:
+    """Return a page with its data, and the scripts that read them."""
+    script = Markup("\n".join(asset(name) for name in scripts))
+    return render(
+        "page.html",
+        version=clerestory.__version__,
+        policy=content_policy(script),
+        title=title,
+        style=Markup(style),
+        body=body,
+        data=embedded_json("data", data),
+        script=script,
     )

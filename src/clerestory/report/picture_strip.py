@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from clerestory.report.colour_bar import legend
+from clerestory.report.colour_bar import colour_bar
 from clerestory.report.embedded_data import jpeg
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, element, render
 from clerestory.report.period import moment_words
 from clerestory.report.view_pictures import (
     Moment,
@@ -40,19 +40,9 @@ def pictures_section(
     """
     if not views:
         return Markup("")
-    intro = (
-        "Below each picture its luminances in false colour, on one scale for all"
-        " moments of a view. The pictures’ exposure follows the brightness half-way,"
-        " so that dark moments look darker. The .hdr files of the run hold the"
-        " radiances themselves."
-    )
-    blocks = [element("h2", "Pictures"), element("p", intro, class_="note")]
-    for view in views:
-        most = _MOST if len(views) < 3 else _MOST_OF_MANY
-        chosen = spread(view.moments, most)
-        blocks.append(element("h3", _title(view, len(chosen))))
-        blocks.append(_strip(view.view, chosen, times, note))
-    return element("section", *blocks, id="pictures")
+    most = _MOST if len(views) < 3 else _MOST_OF_MANY
+    strips = [_strip(view, spread(view.moments, most), times, note) for view in views]
+    return render("pictures.html", views=strips)
 
 
 def spread(moments: Sequence[Moment], most: int) -> list[Moment]:
@@ -68,30 +58,34 @@ def _title(view: ViewPictures, shown: int) -> str:
 
 
 def _strip(
-    view: str,
+    view: ViewPictures,
     moments: Sequence[Moment],
     times: np.ndarray,
     note: Callable[[str, int], str],
-) -> Markup:
+) -> dict[str, object]:
     pictures = [read_small(moment.file, width=_WIDTH) for moment in moments]
     scale = luminance_scale(pictures)
     figures = []
     for moment, picture, white in zip(
         moments, pictures, exposures(pictures), strict=True
     ):
-        when = moment_words(times[moment.step])
-        said = note(view, moment.step)
+        time, name = moment_words(times[moment.step]), view.view
         figures.append(
-            element(
-                "figure",
-                element("figcaption", element("b", when), said),
-                _image(as_seen(picture, white), f"{view}, {when}"),
-                _image(as_luminance(picture, scale), f"Luminances of {view}, {when}"),
-            )
+            {
+                "time": time,
+                "note": note(name, moment.step),
+                "photograph": _image(as_seen(picture, white), f"{name}, {time}"),
+                "luminance": _image(
+                    as_luminance(picture, scale), f"Luminance of {name}, {time}"
+                ),
+            }
         )
-    wide = pictures[0].columns > 1.2 * pictures[0].rows
-    strip = element("div", *figures, class_="strip wide-view" if wide else "strip")
-    return element("div", strip, legend(scale))
+    return {
+        "title": _title(view, len(moments)),
+        "wide": pictures[0].columns > 1.2 * pictures[0].rows,
+        "figures": figures,
+        "bar": colour_bar(scale),
+    }
 
 
 def _image(pixels: np.ndarray, words: str) -> Markup:

@@ -39,7 +39,7 @@ def room_view(
             "centre": window.centre.round(4).tolist(),
             "normal": window.normal.round(5).tolist(),
             "up": window.up.round(5).tolist(),
-            "doubt": bool(orientation(window, content).doubt),
+            "doubt": bool(orientation(window, content).problem),
             "size": float(np.sqrt(max(window.area, 1e-4)).round(4)),
         }
         for window in content.windows

@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Bool, Float
 
 from clerestory.metrics.en17037 import LEVELS, SUN_HOURS, sunlight_level
-from clerestory.report.markup import Markup, element, join
+from clerestory.report.markup import Markup, element, join, render
 from clerestory.report.period import date_words
 
 # Drawing: place of the axis, height of a bar, gap below it [px]
@@ -61,19 +61,12 @@ def sunlight_section(sunlight: Sunlight | None) -> Markup:
         f"{hours:g} h {level}"
         for hours, level in zip(SUN_HOURS, LEVELS[1:], strict=True)
     )
-    intro = (
-        "Hours in which the sun, if no cloud hides it, reaches a point of each opening"
-        f" from {sunlight.lowest_sun_deg:g}° above the horizon on: in the middle of its"
-        " width, 1.2 m above the floor and 0.3 m above the sill at least. What the"
-        f" standard asks for: {limits}."
-    )
-    return element(
-        "section",
-        element("h2", "Exposure to sunlight"),
-        element("p", intro, class_="note"),
-        element("p", sunlight_words(sunlight)),
-        element("div", _drawing(sunlight), class_="drawing"),
-        id="sunlight",
+    return render(
+        "sunlight.html",
+        lowest=f"{sunlight.lowest_sun_deg:g}",
+        limits=limits,
+        text=sunlight_words(sunlight),
+        drawing=_drawing(sunlight),
     )
 
 

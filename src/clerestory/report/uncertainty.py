@@ -1,4 +1,4 @@
-"""How sure the numbers are: the standard errors of all hourly values."""
+"""Uncertainty of the results: standard errors of all hourly values."""
 
 from itertools import pairwise
 
@@ -73,34 +73,18 @@ def error_histogram(content: ReportContent) -> Markup:
     )
 
 
-def error_table(content: ReportContent) -> Markup:
-    """Return the errors by how bright it is."""
-    head = ("Illuminance", "Values", "Median error", "95 % are below")
+def error_rows(content: ReportContent) -> list[tuple[str, list[str]]]:
+    """Return count, median and 95th percentile of the errors by illuminance."""
     rows = []
     for low, high in pairwise(_BANDS):
         within = (content.illuminance > low) & (content.illuminance <= high)
         if not within.any():
             continue
-        lux, error = content.illuminance[within], content.standard_error[within]
-        relative = 100 * error / lux
-        name = (
-            f"{low:,.0f}–{high:,.0f} lux"
-            if np.isfinite(high)
-            else f"over {low:,.0f} lux"
-        )
-        cells = (
-            f"{np.count_nonzero(within):,}",
-            *(f"{float(np.quantile(relative, q)):.2g} %" for q in (0.5, 0.95)),
-        )
-        row = (element("th", name, scope="row"), *(element("td", c) for c in cells))
-        rows.append(element("tr", *row))
-    titles = (element("th", title, scope="col") for title in head)
-    return element(
-        "table",
-        element("thead", element("tr", *titles)),
-        element("tbody", *rows),
-        class_="numbers",
-    )
+        relative = 100 * content.standard_error[within] / content.illuminance[within]
+        name = f"{low:,.0f}–{high:,.0f}" if np.isfinite(high) else f"over {low:,.0f}"
+        shares = [f"{float(np.quantile(relative, q)):.2g} %" for q in (0.5, 0.95)]
+        rows.append((f"{name} lux", [f"{np.count_nonzero(within):,}", *shares]))
+    return rows
 
 
 def _round_values(high: float) -> Float[np.ndarray, " tick"]:

@@ -17,7 +17,7 @@ from clerestory.glare.comfort_classes import (
 from clerestory.glare.dgp import DGP
 from clerestory.glare.index import CATEGORIES
 from clerestory.report.class_map import DayMap, day_map, keys
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, render
 from clerestory.report.period import hours_in, moment_words
 from clerestory.report.uncertain_value import number
 
@@ -127,33 +127,26 @@ def glare_section(
     *,
     occupied: Bool[np.ndarray, " time"],
 ) -> Markup:
-    """Return the year of each view, its classes and its worst moments."""
+    """Return the year of each view, its classes and its worst time steps."""
     if not views:
         return Markup("")
-    intro = (
-        "Daylight glare probability (DGP) of each view in every step. Steps without"
-        " daylight are left blank, and are free of glare in the numbers, which count"
-        " the occupied hours."
-    )
-    blocks = []
-    for glare, shown in zip(views, glare_maps(views), strict=True):
-        blocks += [
-            element("h3", glare.view),
-            element("p", glare_words(glare, occupied)),
-            day_map(shown, times, occupied=occupied),
-        ]
     edges = (f"to {x:.2f}" for x in LIMITS)
     words = [f"{c}, DGP {e}" for c, e in zip(CATEGORIES, edges, strict=False)]
     words.append(f"{CATEGORIES[-1]}, above {LIMITS[-1]:.2f}")
-    return element(
-        "section",
-        element("h2", "Glare through the year"),
-        element("p", intro, class_="note"),
-        *blocks,
-        keys(words, COLOURS),
-        _class_table(views, times, occupied),
-        _worst_table(views, times, occupied),
-        id="glare",
+    return render(
+        "glare.html",
+        views=[
+            {
+                "name": glare.view,
+                "text": glare_words(glare, occupied),
+                "map": day_map(shown, times, occupied=occupied),
+            }
+            for glare, shown in zip(views, glare_maps(views), strict=True)
+        ],
+        classes=keys(words, COLOURS),
+        categories=[category.capitalize() for category in CATEGORIES],
+        shares=_class_rows(views, times, occupied),
+        worst=_worst_rows(views, times, occupied),
     )
 
 
@@ -182,40 +175,37 @@ def glare_note(views: Sequence[ViewGlare], view: str, step: int) -> str:
     return words
 
 
-def _class_table(
+def _class_rows(
     views: Sequence[ViewGlare], times: np.ndarray, occupied: Bool[np.ndarray, " time"]
-) -> Markup:
-    head = ("Occupied hours", *(c.capitalize() for c in CATEGORIES))
+) -> list[tuple[str, list[str]]]:
     rows = []
     for glare in views:
         found = DGP.category(glare.rated())
-        cells = [element("th", glare.view, scope="row")]
+        cells = []
         for kind in range(len(CATEGORIES)):
             chosen = occupied & (found == kind)
             share = 100 * chosen.sum() / max(occupied.sum(), 1)
-            words = f"{number(hours_in(times, chosen))} h, {share:.1f} %"
-            cells.append(element("td", words))
-        rows.append(element("tr", *cells))
-    return _table(head, rows)
+            cells.append(f"{number(hours_in(times, chosen))} h, {share:.1f} %")
+        rows.append((glare.view, cells))
+    return rows
 
 
-def _worst_table(
+def _worst_rows(
     views: Sequence[ViewGlare], times: np.ndarray, occupied: Bool[np.ndarray, " time"]
-) -> Markup:
-    head = ("Worst days", "DGP", "Class", "At the eye [lux]", "Brightest [cd/m²]")
-    rows = []
-    for glare in views:
-        for step in worst_steps(glare, times, occupied).tolist():
-            where = f"{glare.view}, {moment_words(times[step])}"
-            cells = (
+) -> list[tuple[str, list[str]]]:
+    return [
+        (
+            f"{glare.view}, {moment_words(times[step])}",
+            [
                 f"{glare.dgp[step]:.2f}",
                 glare.class_of(step),
                 _or_dash(float(glare.illuminance[step])),
                 _or_dash(float(glare.brightest[step])),
-            )
-            name = element("th", where, scope="row")
-            rows.append(element("tr", name, *(element("td", c) for c in cells)))
-    return _table(head, rows) if rows else Markup("")
+            ],
+        )
+        for glare in views
+        for step in worst_steps(glare, times, occupied).tolist()
+    ]
 
 
 def worst_steps(
@@ -236,14 +226,3 @@ def worst_steps(
 
 def _or_dash(value: float) -> str:
     return number(value) if np.isfinite(value) else "–"
-
-
-def _table(head: Sequence[str], rows: Sequence[Markup]) -> Markup:
-    titles = (element("th", title, scope="col") for title in head)
-    table = element(
-        "table",
-        element("thead", element("tr", *titles)),
-        element("tbody", *rows),
-        class_="numbers",
-    )
-    return element("div", table, class_="wide")

@@ -19,7 +19,7 @@ from clerestory.report.bsdf_plot import (
     share_figure,
 )
 from clerestory.report.embedded_data import png_address
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, element, render
 
 # Layers drawn as discs, as curves; the light of the discs [°]; dots per inch
 _MOST_DISCS, _MOST = 5, 8
@@ -61,17 +61,6 @@ def layers_section(layers: Sequence[Layer]) -> Markup:
     if not layers:
         return Markup("")
     shown = [layer.bsdf() for layer in layers[:_MOST]]
-    intro = (
-        "Above, where light from outside goes in the room, seen from the room: right is"
-        " right, up is up, the distance from the middle is the angle to the window’s"
-        " normal; the ring marks where light goes straight on. Below, the share that"
-        " passes."
-    )
-    if len(layers) > _MOST_DISCS:
-        intro += (
-            f" Of {len(layers)} layers the first {_MOST_DISCS} are shown above,"
-            f" {len(shown)} below."
-        )
     sources = [
         direction_from_angles(*source, "transmission_front") for source in _SOURCES
     ]
@@ -84,13 +73,13 @@ def layers_section(layers: Sequence[Layer]) -> Markup:
     shares = _image(
         share_figure(shown), f"Share of light that passes {names}, by angle"
     )
-    return element(
-        "section",
-        element("h2", "The layers in the windows"),
-        element("p", intro, class_="note"),
-        element("div", lobes, class_="drawing"),
-        element("div", shares, class_="drawing"),
-        id="layers",
+    return render(
+        "layers.html",
+        count=len(layers),
+        discs=_MOST_DISCS,
+        shown=len(shown),
+        lobes=lobes,
+        shares=shares,
     )
 
 

@@ -12,7 +12,7 @@ from jaxtyping import Bool, Int, UInt8
 from matplotlib import colormaps
 
 from clerestory.report.class_map import DayMap, day_map, keys
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, render
 from clerestory.report.period import hours_in
 from clerestory.report.uncertain_value import number
 from clerestory.study.window_tables import ControlTable
@@ -82,24 +82,16 @@ def states_section(
     """Return the year of each window, with the share of each of its states."""
     if not states:
         return Markup("")
-    intro = (
-        "The state of each window group in every step. All other numbers of this"
-        " report are for these states. Shares count the occupied hours."
-    )
-    blocks = []
-    for each, shown in zip(states, state_maps(states), strict=True):
-        blocks.append(element("h3", each.window))
-        if each.rule:
-            blocks.append(element("p", f"Rule: {each.rule}", class_="note"))
-        blocks.append(day_map(shown, times, occupied=occupied))
-        blocks.append(keys(state_shares(each, times, occupied), each.colours()))
-    return element(
-        "section",
-        element("h2", "The windows’ states through the year"),
-        element("p", intro, class_="note"),
-        *blocks,
-        id="states",
-    )
+    windows = [
+        {
+            "name": each.window,
+            "rule": each.rule,
+            "map": day_map(shown, times, occupied=occupied),
+            "shares": keys(state_shares(each, times, occupied), each.colours()),
+        }
+        for each, shown in zip(states, state_maps(states), strict=True)
+    ]
+    return render("states.html", windows=windows)
 
 
 def state_shares(

@@ -45,10 +45,6 @@ def repair_irradiance(
     times : centres of the steps
     file, lines : file and line number of each value
     scale, unit : of the values if they are not in W/m²
-
-    Raises
-    ------
-    InputError : more than a tenth of the values is missing or impossible
     """
     notes = []
     lowest, largest = scale * _ZERO_OFFSET, scale * _LARGEST
@@ -101,10 +97,6 @@ def repaired_weather(
     dew_point_c : [°C]; NaN where missing
     step_minutes : length of a step [min]
     notes : corrections made before
-
-    Raises
-    ------
-    InputError : more than a tenth of the irradiance is missing or impossible
     """
     filled = []
     for name, values in (

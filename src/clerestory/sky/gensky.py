@@ -59,10 +59,6 @@ def cie_sky(
     diffuse_horizontal : irradiance of the sky [W/m²], required for CIE general skies;
         None takes gensky's zenith luminance
     direct_normal : irradiance from the sun [W/m²]; None takes gensky's
-
-    Raises
-    ------
-    InputError : an unknown kind, or a general sky without an irradiance
     """
     overcast = kind in ("uniform", "overcast")
     altitude = sun_altitude if overcast else min(sun_altitude, _HIGHEST_SUN)

@@ -79,10 +79,6 @@ def weather_of(
     Parameters
     ----------
     decomposition : model that decomposes global irradiance if nothing else is measured
-
-    Raises
-    ------
-    InputError : too few quantities are measured, or too many values are missing
     """
     site, times = measurement.site, measurement.times
     sun = sun_at(site, times)

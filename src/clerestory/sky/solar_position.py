@@ -67,10 +67,6 @@ def sun_position(
     elevation : above sea level [m]; with `temperature_c`, for refraction only
     formula : "spa", within 0.0003° from the year -2000 to 6000, or "radiance"
 
-    Raises
-    ------
-    InputError : an unknown formula
-
     Examples
     --------
     The example of NREL/TP-560-34302, table A5.1: zenith 50.11162°, azimuth 194.34024°.

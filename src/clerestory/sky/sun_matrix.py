@@ -36,10 +36,6 @@ class SunMatrix:
     times : centres of the steps, local standard time
     direct_normal : [W/m²], (sun, time), with at most one position a step
     attributes : provenance
-
-    Raises
-    ------
-    MatrixError : the shapes disagree
     """
 
     directions: Float[np.ndarray, "sun 3"]
@@ -95,10 +91,6 @@ def sun_matrix(
     weather : irradiance over time
     tolerance_deg : solar positions at most this far apart are merged; 0 merges none
     options : as for `sky_conditions`
-
-    Raises
-    ------
-    InputError : an argument outside its range
     """
     if not 0 <= tolerance_deg <= _WIDEST_TOLERANCE_DEG:
         raise InputError(

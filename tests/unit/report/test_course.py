@@ -313,7 +313,7 @@ def test_hours_of_sun_are_bars_on_the_day(room):
     assert [words(bar) for bar in bars] == ["08:00 to 11:00", "10:30 to 12:00"]
     widths = [float(bar.get("width")) for bar in bars]
     assert widths[0] == pytest.approx(2 * widths[1], abs=0.2)
-    assert "from 13° above the horizon" in words(section)
+    assert "from an altitude of 13°" in words(section)
     assert page.xpath("//nav//a[@href='#sunlight']")
 
 

@@ -1,4 +1,4 @@
-"""Which way windows face, in words, and what raises a doubt."""
+"""Orientation of windows in words, and its quality checks."""
 
 import numpy as np
 import pytest
@@ -31,8 +31,8 @@ def test_compass_turns_with_the_scene():
 def test_a_window_towards_the_sensors_is_fine(content):
     row = orientation(window([0, 1, 0], [0, 0, 1]), content)
     assert (row.room_side, row.outer_side, row.up) == ("north", "south", "straight up")
-    assert row.seen == 1
-    assert row.doubt == ""
+    assert row.in_front == 1
+    assert row.problem == ""
     assert row.area == pytest.approx(0.5)
 
 
@@ -40,14 +40,14 @@ def test_a_window_towards_the_sensors_is_fine(content):
     ("normal", "up", "words"),
     [
         ([0, -1, 0], [0, 0, 1], "faces away from 100%"),
-        ([0, 1, 0], [1, 0, 0], "lies on its side"),
-        ([0, 1, 0], [0, 0, -1], "stands on its head"),
+        ([0, 1, 0], [1, 0, 0], "up direction is horizontal"),
+        ([0, 1, 0], [0, 0, -1], "is upside down"),
     ],
 )
 def test_mistakes_are_named(content, normal, up, words):
-    assert words in orientation(window(normal, up), content).doubt
+    assert words in orientation(window(normal, up), content).problem
 
 
 def test_a_skylight_may_have_its_up_to_the_north(content):
     skylight = window([0, 0, -1], [0, 1, 0], centre=(3, 4, 2.7))
-    assert orientation(skylight, content).doubt == ""
+    assert orientation(skylight, content).problem == ""

@@ -116,12 +116,12 @@ def test_the_headline_gives_the_mean_of_the_first_grid(room, page):
 
 def test_sections_stand_in_their_order(page):
     assert [words(h) for h in page.xpath("//h2")] == [
-        "Where the light falls",
-        "Through the year",
-        "The room, and which way its windows face",
-        "How sure the numbers are",
+        "Distribution of daylight",
+        "Illuminance through the year",
+        "The room and the orientation of its windows",
+        "Uncertainty of the results",
         "How it was computed",
-        "What the words mean",
+        "Glossary",
     ]
 
 

@@ -11,7 +11,7 @@ from clerestory.report.content_from_results import (
     schedule_words,
     study_tables,
 )
-from clerestory.report.fact_tables import duration, time_table
+from clerestory.report.main_sections import duration, time_table
 from clerestory.report.markup import element, embedded_json
 from clerestory.report.metric_maps import metric_maps
 from clerestory.report.uncertain_value import Figure
@@ -104,9 +104,7 @@ def test_durations_are_told_as_people_do():
 
 
 def test_attributes_cannot_be_broken_out_of():
-    assert (
-        element("p", title='"><script>') == '<p title="&quot;&gt;&lt;script&gt;"></p>'
-    )
+    assert element("p", title='"><script>') == '<p title="&#34;&gt;&lt;script&gt;"></p>'
 
 
 def test_embedded_data_cannot_close_their_element():

@@ -1,7 +1,7 @@
-"""The light that patches send into a room, on the device.
+"""Tracer of the radiance that patches emit into a room, by direction.
 
-Rays start just before a patch, in the room, and look at it along the direction of the
-light. Suns that they would meet straight through are left out: rendering aims at suns
+Rays start just before a patch, in the room, and meet it against the direction of the
+light. Suns that they would meet straight through are left out: pictures sample suns
 through illums.
 """
 
@@ -9,29 +9,30 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from clerestory.engine import sampler
-from clerestory.engine.exiting_radiance import ExitingRadianceJob
-from clerestory.engine.next_event_estimation import Draw
-from clerestory.engine.path_tracer import NOTHING, look
-from clerestory.engine.radiance_tracers import light_of, segments_of, tracer_of
+from clerestory.engine.illumination import Illumination
+from clerestory.engine.path_tracer import SAMPLED_AT_START, segments_of
+from clerestory.engine.portals import Portals, window_rectangles
+from clerestory.engine.radiance_jobs import ExitingRadianceJob
+from clerestory.engine.radiance_tracers import tracer_of
+from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers
+from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.work_units import Tracer
 
 # How far before the patch rays start [m]
 _BEFORE = 1e-3
 
-# A density of the first direction so small that suns met by it count nothing
-_NEVER = 1e-20
-
-# Numbers beside the sequence for the place in a patch
-_PLACE = 0x40000
+# Hashed numbers of the point in a patch
+_POINT = 0x40000
 
 
 def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
     """Return what traces the radiance of directions of patches."""
     patches = job.patches
     origin = patches.corner.reshape(-1, 3).mean(axis=0)
-    lit, limit = light_of(job.scene, origin), segments_of(job.bounces)
+    portals = Portals.uniform(window_rectangles(job.scene, origin))
+    tracer, sink = Illumination.of(job.scene, origin).tracer(portals), RadianceSink()
+    limit = segments_of(job.bounces)
     corner = vectors(mi.Point3f, patches.corner[:, 0] - origin)
     edge_u = vectors(mi.Vector3f, patches.corner[:, 1] - patches.corner[:, 0])
     edge_v = vectors(mi.Vector3f, patches.corner[:, 2] - patches.corner[:, 0])
@@ -44,15 +45,12 @@ def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
     rings, sectors = (dr.opaque(mi.UInt32, n) for n in (job.rings, job.sectors))
     dr.make_opaque(corner, edge_u, edge_v, axes, first, cumulative)
 
-    def light(draw: Draw, row):
+    def radiance(numbers: PathNumbers, row):
         sector, ring = row % sectors, row // sectors % rings
         patch = row // (sectors * rings)
-        u, v, pick = (
-            sampler.random_number(draw.seed, draw.index + draw.points.first, purpose)
-            for purpose in range(_PLACE, _PLACE + 3)
-        )
+        u, v, pick = (numbers.hashed(_POINT + n) for n in range(3))
 
-        # A place of the patch, by area
+        # A point of the patch, by area
         low = dr.gather(mi.UInt32, first, patch)
         high = dr.gather(mi.UInt32, first, patch + 1)
         place = mi.Float(patch) + pick
@@ -70,18 +68,16 @@ def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
         step = 0.5 * dr.pi / mi.Float(rings)
         inner = dr.square(dr.sin(mi.Float(ring) * step))
         outer = dr.square(dr.sin((mi.Float(ring) + 1) * step))
-        share = draw.number(sampler.DIRECTION_U)
+        share = numbers.sobol(DIRECTION_U)
         sine2 = dr.lerp(inner, outer, share)
-        turn = mi.Float(sector) + draw.number(sampler.DIRECTION_V)
+        turn = mi.Float(sector) + numbers.sobol(DIRECTION_V)
         turn = turn * (2 * dr.pi / mi.Float(sectors)) - dr.pi
         sine, (s, c) = dr.safe_sqrt(sine2), dr.sincos(turn)
         across, along, normal = (dr.gather(mi.Vector3f, a, patch) for a in axes)
         leaving = (across * c + along * s) * sine + normal * dr.safe_sqrt(1 - sine2)
         ray = mi.Ray3f(point + normal * _BEFORE, -leaving)
-        return look(
-            lit, draw.points, ray, draw.seed, draw.index, mi.Color3f(1),
-            mi.Float(_NEVER), mi.Float(NOTHING), mi.Bool(False),
-            dr.opaque(mi.UInt32, limit), mi.Bool(True), parted=False,
-        )  # fmt: skip
+        path = tracer.path(ray, 1, SAMPLED_AT_START)
+        segments = dr.opaque(mi.UInt32, limit)
+        return tracer.trace(sink, sink.begin(), path, numbers, segments, mi.Bool(True))
 
-    return tracer_of(light, job.seed, job.batches)
+    return tracer_of(radiance, job.seed, job.batches)

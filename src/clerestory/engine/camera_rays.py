@@ -1,0 +1,75 @@
+"""Camera rays through the pixels of a view.
+
+Rays come from the middles of pixels and how they change across them, so that every view
+is traced alike.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.upload import on_device, vectors
+from clerestory.scene.view import View
+
+
+@dataclass
+class CameraRays:
+    """Rays through the middles of pixels, and how they change across a pixel.
+
+    The view's position is the origin of the device's frame.
+    """
+
+    origin: mi.Point3f
+    direction: mi.Vector3f
+    across: mi.Vector3f
+    upwards: mi.Vector3f
+    origin_across: mi.Vector3f | None
+    origin_upwards: mi.Vector3f | None
+    valid: mi.Bool
+
+    @classmethod
+    def of(cls, view: View, columns: int, rows: int) -> "CameraRays":
+        """Return the rays of a view's pixels, row by row from the top."""
+
+        def at(x: float, y: float):
+            return view.rays(columns, rows, np.full((rows, columns, 2), [x, y]))
+
+        middle = at(0.5, 0.5)
+        left, right, below, above = at(0, 0.5), at(1, 0.5), at(0.5, 0), at(0.5, 1)
+
+        def change(one, two, what: str):
+            both = (one.valid & two.valid)[..., None]
+            return np.where(both, getattr(two, what) - getattr(one, what), 0)
+
+        moving = view.kind == "parallel" or view.fore > 0
+        return cls(
+            _rays(mi.Point3f, middle.origin - view.position),
+            _rays(mi.Vector3f, middle.direction),
+            _rays(mi.Vector3f, change(left, right, "direction")),
+            _rays(mi.Vector3f, change(below, above, "direction")),
+            _rays(mi.Vector3f, change(left, right, "origin")) if moving else None,
+            _rays(mi.Vector3f, change(below, above, "origin")) if moving else None,
+            on_device(mi.Bool, middle.valid),
+        )
+
+    def through(self, pixel, x, y):
+        """Return the ray through a place of a pixel."""
+        x, y = x - 0.5, y - 0.5
+        direction = (
+            dr.gather(mi.Vector3f, self.direction, pixel)
+            + dr.gather(mi.Vector3f, self.across, pixel) * x
+            + dr.gather(mi.Vector3f, self.upwards, pixel) * y
+        )
+        origin = dr.gather(mi.Point3f, self.origin, pixel)
+        if self.origin_across is not None:
+            origin += dr.gather(mi.Vector3f, self.origin_across, pixel) * x
+            origin += dr.gather(mi.Vector3f, self.origin_upwards, pixel) * y
+        valid = dr.gather(mi.Bool, self.valid, pixel)
+        return mi.Ray3f(origin, dr.normalize(direction)), valid
+
+
+def _rays(kind: type, values: Float[np.ndarray, "row column 3"]):
+    return vectors(kind, values.reshape(-1, 3))

@@ -1,0 +1,53 @@
+"""Illuminated scenes: a scene with everything that emits light, and its path tracer."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.distant_emitters import DistantEmitters
+from clerestory.engine.emitter_sampling import Environment, SurfaceEmitters
+from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.mirrors import Mirrors
+from clerestory.engine.path_tracer import PathTracer
+from clerestory.engine.portals import Portals
+from clerestory.engine.sun_lobes import SunLobes
+from clerestory.engine.sun_sampling import Suns
+from clerestory.scene.model import Scene
+
+# Paths below this share of their first throughput go on only by Russian roulette.
+_ROULETTE = 0.2
+
+
+@dataclass
+class Illumination:
+    """A scene on the device, with everything that emits light."""
+
+    model: LoweredScene
+    distant: DistantEmitters
+    mirrors: Mirrors
+    lobes: SunLobes
+
+    @classmethod
+    def of(cls, scene: Scene, origin: Float[np.ndarray, "3"]) -> "Illumination":
+        """Return the illumination of a scene, around a point of it."""
+        return cls(
+            lower(scene, origin=origin),
+            DistantEmitters.of(scene),
+            Mirrors.of(scene),
+            SunLobes.of(scene),
+        )
+
+    def suns(self, portals: Portals | None) -> Suns:
+        """Return the suns as a source."""
+        return Suns(self.model, self.distant, self.mirrors, self.lobes, portals)
+
+    def tracer(
+        self, portals: Portals | None = None, *, split_lobes: bool = False
+    ) -> PathTracer:
+        """Return the path tracer of radiance; see `PathTracer`."""
+        suns = (self.suns(portals),) if self.distant.suns else ()
+        sources = (Environment(self.distant), *suns, SurfaceEmitters(self.model))
+        return PathTracer(
+            self.model, sources, _ROULETTE, portals, split_lobes=split_lobes
+        )

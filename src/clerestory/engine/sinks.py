@@ -1,0 +1,81 @@
+"""Sinks of a path tracer: where contributions of paths are added up.
+
+A matrix is summed in 64-bit fixed point: exact, independent of the order of additions
+and bitwise reproducible. Radiance has no upper limit and is summed in floating point.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.sums import FIXED_POINT
+
+# A weight is cut into two whole numbers of twenty bits and more, which processors
+# convert fastest.
+_HALF = FIXED_POINT**0.5
+
+# Weights are at most a few π; anything beyond this limit would overflow.
+_LARGEST = 2000.0
+
+
+@dataclass
+class MatrixSink:
+    """Sums of a matrix in fixed point.
+
+    Attributes
+    ----------
+    sums : first the number of weights outside the range of the sums, then a sum for
+        each (row and batch, column, channel)
+    columns, channels : of the matrix; one channel where all are alike
+    slot : row and batch of each path
+    """
+
+    sums: mi.UInt64
+    columns: int
+    channels: int
+    slot: mi.UInt32 | None = None
+
+    def begin(self) -> None:
+        """Return what a path carries of its sum: nothing."""
+
+    def add(self, _total: None, column, value, active) -> None:
+        """Add the contribution of a path to a column of its row and batch."""
+        self.score(self.slot, column, value, active)
+
+    def score(self, slot, column, value, active) -> None:
+        """Add a contribution to a column of a row and batch."""
+        index = (slot * self.columns + column) * self.channels + 1
+        mode = _reduction()
+        for channel in range(self.channels):
+            weight = value[channel]
+            scaled = weight * _HALF
+            whole = mi.UInt32(mi.Int32(scaled))
+            rest = mi.UInt32(mi.Int32((scaled - mi.Float(whole)) * _HALF))
+            amount = (mi.UInt64(whole) << 20) + mi.UInt64(rest)
+            fits = (weight >= 0) & (weight < _LARGEST)
+            dr.scatter_add(self.sums, amount, index + channel, active & fits, mode)
+            one, first = mi.UInt64(1), mi.UInt32(0)
+            dr.scatter_add(self.sums, one, first, active & ~fits, mode)
+
+
+class RadianceSink:
+    """Sum of a path's contributions in floating point, carried along the path."""
+
+    def begin(self) -> mi.Color3f:
+        """Return the sum of no contributions."""
+        return mi.Color3f(0)
+
+    def add(self, total: mi.Color3f, _column, value, active) -> mi.Color3f:
+        """Return the sum with a contribution added."""
+        return total + dr.select(active, value, 0)
+
+
+Sink = MatrixSink | RadianceSink
+
+
+def _reduction() -> dr.ReduceMode:
+    # Copies of the sums for each thread of a processor gain nothing here, and are
+    # kernels of their own for every number of sums
+    processor = dr.backend_v(mi.UInt64) == dr.JitBackend.LLVM
+    return dr.ReduceMode.Direct if processor else dr.ReduceMode.Auto

@@ -1,0 +1,229 @@
+"""Suns as sources of radiance: directly, in plane mirrors and on sunlit surfaces.
+
+Paths that leave a surface at random hardly ever meet the sun in a mirror. For a plane
+mirror the sun's image is a sun again, so it is sampled as Radiance's virtual sources
+are, for single reflections. A blind that scatters the sun into a few directions, and a
+stripe of sun on the floor, are sampled by one ray along such a lobe or towards a
+portal, and by the sun itself where that ray arrives.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.distant_emitters import DistantEmitters
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.mirrors import Mirrors, is_mirror, reflected
+from clerestory.engine.next_event_estimation import (
+    Densities,
+    Emission,
+    LightSample,
+    Path,
+    Scattering,
+    Source,
+    Vertex,
+    balance_heuristic,
+    power_heuristic,
+)
+from clerestory.engine.portals import Portals
+from clerestory.engine.sampler import CONNECT_U, CONNECT_V, PathNumbers
+from clerestory.engine.sun_lobes import SunLobes
+from clerestory.engine.vertices import surface_vertex
+from clerestory.engine.visibility import transmittance
+
+# Of the rays that look for sunlit surfaces, those along lobes of windows.
+_LOBES = 0.5
+
+# Memory of a path that was not sampled for sunlit surfaces.
+NOT_SAMPLED = -1.0
+
+
+@dataclass
+class SunSample:
+    """A direction to a sun, its density [1/sr], and the radiance there."""
+
+    direction: mi.Vector3f
+    pdf: mi.Float
+    radiance: mi.Color3f
+
+
+@dataclass
+class Suns(Source):
+    """Suns of a scene, sampled by power.
+
+    A path's memory is how many mirrors it met since a vertex that was sampled (0, 1; 2
+    for more, or for anything else), and the density of looking for sunlit surfaces
+    along its segment, negative where none was looked for.
+    """
+
+    name: ClassVar[str] = "suns"
+    model: LoweredScene
+    distant: DistantEmitters
+    mirrors: Mirrors
+    lobes: SunLobes
+    portals: Portals | None
+
+    @property
+    def seeks_sunlit(self) -> bool:
+        """Whether there are surfaces to look for that suns may light."""
+        return bool(self.lobes.groups or (self.portals and self.portals.sunny))
+
+    def begin(self, pdf, sunlit):
+        """Return the memory of a path's first segment."""
+        return dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2)), mi.Float(sunlit)
+
+    def remember(self, si, vertex: Vertex, after: Scattering, memory):
+        """Count mirrors, and keep the density of looking for sunlit surfaces."""
+        mirrors, _ = memory
+        if self.mirrors.count:
+            known = after.delta & is_mirror(si.bsdf())
+            known = self.mirrors.holds(si.n, known)
+            more = dr.select(known & (mirrors == 0), mi.UInt32(1), mi.UInt32(2))
+            more = dr.select(after.delta, more, mi.UInt32(0))
+            mirrors = dr.select(after.null, mirrors, more)
+        looked = vertex.active & vertex.opaque & vertex.continues
+        looked &= ~after.null & ~after.delta
+        return mirrors, dr.select(looked, after.densities.sunlit, NOT_SAMPLED)
+
+    def escaped(self, path: Path, active) -> Emission:
+        """Return the suns of a direction; those in mirrors are left to sampling."""
+        radiance, pdf = self.distant.sun_radiance(path.ray.d, active)
+        mirrors, _ = path.memory[self.name]
+        return Emission(
+            radiance, active & (mirrors != 1), pdf, heuristic=power_heuristic
+        )
+
+    def sample(self, pick, u, v) -> SunSample:
+        """Return a direction to one of the suns."""
+        return SunSample(*self.distant.sample_sun(pick, u, v))
+
+    def samples(
+        self, vertex: Vertex, path: Path | None, numbers: PathNumbers
+    ) -> Iterator[LightSample]:
+        """Yield directions to a sun, to sunlit surfaces, and to a sun in a mirror."""
+        u, v = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
+        pick = numbers.extra(0) if self.distant.suns > 1 else mi.Float(0)
+        sun = self.sample(pick, u, v)
+        share = mi.Float(1)
+        if path is not None and self.seeks_sunlit:
+            share = self._share_of_path(vertex, path, sun)
+        yield self._direct(sun, share)
+        if self.seeks_sunlit:
+            yield self._on_surfaces(vertex, sun, numbers)
+        if self.mirrors.count:
+            yield self._in_mirror(numbers)
+
+    def _share_of_path(self, vertex: Vertex, path: Path, sun: SunSample):
+        # What a path counts that came by itself to a surface which was looked for
+        _, sunlit = path.memory[self.name]
+        other = self._sunlit_pdf(sun, path.ray.d, sunlit)
+        shared = (sunlit >= 0) & (path.pdf > 0)
+        shared &= _is_sought(self.model, vertex.shape, vertex.active)
+        share = path.pdf * balance_heuristic(path.pdf, other)
+        return dr.select(shared, share, 1)
+
+    def _direct(self, sun: SunSample, share) -> LightSample:
+        def arriving(vertex: Vertex, active):
+            start = vertex.leave(sun.direction, active)
+            seen = transmittance(
+                self.model,
+                start,
+                lambda origin: mi.Ray3f(origin, sun.direction),
+                active,
+                through_illums=True,
+            )
+            return sun.radiance * seen * share
+
+        return LightSample(
+            sun.direction, sun.pdf, mi.Bool(True), arriving, heuristic=power_heuristic
+        )
+
+    def _on_surfaces(
+        self, vertex: Vertex, sun: SunSample, numbers: PathNumbers
+    ) -> LightSample:
+        # Along a lobe in which a window scatters the sun, or towards a portal
+        u, v, pick = (numbers.extra(purpose) for purpose in (8, 9, 10))
+        direction, valid = mi.Vector3f(0, 0, 1), mi.Bool(False)
+        sunny = self.portals is not None and self.portals.sunny
+        if self.portals is not None and sunny:
+            direction, valid = self.portals.sample(
+                self.portals.sunlit, vertex.point, vertex.cell, u, v
+            )
+        if self.lobes.groups:
+            along = self.lobes.sample(dr.minimum(pick / _LOBES, 1), sun.direction, u, v)
+            chosen = pick < _LOBES if sunny else mi.Bool(True)
+            direction = dr.select(chosen, along, direction)
+            valid |= chosen
+        active = vertex.opaque & vertex.continues & valid
+
+        def arriving(vertex: Vertex, active):
+            ray = mi.Ray3f(vertex.leave(direction, active), direction)
+            return self.on_surface(sun, ray, active)
+
+        def pdf(densities: Densities):
+            return self._sunlit_pdf(sun, direction, densities.sunlit)
+
+        return LightSample(direction, pdf, active, arriving)
+
+    def on_surface(self, sun: SunSample, ray: mi.Ray3f, active):
+        """Return the light of a sun that the surface which a ray meets sends back.
+
+        None comes from what is not looked for: see `_is_sought`.
+        """
+        hit = self.model.scene.ray_intersect_preliminary(ray, active=active)
+        active = active & hit.is_valid()
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        active &= _is_sought(self.model, shape, active)
+        si.sh_frame = mi.Frame3f(si.n)
+        si.wi = si.to_local(-ray.d)
+        vertex = surface_vertex(self.model, None, si, shape, active, mi.Bool(False))
+        light, lit = self._direct(sun, mi.Float(1)).estimate(vertex, active)
+        return dr.select(lit, light, 0)
+
+    def _sunlit_pdf(self, sun: SunSample, direction, in_portals):
+        # Density of looking for sunlit surfaces in a direction
+        if not self.lobes.groups:
+            return in_portals
+        along = self.lobes.pdf(direction, sun.direction)
+        if not (self.portals and self.portals.sunny):
+            return along
+        return _LOBES * along + (1 - _LOBES) * in_portals
+
+    def _in_mirror(self, numbers: PathNumbers) -> LightSample:
+        sun = self.sample(*(numbers.extra(purpose) for purpose in (4, 5, 6)))
+        normal, chance = self.mirrors.choose(numbers.extra(7))
+        cosine = dr.dot(sun.direction, normal)
+        direction = sun.direction - 2 * cosine * normal
+
+        def arriving(vertex: Vertex, active):
+            start = vertex.leave(direction, active)
+            share, point = reflected(self.model, start, direction, normal, active)
+            lit = active & (dr.max(share) > 0)
+            seen = transmittance(
+                self.model,
+                point,
+                lambda origin: mi.Ray3f(origin, sun.direction),
+                lit,
+                through_illums=True,
+            )
+            return dr.select(lit, sun.radiance * share * seen, 0)
+
+        return LightSample(
+            direction, sun.pdf * chance, cosine > 0, arriving, heuristic=None
+        )
+
+
+def _is_sought(model: LoweredScene, shape, active):
+    # Whether a shape is something that is looked for where a sun lights it
+    flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
+    depth = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
+    matt = mi.has_flag(flags, mi.BSDFFlags.Smooth)
+    matt &= ~mi.has_flag(flags, mi.BSDFFlags.Null)
+    matt &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
+    layer = dr.gather(mi.Bool, model.layer_of_shape, shape, active)
+    emitter = dr.gather(mi.UInt32, model.emitter_of_shape, shape, active)
+    return active & (depth == 0) & (emitter == 0) & (matt | layer)

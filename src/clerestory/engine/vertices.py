@@ -1,0 +1,177 @@
+"""Vertices of paths: surfaces and irradiance sensors, and how paths continue there.
+
+A path continues by BSDF sampling or, by chance, towards a portal (one-sample model of
+multiple importance sampling).
+
+Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
+section 9.2.4.
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine import materials
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.next_event_estimation import Densities, Scattering, Vertex
+from clerestory.engine.portals import Portals
+from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, LOBE, PathNumbers
+from clerestory.engine.visibility import offset
+
+# Surfaces without a diffuse part are guided so much less often.
+_GLOSSY = 0.4
+
+
+def sensor_vertex(
+    portals: Portals | None, point: mi.Point3f, normal: mi.Vector3f
+) -> Vertex:
+    """Return the vertex of an irradiance sensor: a perfectly diffuse one."""
+
+    def scatter(direction):
+        cosine = dr.maximum(dr.dot(normal, direction), 0)
+        return mi.Color3f(cosine), cosine * dr.inv_pi
+
+    always = mi.Bool(True)
+    guided, cell, chance = _guiding(portals, point, normal, mi.Float(1))
+    return Vertex(
+        point, lambda direction, active: point, scatter,
+        _densities(portals, point, guided, cell, chance),
+        active=always, shape=None, flags=mi.UInt32(0), cell=cell, chance=chance,
+        opaque=always, continues=always,
+    )  # fmt: skip
+
+
+def surface_vertex(
+    model: LoweredScene,
+    portals: Portals | None,
+    si: mi.SurfaceInteraction3f,
+    shape: mi.UInt32,
+    active: mi.Bool,
+    continues: mi.Bool,
+    thickness: mi.Float | None = None,
+) -> Vertex:
+    """Return the vertex of a surface.
+
+    Parameters
+    ----------
+    shape : Mitsuba's number of the surface's shape
+    continues : whether the path may take another segment
+    thickness : of the geometry that the surface is a proxy for; transmitted light
+        leaves on its far side [m]
+    """
+    bsdf, context = si.bsdf(), materials.lamp_context()
+    flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
+    smooth = mi.has_flag(flags, mi.BSDFFlags.Smooth)
+    opaque = ~mi.has_flag(flags, mi.BSDFFlags.Null)
+    opaque &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
+    diffuse = mi.has_flag(flags, mi.BSDFFlags.Diffuse)
+    share = dr.select(diffuse, mi.Float(1), _GLOSSY)
+    share = dr.select(active & smooth & opaque, share, 0)
+    facing = dr.mulsign(si.n, si.wi.z)
+    guided, cell, chance = _guiding(portals, si.p, facing, share)
+
+    def leave(direction, lit):
+        moved = offset(model, si, direction, lit)
+        if thickness is None:
+            return moved
+        through = dr.dot(direction, si.n) * si.wi.z < 0
+        return dr.select(through, moved - si.n * thickness, moved)
+
+    def scatter(direction):
+        return bsdf.eval_pdf(context, si, si.to_local(direction), active)
+
+    return Vertex(
+        si.p, leave, scatter, _densities(portals, si.p, guided, cell, chance),
+        active=active, shape=shape, flags=flags, cell=cell, chance=chance,
+        opaque=opaque, continues=continues,
+    )  # fmt: skip
+
+
+def _guiding(portals: Portals | None, point, normal, share):
+    # Whether a vertex is guided, its cell, and the chance that a path is
+    if portals is None:
+        return mi.Bool(False), mi.UInt32(0), mi.Float(0)
+    cell = portals.cells.number(point, normal)
+    chance = dr.gather(mi.Float, portals.chance, cell, share > 0)
+    return share > 0, cell, share * chance
+
+
+def _densities(portals: Portals | None, point, guided, cell, chance):
+    def densities(direction, own, active) -> Densities:
+        if portals is None:
+            return Densities(own, mi.Float(0))
+        onward, sunlit = portals.pdf(point, cell, direction, active & guided)
+        return Densities(chance * onward + (1 - chance) * own, sunlit)
+
+    return densities
+
+
+def continue_from_sensor(
+    portals: Portals | None, vertex: Vertex, normal: mi.Vector3f, numbers: PathNumbers
+) -> tuple[mi.Vector3f, mi.Color3f, Densities]:
+    """Return a direction, the weight of its light, and its densities."""
+    u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
+    local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
+    direction = mi.Frame3f(normal).to_world(local)
+    if portals is not None:
+        guided = numbers.sobol(LOBE) < vertex.chance
+        goal, _ = portals.sample(portals.share, vertex.point, vertex.cell, u, v)
+        direction = dr.select(guided, goal, direction)
+    value, own = vertex.scatter(direction)
+    densities = vertex.densities(direction, own, mi.Bool(True))
+    weight = dr.select(densities.path > 0, value / densities.path, 0)
+    return direction, weight, densities
+
+
+def continue_from_surface(
+    portals: Portals | None,
+    vertex: Vertex,
+    si: mi.SurfaceInteraction3f,
+    numbers: PathNumbers,
+    active: mi.Bool,
+    *,
+    split_lobes: bool,
+) -> Scattering:
+    """Return how a path continues at a surface.
+
+    Parameters
+    ----------
+    split_lobes : whether the glossy share of light from a portal is not counted as
+        diffuse, which only matters where diffuse bounces are few; a BSDF call more
+    """
+    context, bsdf = mi.BSDFContext(), si.bsdf()
+    lobe, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))
+    place = mi.Point2f(u, v)
+    if portals is None:
+        sample, factor = bsdf.sample(context, si, lobe, place, active)
+        direction, kind = si.to_world(sample.wo), sample.sampled_type
+        return Scattering(
+            direction, factor, Densities(sample.pdf, mi.Float(0)), kind,
+            mi.has_flag(kind, mi.BSDFFlags.Null), mi.has_flag(kind, mi.BSDFFlags.Delta),
+        )  # fmt: skip
+
+    chance = vertex.chance
+    guided = lobe < chance
+    rest = dr.clip((lobe - chance) / (1 - chance), 0, 0.9999999)
+    goal, _ = portals.sample(portals.share, si.p, vertex.cell, u, v)
+    value, own, sample, factor = bsdf.eval_pdf_sample(
+        context, si, si.to_local(goal), rest, place, active
+    )
+    direction = dr.select(guided, goal, si.to_world(sample.wo))
+    value = dr.select(guided, value, factor * sample.pdf)
+    own = dr.select(guided, own, sample.pdf)
+    kind: mi.UInt32 = sample.sampled_type
+    null = ~guided & mi.has_flag(kind, mi.BSDFFlags.Null)
+    delta = ~guided & mi.has_flag(kind, mi.BSDFFlags.Delta) & ~null
+    densities = vertex.densities(direction, own, active)
+    both = dr.select(densities.path > 0, value / densities.path, 0)
+    mixed = chance > 0
+    factor = dr.select(mixed & ~delta, both, factor / (1 - chance))
+    densities.path = dr.select(mixed, densities.path, sample.pdf)
+    kind = dr.select(guided, vertex.flags, kind)
+    if split_lobes:
+        glossy = bsdf.eval(
+            materials.glossy_context(), si, si.to_local(direction), active & guided
+        )
+        free = materials.credited(numbers.extra(11), glossy, value - glossy)
+        kind = dr.select(guided & free, mi.UInt32(0), kind)
+    return Scattering(direction, factor, densities, kind, null, delta)
