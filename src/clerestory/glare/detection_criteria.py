@@ -19,8 +19,8 @@ class Zone:
 
     Attributes
     ----------
-    row, column : pixel in its middle
-    opening : angle across the circle [rad]
+    row, column : central pixel
+    opening : opening angle [rad]
     """
 
     row: int

@@ -80,7 +80,7 @@ def _percentile(values: np.ndarray, share: float) -> float:
 
 
 def band(eye: GlareView, half_width: float) -> Bool[np.ndarray, "row column"]:
-    """Pixels within an angle [rad] of the horizontal middle line of the picture.
+    """Pixels within an angle [rad] of the horizontal centre line of the picture.
 
     The angle is measured within each column.
     """

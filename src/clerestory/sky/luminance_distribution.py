@@ -16,7 +16,7 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 
-# Directions are kept this far above the horizon, where b / cos ζ is infinite
+# Smallest cos ζ, since b / cos ζ is infinite at the horizon
 _LOWEST_COSINE = 1e-3
 
 
