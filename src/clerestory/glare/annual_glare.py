@@ -61,8 +61,6 @@ def annual_glare(
     InputError : pictures of different sizes, different numbers of steps, a pixel that
         is negative or not finite
 
-    Examples
-    --------
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> year = np.full((3, 160, 160), 100.0)
     >>> year[1, 50:75, 50:75] = 20_000.0
@@ -156,8 +154,6 @@ def glare_of_steps(
 ) -> Iterator[Glare]:
     """Yield the glare of each picture, with its sources.
 
-    Examples
-    --------
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> next(glare_of_steps(np.full((1, 160, 160), 100.0), eye)).sources.count
     0

@@ -44,8 +44,6 @@ def region_statistics(
 ) -> RegionStatistics:
     """Return the statistics of the pixels of a region that are in view.
 
-    Examples
-    --------
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)

@@ -128,8 +128,6 @@ def cie_general(number: int) -> FiveParameters:
 
     Reference: ISO 15469:2004 / CIE S 011, Spatial distribution of daylight.
 
-    Examples
-    --------
     >>> up, sun = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0])
     >>> float(cie_general(5).relative(up, sun=sun))
     1.0
