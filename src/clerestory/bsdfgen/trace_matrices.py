@@ -8,7 +8,7 @@ from jaxtyping import Float
 from clerestory.bands import weighted_sum
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdfgen.channel_weights import tristimulus
-from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirrors
+from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirror_flips
 from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
 from clerestory.engine.controller import estimate
 from clerestory.engine.sample_area_jobs import SlabJob
@@ -28,7 +28,7 @@ def trace_matrices(
 
     Only one of several mirror-symmetric patches is traced.
     """
-    flips = mirrors(scene, request.area) if request.symmetry else NO_MIRROR
+    flips = mirror_flips(scene, request.area) if request.symmetry else NO_MIRROR
     orbits = Orbits.of(partition, flips)
     job = SlabJob(
         scene=scene,
