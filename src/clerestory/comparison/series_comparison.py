@@ -114,6 +114,8 @@ def compare_series(
     ------
     InputError : no series or no step in common, or nothing above the limit
 
+    Examples
+    --------
     >>> noon = np.array(["2024-06-26T12:00", "2024-06-26T13:00"], "datetime64[s]")
     >>> lux = Series(("desk",), noon, np.array([[500.0, 400.0]]), 60.0, 0.0)
     >>> ours = Series(("desk",), noon, np.array([[520.0, 450.0]]), 60.0, 0.0)

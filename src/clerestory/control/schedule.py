@@ -30,6 +30,8 @@ class StateSchedule:
     ------
     InputError : lengths differ, or a state is negative
 
+    Examples
+    --------
     >>> day = np.datetime64("2001-06-21T00:30") + np.arange(3) * np.timedelta64(1, "h")
     >>> schedule = StateSchedule(day, {"south": np.array([0, 1, 1])})
     >>> schedule.hours_in_state("south", count=2).tolist()

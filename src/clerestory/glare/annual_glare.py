@@ -61,6 +61,8 @@ def annual_glare(
     InputError : pictures of different sizes, different numbers of steps, a pixel that
         is negative or not finite
 
+    Examples
+    --------
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> year = np.full((3, 160, 160), 100.0)
     >>> year[1, 50:75, 50:75] = 20_000.0

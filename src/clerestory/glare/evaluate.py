@@ -58,6 +58,8 @@ def evaluate_glare(
     ------
     InputError : no view, a wrong projection, pixels that are not luminances
 
+    Examples
+    --------
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> pixels = np.full((160, 160, 3), 2.0, dtype=np.float32)
     >>> pixels[50:60, 75:85] = 60.0
