@@ -14,9 +14,8 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import bits_of, combine
-from clerestory.bsdf.tree_colour import xyz_functions
-from clerestory.bsdf.tree_parser import branch_order
+from clerestory.bsdf.tree_arithmetic import combine, float_bits, xyz_functions
+from clerestory.bsdf.tree_parser import morton_order
 from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
@@ -112,7 +111,7 @@ def full_tree(
         ~(start + (np.arange(1 << 4 * level) << 4)).astype(np.int32)
         for level, start in enumerate(starts[:-1])
     ]
-    leaves = bits_of(value.ravel()[branch_order(4, halvings)])
+    leaves = float_bits(value.ravel()[morton_order(4, halvings)])
     return ScatteringTree(np.concatenate([*inner, leaves]), 4, halvings)
 
 

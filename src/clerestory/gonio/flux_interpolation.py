@@ -72,8 +72,8 @@ class FluxCurve:
 
     Examples
     --------
-    >>> from clerestory.gonio.incident_mesh import string
-    >>> curve = flux_surface(string(np.array([0.0, 0.5, 1.0])), np.full(3, 0.25),
+    >>> from clerestory.gonio.incident_mesh import arc_mesh
+    >>> curve = flux_surface(arc_mesh(np.array([0.0, 0.5, 1.0])), np.full(3, 0.25),
     ...                      symmetry="isotropic", quadrant=np.ones(2))
     >>> float(curve.at(np.array([[0.6, 0, 0.8]]))[0])
     0.25

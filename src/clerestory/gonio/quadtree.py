@@ -56,10 +56,7 @@ class Cells:
         """Unit vector to the weighted centroid of each cell."""
         weighted = (direction * weight[:, None])[self.order]
         total = np.add.reduceat(weighted, self.first[:-1], axis=0)
-        middle: Float[np.ndarray, "cells 3"] = total / np.linalg.norm(
-            total, axis=1, keepdims=True
-        )
-        return middle
+        return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
     def count(self) -> Indices:
         """Points in each cell."""
