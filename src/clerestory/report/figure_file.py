@@ -25,8 +25,8 @@ def figure_format(path: Path) -> str:
     return suffix[1:]
 
 
-def write_figure(figure: Figure, path: Path) -> None:
+def write_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure in the format of the suffix."""
-    kind = figure_format(path)
+    kind = figure_format(Path(path))
     with replace_file(path) as stream:
         figure.savefig(stream, format=kind, dpi=150)
