@@ -1,7 +1,7 @@
-"""The few figures that stand for a grid of sensors, with cautious error bars.
+"""Metrics of the sensors and their means over grids, with upper bounds of the errors.
 
-The sensors of a grid share the traced daylight matrix, so their errors are taken
-as fully correlated: the error of a mean is the mean of the errors.
+The sensors of a grid share the traced daylight matrix, so their errors are assumed
+fully correlated: the error of a mean is the mean of the errors.
 """
 
 from dataclasses import dataclass
