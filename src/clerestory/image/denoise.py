@@ -1,7 +1,7 @@
 """Denoising of traced pictures by a neural network (Intel Open Image Denoise).
 
-Intel Open Image Denoise estimates the picture without noise. The estimate is for display:
-it has no standard error and may be biased near edges. The header of a denoised picture
+Intel Open Image Denoise estimates the picture without noise, for display: the estimate
+has no standard error and may be biased near edges. The header of a denoised picture
 records the denoising, and metrics warn of it.
 
 Reference: A. Áfra, Intel Open Image Denoise, 2019–2026, openimagedenoise.org.

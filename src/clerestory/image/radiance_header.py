@@ -1,7 +1,7 @@
 """Headers of Radiance pictures: text lines, an empty line, the resolution.
 
-Each program that processes a picture adds a line. Lines of the source pictures begin with
-a tab and are ignored.
+Each program that processes a picture adds a line. Lines of the source pictures begin
+with a tab and are ignored.
 """
 
 import math

@@ -144,7 +144,7 @@ def _size(picture: Picture) -> tuple[int, int]:
 def film_data(
     shown: Film, times: np.ndarray, *, note: Callable[[str, int], str]
 ) -> dict[str, Any]:
-    """Return the frames as plain values for JSON; `note` describes a view in a time step."""
+    """Return the frames as plain values for JSON; `note` describes a time step."""
     clock = [str(t)[11:16] for t in times[shown.steps].astype("datetime64[m]")]
     return {
         "clock": clock,

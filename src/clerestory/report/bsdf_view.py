@@ -1,8 +1,8 @@
 """Interactive view of a BSDF as one self-contained HTML file.
 
 A matrix is shown on its own patches. A tensor tree, or a matrix of a million values, is
-averaged with conserved flux onto cells of about three degrees for the 145 incident patches
-of Klems.
+averaged with conserved flux onto cells of about three degrees for the 145 incident
+patches of Klems.
 """
 
 from collections.abc import Sequence

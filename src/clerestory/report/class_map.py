@@ -1,7 +1,7 @@
 """Heat maps of classes over the days and hours of a year.
 
-They show glare, the states of windows and the dimming of luminaires; the class of a cell
-appears at the pointer.
+They show glare, the states of windows and the dimming of luminaires; the class of a
+cell appears at the pointer.
 """
 
 from collections.abc import Sequence

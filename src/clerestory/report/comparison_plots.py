@@ -13,7 +13,7 @@ from clerestory.comparison.series import GLARE, UNITS, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.comparison.time_alignment import Pairs
 
-# Measured is black; simulations in colours safe for colour-blind readers (Okabe and Ito)
+# Measured is black; simulations in colour-blind safe colours (Okabe and Ito)
 _MEASURED = "#1b1f24"
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
 _MOST_DAYS = 6

@@ -105,11 +105,9 @@ def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
 def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
     """Colour of DGPs: that of their class, paler for what is far from perceptible."""
     colours = COLOURS[DGP.category(dgp)].astype(float)
-    imperceptible = dgp <= LIMITS[0]
-    share = np.clip((dgp[imperceptible] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[
-        :, None
-    ]
-    colours[imperceptible] = _PALE + share * (COLOURS[0] - _PALE)
+    low = dgp <= LIMITS[0]
+    share = np.clip((dgp[low] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[:, None]
+    colours[low] = _PALE + share * (COLOURS[0] - _PALE)
     return np.asarray(np.round(colours), dtype=np.uint8)
 
 

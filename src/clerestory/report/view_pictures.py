@@ -1,7 +1,7 @@
 """Pictures of the views of a run, and their exposure for display.
 
-The exposure of each picture is the geometric mean of its own and the common exposure, so
-that a dim morning is darker than noon and still visible.
+The exposure of each picture is the geometric mean of its own and the common exposure,
+so that a dim morning is darker than noon and still visible.
 """
 
 import json

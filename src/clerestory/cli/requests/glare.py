@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from clerestory.cli.command import Command
+from clerestory.cli.requests.common import Quiet
 from clerestory.glare.evalglare_options import Circle, EvalglareOptions
 from clerestory.options import argument, option
 

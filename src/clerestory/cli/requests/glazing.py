@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from clerestory.cli.command import Command
+from clerestory.cli.requests.common import Quiet, Seed
 from clerestory.options import argument, option
 
 
