@@ -40,12 +40,7 @@ class Offset:
 
 
 def search_offset(pairs_at: Callable[[int], Pairs]) -> Offset | None:
-    """Return the best shift within two hours, None with too few pairs.
-
-    Parameters
-    ----------
-    pairs_at : included pairs with the measured times shifted by so many minutes
-    """
+    """Return the best shift within two hours, None with too few pairs."""
     unmoved = pairs_at(0)
     if len(np.unique(unmoved.times)) < _FEWEST:
         return None

@@ -83,12 +83,7 @@ class GridScan(Table):
 def read_scan(
     folder: Path, scan: GridScan, *, layout: GridLayout, near: Series
 ) -> list[Series]:
-    """Return the readings of a scan, one set of series for each time.
-
-    Parameters
-    ----------
-    near : series of the study, with the positions of their sensors
-    """
+    """Return the readings of a scan, one set of series for each time."""
     path = folder / scan.file
     readings = layout.factor * _cells(path, layout)
     names = sensors_at(layout, near)

@@ -64,13 +64,7 @@ class StateSchedule:
         *,
         static: Float[np.ndarray, "sensor time"] | None = None,
     ) -> Float[np.ndarray, "sensor time"]:
-        """Sum of the results of all groups in their states.
-
-        Parameters
-        ----------
-        by_state : per group, results in every state, over (state, sensor, time)
-        static : results of windows without states
-        """
+        """Sum of the results of all groups in their states."""
         parts = [] if static is None else [static]
         for group, state in self.states.items():
             if group not in by_state:

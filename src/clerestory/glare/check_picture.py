@@ -37,12 +37,6 @@ def check_picture(
 ) -> Picture:
     """Return the picture in grey with its glare sources in colours.
 
-    Parameters
-    ----------
-    members : pixels of the sources
-    colour : fractions of red, green and blue, for all sources
-    task : pixels of the task, shown in blue
-
     Examples
     --------
     >>> grey = Picture(np.ones((30, 30, 3), dtype=np.float32))

@@ -28,10 +28,6 @@ def exceeded_dgp(
 ) -> Float[np.ndarray, "*shape"]:
     """DGP that is exceeded in at most a given fraction of the steps.
 
-    Parameters
-    ----------
-    dgp : of occupied steps
-
     Examples
     --------
     >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
@@ -67,9 +63,7 @@ def glare_autonomy(
 ) -> Float[np.ndarray, "*shape"]:
     """Fraction of the occupied steps without disturbing glare.
 
-    References
-    ----------
-    Jones, N. L. (2019), as in `imageless`.
+    Reference: Jones, N. L. (2019), as in `imageless`.
 
     Examples
     --------
@@ -84,11 +78,6 @@ def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
 
     The table is that printed by manufacturers of fabrics; it was not compared with the
     standard. The finer table of the edition of 2021 is not implemented.
-
-    Parameters
-    ----------
-    normal_normal : normal-normal light transmittance
-    normal_diffuse : normal-diffuse light transmittance
 
     Examples
     --------

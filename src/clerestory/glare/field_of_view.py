@@ -33,10 +33,8 @@ def in_field(
     below : whether the direction lies below the line of sight
     field : "total" is seen by either eye, "binocular" by both
 
-    References
-    ----------
-    Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery 27. The
-    fits are those of evalglare 3.06 (options -g and -G).
+    Reference: Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery
+    27. The fits are those of evalglare 3.06 (options -g and -G).
 
     Examples
     --------

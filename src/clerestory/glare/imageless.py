@@ -36,11 +36,9 @@ def imageless_dgp(
     index : position index of each direction, likewise; infinite behind the eye
     threshold : smallest luminance of a glare source [cd/m²]
 
-    References
-    ----------
-    Jones, N. L. (2019): Fast climate-based glare analysis and spatial mapping.
-    Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient simulation for
-    visual comfort evaluations. Energy and Buildings 267.
+    Reference: Jones, N. L. (2019): Fast climate-based glare analysis and spatial
+    mapping. Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient
+    simulation for visual comfort evaluations. Energy and Buildings 267.
 
     Examples
     --------
@@ -80,10 +78,6 @@ def position_of(
 
     The vertical is the view's up vector projected to the plane across the line of
     sight.
-
-    Parameters
-    ----------
-    model : of the index, see `position_index`
 
     Examples
     --------

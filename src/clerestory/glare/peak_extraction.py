@@ -20,15 +20,7 @@ def split_peaks(
     near: Neighbourhood,
     nearer: Neighbourhood,
 ) -> Int[np.ndarray, " pixel"]:
-    """Group the peak pixels of one source, labels from 1 in the order of creation.
-
-    Parameters
-    ----------
-    peaks : in the order of the scan
-    solid_angle : of all pixels of the picture [sr]
-    near : of the merging angle, within which peaks are merged
-    nearer : of half that angle, within which a pixel is added to an earlier one
-    """
+    """Group the peak pixels of one source, labels from 1 in the order of creation."""
     place = np.full(solid_angle.shape, -1, dtype=np.int64)
     row, column = peaks.row, peaks.column
     place[row, column] = np.arange(row.size)

@@ -14,12 +14,11 @@ def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -
     window_solid_angle : [sr]
     average : luminance of the whole field of view of 2π sr [cd/m²]
 
-    References
-    ----------
-    Tokura, M., Iwata, T. and Shukuya, M. (1996): Experimental study on discomfort
-    glare caused by windows. Journal of Architecture, Planning and Environmental
-    Engineering 489. Iwata, T. and Tokura, M. (1998): Examination of the limitations
-    of predicted glare sensation vote (PGSV). Lighting Research and Technology 30(2).
+    Reference: Tokura, M., Iwata, T. and Shukuya, M. (1996): Experimental study on
+    discomfort glare caused by windows. Journal of Architecture, Planning and
+    Environmental Engineering 489. Iwata, T. and Tokura, M. (1998): Examination of the
+    limitations of predicted glare sensation vote (PGSV). Lighting Research and
+    Technology 30(2).
 
     Examples
     --------

@@ -23,12 +23,7 @@ _CLIPPED, _WHITE = 1e-3, 5e-3
 
 
 def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
-    """Raise `InputError` for pictures that cannot be evaluated.
-
-    Parameters
-    ----------
-    trust : omit the checks of projection and scale
-    """
+    """Raise `InputError` for pictures that cannot be evaluated."""
     if picture.quantity != "radiance":
         raise InputError(f"a picture of {picture.quantity}; radiances expected")
     lowest = float(picture.radiance.min())

@@ -42,12 +42,7 @@ class ScannedPixels(NamedTuple):
 
 
 def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixels:
-    """Return the pixels of a mask column by column, each column from the bottom up.
-
-    Parameters
-    ----------
-    reach : pixels farther apart than this, in row or column, may be in two islands
-    """
+    """Return the pixels of a mask column by column, each column from the bottom up."""
     # Restrict the work to the part of the picture with bright pixels
     used_rows = np.flatnonzero(mask.any(axis=1))
     if not used_rows.size:
@@ -95,15 +90,7 @@ def first_scan(
     *,
     single: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Label of each pixel after the first scan, from 1 in the order of creation.
-
-    Parameters
-    ----------
-    mask : the pixels as a picture
-    near : of the merging angle
-    single : whether each pixel searches by itself, as where pixels are larger than the
-        merging angle
-    """
+    """Label of each pixel after the first scan, from 1 in the order of creation."""
     row, column, island = pixels
     begins = np.ones(row.size, dtype=bool)
     if not single:

@@ -20,11 +20,6 @@ def quadrilaterals(
 ) -> Float[np.ndarray, "row column"]:
     """Return the solid angles of the pixels of a picture [sr].
 
-    Parameters
-    ----------
-    columns, rows : size of the picture
-    some : rows wanted, counted from the top; all if not given
-
     Examples
     --------
     >>> view = View(kind="angular", horizontal=180, vertical=180)

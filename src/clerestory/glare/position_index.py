@@ -34,15 +34,14 @@ def position_index(
     below : whether the source lies below the line of sight
     model : "guth" as evalglare takes it, "kim", or "levin" as Radiance's glarendx
 
-    References
-    ----------
-    Guth, S. K. (1963): A method for the evaluation of discomfort glare. Illuminating
-    Engineering 57. Levin, R. E. (1975): Position index in VCP calculations. Journal
-    of the IES 4(2). Below the line of sight: Iwata, T. and Osterhaus, W. (2010):
-    Assessment of discomfort glare in daylit offices using luminance distribution
-    images. CIE Lighting Quality and Energy Efficiency. Kim, W. et al. (2009): The
-    position index of a glare source at the borderline between comfort and discomfort
-    (BCD) in the whole visual field. Building and Environment 44(5).
+    Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
+    Illuminating Engineering 57. Levin, R. E. (1975): Position index in VCP
+    calculations. Journal of the IES 4(2). Below the line of sight: Iwata, T. and
+    Osterhaus, W. (2010): Assessment of discomfort glare in daylit offices using
+    luminance distribution images. CIE Lighting Quality and Energy Efficiency. Kim, W.
+    et al. (2009): The position index of a glare source at the borderline between
+    comfort and discomfort (BCD) in the whole visual field. Building and Environment
+    44(5).
 
     Examples
     --------

@@ -17,11 +17,6 @@ def surrounded(
 
     Discs are weighted by solid angle. Those beyond the right or upper edge of the
     picture omit its last column or row, as in evalglare.
-
-    Parameters
-    ----------
-    mine : pixels of the source
-    radius : of the disc [pixels]
     """
     rows, columns = mine.shape
     reach = int(np.ceil(radius)) + 1

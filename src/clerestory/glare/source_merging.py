@@ -28,16 +28,7 @@ def merge_sources(
     *,
     skip_inner: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Label of each pixel after the merging of sources.
-
-    Parameters
-    ----------
-    pixels : in the order of the scan
-    labels : of the pixels, from 1
-    solid_angle : of all pixels of the picture [sr]
-    near : of the merging angle
-    skip_inner : omit the search from pixels between eight others of their source
-    """
+    """Label of each pixel after the merging of sources."""
     merged = labels.copy()
     picture = np.zeros(solid_angle.shape, dtype=np.int64)
     # Only islands of several sources are merged

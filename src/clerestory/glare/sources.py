@@ -90,11 +90,6 @@ def find_sources(
 ) -> Members:
     """Return the pixels of the glare sources of a picture.
 
-    Parameters
-    ----------
-    luminance : of the pixels [cd/m²]
-    eye : pixels of the view
-
     Examples
     --------
     >>> from clerestory.glare.glare_view import glare_view
@@ -182,14 +177,7 @@ def tabulate(
     *,
     zone: Int[np.ndarray, " label"] | None = None,
 ) -> GlareSources:
-    """Return the sources of a picture, one row each, in the order of their labels.
-
-    Parameters
-    ----------
-    members : pixels of the sources
-    luminance : of the pixels [cd/m²]
-    zone : of each label; 0 if not given
-    """
+    """Return the sources of a picture, one row each, in the order of their labels."""
     label, row, column = members
     bright = luminance[row, column].astype(float)
     omega = eye.solid_angle[row, column]

@@ -49,10 +49,6 @@ def cut_along(
 
     Parts within a zone become sources after all others, in the order of the scan.
 
-    Parameters
-    ----------
-    zone : of each pixel
-
     Returns
     -------
     members with new labels, and the zone of each label

@@ -87,17 +87,7 @@ def repaired_weather(
     step_minutes: float,
     notes: tuple[str, ...] = (),
 ) -> Weather:
-    """Return weather from the columns of a file, after quality control.
-
-    Parameters
-    ----------
-    times : centres of the steps
-    rows : of the file, one per step
-    direct_normal, diffuse_horizontal : irradiance [W/m²]; NaN where missing
-    dew_point_c : [°C]; NaN where missing
-    step_minutes : length of a step [min]
-    notes : corrections made before
-    """
+    """Return weather from the columns of a file, after quality control."""
     filled = []
     for name, values in (
         ("direct normal irradiance", direct_normal),

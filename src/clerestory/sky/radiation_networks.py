@@ -126,11 +126,6 @@ def read_srml(
     Of several instruments for one quantity the first is used; values that the network
     flags as bad are missing.
 
-    Parameters
-    ----------
-    site : the station
-    decomposition : model that decomposes global irradiance if nothing else is measured
-
     Reference: F. Vignola et al., SRML, Archival (short interval) data files.
     """
     pd = importlib.import_module("pandas")

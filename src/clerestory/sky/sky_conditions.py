@@ -130,10 +130,6 @@ def sun_over(
     It is that of the centre of the step; in steps with sunrise or sunset, that of the
     centre of the part with the sun above the horizon. Radiance's formula always takes
     the centre of the step, as gendaymtx does.
-
-    Parameters
-    ----------
-    rotation_deg, sun_formula : as for `sky_conditions`
     """
     if not np.isfinite(rotation_deg):
         raise InputError(

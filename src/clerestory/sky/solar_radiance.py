@@ -102,12 +102,6 @@ def nearest_patches(
 ) -> Nearest:
     """Return the patches of a sky whose centres are nearest to some directions.
 
-    Parameters
-    ----------
-    dome : Tregenza's or Reinhart's partition, azimuths clockwise from north
-    directions : unit vectors
-    count : how many patches each, 1 to 4
-
     Examples
     --------
     >>> from clerestory.hemisphere.reinhart import reinhart

@@ -129,12 +129,6 @@ def patch_suns(
 
     The sun of each step is moved to the nearest patch centre, as direct-sun matrices
     of the five-phase method do.
-
-    Parameters
-    ----------
-    weather : irradiance over time
-    subdivision : Reinhart's MF, 1 to 6
-    options : as for `sky_conditions`
     """
     conditions = sky_conditions(weather, **options)
     partition = reinhart(subdivision)
