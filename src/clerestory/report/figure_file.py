@@ -11,12 +11,7 @@ _FORMATS = (".png", ".svg", ".pdf")
 
 
 def figure_format(path: Path) -> str:
-    """Return the format of a figure file by its suffix.
-
-    Raises
-    ------
-    InputError : another suffix
-    """
+    """Return the format of a figure file by its suffix."""
     suffix = path.suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(
