@@ -123,7 +123,7 @@ def trace_matrix(
     ----------
     box : of the slab, between the planes that paths start from [m]
     incidents : numbers of the incident patches
-    stands_for : how many patches that are alike each of them stands for
+    stands_for : number of equivalent patches that each of them represents
     sides : for each side in turn, whether it is the back, that of the room
     """
     job = SlabJob(
