@@ -5,8 +5,8 @@ beside those of the materials; the density of each technique is known for every
 direction, so their combination stays unbiased whatever the rectangles leave out.
 
 Rectangles are sampled by the solid angle they subtend (`spherical_rectangle`). Sunlit
-areas join the windows (see `sun_patches`). Sampling probabilities are learned per cell of the
-room (see `path_guiding`), separately for continued paths and for rays that look for
+areas join the windows (`sun_patches`). Sampling probabilities are learned per cell of
+the room (`path_guiding`), separately for continued paths and for rays that look for
 sunlit surfaces.
 """
 

@@ -121,12 +121,12 @@ class SunlitWindow(Source):
         # Radiance that the window sends in a direction, and the density of its lobes
         frame = self.lobes.frame
         leaving, incident = frame.to_local(direction), frame.to_local(self.sun)
-        value, _ = self.lobes.table.evaluate(mi.UInt32(0), leaving, incident)
+        value, density = self.lobes.table.evaluate(mi.UInt32(0), leaving, incident)
         value = self.lobes.table.colour(value)
         if self.peak is not None:
             value = self.peak.without(value, leaving, incident)
-        pdf = self.lobes.pdf(-direction, self.sun)
-        return value * dr.maximum(-incident.z, 0), pdf
+        slant = dr.maximum(-incident.z, 0)
+        return value * slant, density * dr.maximum(leaving.z, 0)
 
     def _straight(self, sun):
         # Share of the sun's light that passes straight
