@@ -28,7 +28,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import to_matrices
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import bits_of
+from clerestory.bsdf.tree_arithmetic import float_bits
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.shirley_chiu import disc_from_square
@@ -93,7 +93,7 @@ def film_tree() -> ScatteringTree:
     for level in range(HALVINGS + 1):
         centre = (place + 0.5) / (1 << level)
         inner = _differs(centre, level)
-        region = bits_of(film(centre))
+        region = float_bits(film(centre))
         count = int(inner.sum())
         region[inner] = ~(size + (np.arange(count) << 4)).astype(np.int32)
         regions.append(region)

@@ -31,10 +31,9 @@ import numpy as np
 from duel import stamp
 
 import clerestory as cl
-from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.bsdfgen.shading_system import System
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
 from clerestory.scene.model import BsdfSurface, Polygon, Scene
 

@@ -31,10 +31,9 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.resample import to_matrices
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.morton_codes import incident_part
-from clerestory.bsdfgen.prismatic import prismatic
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.film_geometry import prismatic
+from clerestory.bsdfgen.morton_codes import incident_code
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
 
@@ -114,7 +113,7 @@ def counted(name: str, halvings: int, samples: int, seed: int) -> np.ndarray:
         )
         number = block * grid.incidents + rows
         for part in found:
-            which = incident_part(part.cell, rank=4, levels=grid.block)
+            which = incident_code(part.cell, rank=4, levels=grid.block)
             share = np.bincount(which, part.sums[:, 0], minlength=len(rows)) / samples
             light[every_other(number), every_other(number >> 1)] += share
     return light.ravel()

@@ -49,7 +49,7 @@ def draw(file: Path = FIGURE) -> None:
     names = [name for line in STACK for name in line]
     counts = import_counts(names)
     size = len(names)
-    mpl.rcParams["svg.hashsalt"] = "layers"
+    mpl.rcParams |= {"svg.hashsalt": "layers", "svg.fonttype": "none"}
     figure, axes = plt.subplots(figsize=(12.5, 7.8))
     for row, column in zip(*np.nonzero(counts), strict=True):
         shade = 0.25 + 0.75 * min(1.0, counts[row, column] / 25)

@@ -21,7 +21,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.optimize import brentq
 
-from clerestory.bsdf.analytic import pane_shares, thin_pane
+from clerestory.bsdf.analytic import glass_properties, thin_pane
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
@@ -47,7 +47,7 @@ def pane_transmissivity() -> float:
     """Transmissivity of each of two equal panes that pass 64 % together."""
 
     def excess(transmissivity: float) -> float:
-        both, _ = pane_shares(
+        both, _ = glass_properties(
             np.array(1.0), transmissivity=transmissivity, index=INDEX, panes=2
         )
         return float(both) - VISIBLE_TRANSMITTANCE
@@ -188,7 +188,7 @@ def glazing_shares(
     cosine: Float[np.ndarray, " path"],
 ) -> tuple[Float[np.ndarray, " path"], Float[np.ndarray, " path"]]:
     """Share of the light that both panes transmit and reflect."""
-    return pane_shares(
+    return glass_properties(
         cosine, transmissivity=pane_transmissivity(), index=INDEX, panes=2
     )
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clerestory.gonio.angles import from_degrees, straight_on
+from clerestory.gonio.angles import from_degrees, undeviated
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 
@@ -16,7 +16,7 @@ from clerestory.gonio.scattering_measurement import Measurement, Scan
 def film(incident):
     """Redirecting film: light goes on, or up again; both lobes sharp, on a veil."""
     x, y, z = incident
-    on = straight_on(incident)
+    on = undeviated(incident)
     back = np.array([-x, y, z])
     share = 0.5 + 0.35 * np.tanh(3 * y)  # light from above is redirected more
     fresnel = 1 - 0.9 * (1 - z) ** 5
@@ -31,7 +31,7 @@ def louvre(incident):
     _, y, z = incident
     profile = np.abs(np.arctan2(y, z))
     open_share = np.maximum(1 - np.tan(np.minimum(profile, 1.3)) / np.tan(0.9), 0)
-    on = straight_on(incident)
+    on = undeviated(incident)
     centre = np.array([on, [0, 0, 1.0]])
     radius = np.radians([2.0, 40.0])
     return Lobes(centre, radius, np.array([0.75 * open_share + 1e-9, 0.06]))
@@ -40,7 +40,7 @@ def louvre(incident):
 def pane(incident):
     """Rough pane: one lobe about where light goes on, wider at grazing incidence."""
     z = incident[2]
-    on = straight_on(incident)
+    on = undeviated(incident)
     centre = np.array([on, [0, 0, 1.0]])
     radius = np.array([0.16 + 0.12 * (1 - z), 0.9])
     fresnel = 1 - (1 - z) ** 5

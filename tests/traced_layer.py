@@ -14,14 +14,13 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.engine.primary_rays import lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
 from clerestory.engine.sampler import points
 from clerestory.engine.sinks import FIXED_POINT, MatrixSink
 from clerestory.engine.square import square_from_disc
-from clerestory.gonio.angles import angle_between, straight_on
+from clerestory.gonio.angles import angle_between, undeviated
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.hemisphere.shirley_chiu import disc_from_square
@@ -97,7 +96,7 @@ class TracedLayer:
         wide = 1 << HALVINGS
         target = MatrixSink(dr.zeros(mi.UInt64), wide * wide, 1)
         target.sums = dr.zeros(mi.UInt64, wide * wide + 1)
-        table = _Disc(mi.Vector3f(*straight_on(incident).tolist()), self.source)
+        table = _Disc(mi.Vector3f(*undeviated(incident).tolist()), self.source)
         dr.make_opaque(table.centre)
         for first in range(0, self.paths, 1 << 16):
             sequence = points(first, min(1 << 16, self.paths - first))

@@ -6,8 +6,8 @@ import numpy as np
 from straight_lines import plain_means, straight_lines
 
 import traced_layer as traced
-from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.film_geometry import prismatic
+from clerestory.bsdfgen.venetian_geometry import microlouvre
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.fitted_measurement import Fitted, fit_measurement
 from clerestory.gonio.scattering_measurement import Measurement

@@ -22,8 +22,8 @@ from clerestory.gonio.bsdf_export import export_bsdf
 from clerestory.gonio.fitted_measurement import fit_measurement
 from clerestory.gonio.lobe_fitting import (
     FitOptions,
-    condense,
-    misplaced_light,
+    condensed_points,
+    misplaced_flux,
     total_flux,
 )
 from clerestory.gonio.measurement_files import read_measurement
@@ -133,7 +133,7 @@ def held_out(measurement, *, options):
     for k, scan in list(enumerate(measurement.scans))[::-step]:
         scans = tuple(s for n, s in enumerate(measurement.scans) if n != k)
         rest = Measurement(scans, measurement.function)
-        points = condense(scan)
+        points = condensed_points(scan)
         for tree in (
             our_tree(rest, options=options)[0],
             radiance_tree(measurement, leave_out=(k,))[0],
@@ -141,7 +141,7 @@ def held_out(measurement, *, options):
             source = np.broadcast_to(scan.incident, points.direction.shape)
             values = tree.evaluate(source, points.direction)
             flux = float(tree.hemispherical(scan.incident))
-            yield k, flux - total_flux(scan), misplaced_light(points, values)
+            yield k, flux - total_flux(scan), misplaced_flux(points, values)
 
 
 def our_tree(measurement, *, options):

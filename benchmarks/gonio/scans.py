@@ -15,11 +15,11 @@ from page import head, save, spread
 from straight_lines import folding, places
 
 import traced_layer as traced
-from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.cross_validation import cross_validate
 from clerestory.gonio.fitted_measurement import fit_measurement
-from clerestory.gonio.measurement_planning import worth_measuring
+from clerestory.gonio.measurement_planning import recommended_directions
 from clerestory.gonio.scattering_measurement import Measurement
 from goniometer import half_circle
 
@@ -88,7 +88,7 @@ def film_rows(name, layer, axes):
         (" evenly", replace(validation, scans=level)),
     ):
         for count in MORE:
-            where = worth_measuring(map_, symmetry=scans.symmetry, count=count)
+            where = recommended_directions(map_, symmetry=scans.symmetry, count=count)
             more = traced.measure(where, layer.light(where), seed=2).scans
             joined = Measurement((*scans.scans, *more), scans.function)
             after = fit_measurement(joined, symmetry=scans.symmetry)
@@ -139,7 +139,7 @@ def row(name, scans, met, flagged=None):
 def draw(axes, name, validation, scans, directions, met):
     """Draw what is put elsewhere of each scan, and which fresh directions fail."""
     share = np.clip([scan.misplaced for scan in validation.scans], 0, 1)
-    where = worth_measuring(validation, symmetry=scans.symmetry, count=MORE[0])
+    where = recommended_directions(validation, symmetry=scans.symmetry, count=MORE[0])
     x, y = disc(scans.incidents)
     marks = axes.scatter(x, y, c=share, s=46, cmap="viridis", vmin=0, vmax=1)
     folded = directions * [np.sign(x.sum()), 1, 1]

@@ -5,7 +5,7 @@ import numpy as np
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.incident_mesh import locate
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import about_normal, turned
+from clerestory.gonio.network_assembly import rotation_about_normal, transformed
 from clerestory.gonio.symmetry import fold
 
 
@@ -20,7 +20,7 @@ def plain_means(interpolant, directions):
             np.concatenate([part.radius for part in parts]),
             np.concatenate([w * p.flux for w, p in zip(shares, parts, strict=True)]),
         )
-        yield turned(lobes, factor)
+        yield transformed(lobes, factor)
 
 
 def straight_lines(interpolant, incidents, known, directions):
@@ -41,7 +41,7 @@ def folding(interpolant, directions):
         flat = np.hypot(*directions[:, :2].T)
         azimuth = np.arctan2(directions[:, 1], directions[:, 0])
         folded = np.stack([flat, 0 * flat, directions[:, 2]], axis=-1)
-        return folded, np.array([about_normal(a) for a in azimuth])
+        return folded, np.array([rotation_about_normal(a) for a in azimuth])
     quadrant = interpolant.network.quadrant
     folded, factor = fold(directions, interpolant.symmetry, quadrant)
     return folded, factor[:, None, :] * np.eye(3)

@@ -7,10 +7,9 @@ import numpy as np
 
 import clerestory as cl
 from clerestory.bsdfgen.extrusion import extruded
-from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.bsdfgen.shading_system import System
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.phases.picture_matrices import Camera
 from clerestory.scene.model import Dielectric, Scene
 from clerestory.scene.sensors import Sensors

@@ -5,7 +5,7 @@ functions whose arrays all have one leading shape.
 """
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Int32
 
 # Unit vectors, one number each, one point of the unit square each
 Directions = Float[np.ndarray, "*batch 3"]
@@ -22,3 +22,9 @@ Vector2 = Float[np.ndarray, "2"]
 
 # Table from incident patches to exit patches
 ExitIncident = Float[np.ndarray, "exit incident"]
+
+# Spectral values, one per wavelength
+PerWavelength = Float[np.ndarray, " wavelength"]
+
+# Values and branches of a tensor tree
+Slots = Int32[np.ndarray, " slots"]

@@ -19,10 +19,9 @@ def unit(vector: Directions) -> Directions:
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     if not np.all(np.isfinite(length) & (length > 0)):
         raise InputError(
-            "a direction is zero or not finite; a vector with length is expected"
+            "a direction is zero or not finite; a vector of non-zero length expected"
         )
-    scaled: np.ndarray = vector / length
-    return scaled
+    return np.asarray(vector / length)
 
 
 def from_azimuth(azimuth: Values, altitude: Values) -> Directions:

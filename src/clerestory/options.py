@@ -1,15 +1,17 @@
 """Options of commands, described by the fields of frozen dataclasses.
 
-A request is a dataclass whose fields are `Annotated` with an `Option` or an `Argument`.
-Python calls its constructor; a command line fills it from the words of a command. A
-field that is itself such a dataclass is a group of options.
+A request is a dataclass whose fields are options and arguments. Python calls its
+constructor; a command line fills it from the words of a command. A field that is itself
+such a dataclass is a group of options. Types that requests share are `Annotated` with
+an `Option`; other fields are described in place by `option`.
 """
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import MISSING, Field, dataclass, field, fields
+from typing import Any, get_args
+
+_KEY = "option"
 
 
-@dataclass(frozen=True)
 class Option:
     """Description of an option.
 
@@ -23,12 +25,17 @@ class Option:
     panel : heading in the help
     """
 
-    help: str
-    names: tuple[str, ...] = ()
-    metavar: str | None = None
-    least: float | None = None
-    most: float | None = None
-    panel: str | None = None
+    def __init__(
+        self,
+        help: str,
+        *names: str,
+        metavar: str | None = None,
+        least: float | None = None,
+        most: float | None = None,
+        panel: str | None = None,
+    ) -> None:
+        self.help, self.names, self.metavar = help, names, metavar
+        self.least, self.most, self.panel = least, most, panel
 
 
 @dataclass(frozen=True)
@@ -39,16 +46,28 @@ class Argument:
     metavar: str | None = None
 
 
-def option(
-    help: str,
-    *names: str,
-    metavar: str | None = None,
-    least: float | None = None,
-    most: float | None = None,
-    panel: str | None = None,
-) -> Option:
-    """Return the description of an option; its names follow the help text."""
-    return Option(help, names, metavar, least, most, panel)
+def option(default: object, help: str, *names: str, **details: Any) -> Any:
+    """Return a field with its default that is an option; see `Option`."""
+    described = Option(help, *names, **details)
+    return field(default=default, metadata={_KEY: described})
+
+
+def required(help: str, *names: str, **details: Any) -> Any:
+    """Return a field that is an option without default; see `Option`."""
+    return option(MISSING, help, *names, **details)
+
+
+def argument(help: str, metavar: str | None = None, *, default: Any = MISSING) -> Any:
+    """Return a field that is a positional argument."""
+    return field(default=default, metadata={_KEY: Argument(help, metavar)})
+
+
+def description(each: "Field[Any]", hint: Any) -> tuple[Any, Option | Argument]:
+    """Return type and description of a field with a resolved type hint."""
+    if _KEY in each.metadata:
+        return hint, each.metadata[_KEY]
+    kind, described = get_args(hint)
+    return kind, described
 
 
 def keywords(group: object) -> dict[str, Any]:
@@ -57,4 +76,4 @@ def keywords(group: object) -> dict[str, Any]:
     >>> keywords(Argument("The study.", "STUDY"))
     {'help': 'The study.', 'metavar': 'STUDY'}
     """
-    return {field.name: getattr(group, field.name) for field in fields(group)}  # type: ignore[arg-type]
+    return {each.name: getattr(group, each.name) for each in fields(group)}  # type: ignore[arg-type]

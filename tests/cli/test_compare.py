@@ -53,7 +53,7 @@ def test_tables_and_page_tell_the_agreement(call, room, run):
     outcome = call("compare", "measured.csv", run, "-o", "out")
     assert outcome.status == 0, outcome.err
     assert "desks illuminance: bias +11.0 %" in outcome.out
-    assert "Measured, but not simulated: attic.1." in outcome.out
+    assert "Measured but not simulated: attic.1." in outcome.out
     shares = (room / "out" / "shares.csv").read_text().splitlines()
     assert shares[0].startswith("group,quantity,pairs,3-phase: Δ < 5 %")
     assert shares[1].endswith(",0.0,0.0,100.0")

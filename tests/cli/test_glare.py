@@ -147,10 +147,10 @@ def test_pictures_become_a_year(call, desk):
     ("words", "message"),
     [
         (("nowhere.hdr",), "nowhere.hdr: cannot be read"),
-        (("blind.hdr",), "says nothing of its view"),
+        (("blind.hdr",), "picture has no view"),
         (("blind.hdr", "--view", "-vtl -vh 2 -vv 2"), "a parallel view"),
         (("torn.hdr",), "torn.hdr"),
-        (("desk.hdr", "-t", "500", "1", "0.1"), "a place inside expected"),
+        (("desk.hdr", "-t", "500", "1", "0.1"), "a pixel of the picture expected"),
         (("desk.hdr", "-r", "0"), "merge angle 0.0; above 0"),
     ],
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import pane_shares
+from clerestory.bsdf.analytic import glass_properties
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
@@ -121,5 +121,7 @@ def test_panes_equal_radiances_glass(tmp_path, panes):
         capture_output=True,
     ).stdout
     theirs = np.array([float(line.split()[1]) for line in out.splitlines()])
-    ours, _ = pane_shares(np.cos(theta), transmissivity=0.9, index=1.6, panes=panes)
+    ours, _ = glass_properties(
+        np.cos(theta), transmissivity=0.9, index=1.6, panes=panes
+    )
     np.testing.assert_allclose(ours, theirs, rtol=1e-4)

@@ -8,7 +8,7 @@ from radiance import ENVIRONMENT, pyradiance
 
 import clerestory as cl
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.hemisphere.klems import klems
 from clerestory.radiance.bsdf_package import layer_geometry

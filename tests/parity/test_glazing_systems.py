@@ -9,8 +9,8 @@ from wincalc_systems import CLEAR, FOUR_LAYERS, SCATTERING
 
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.glazing import angular_dependence
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.interreflection import pass_through
+from clerestory.glazing.interreflection import stack_properties
+from clerestory.glazing.layer import Diffuser
 from clerestory.glazing.layer_files import read_layer, read_pane
 from clerestory.glazing.pane import grey_pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade
@@ -98,10 +98,10 @@ def test_stacks_are_what_wincalc_expects(products, shared_data, name):
 def test_panes_are_what_wincalc_expects_at_their_own_angle(products, case):
     name, channel, angle = case
     first = "nfrc_2191.json" if name.startswith("low-e") else "CLEAR_3.json"
-    panes = [read_layer(products / file).pane for file in (first, "CLEAR_3.json")]
+    panes = [read_layer(products / file).material for file in (first, "CLEAR_3.json")]
     wavelength = np.unique(np.concatenate([p.wavelength_nm for p in panes]))
     cosine = np.cos(np.radians([angle]))
-    passed = pass_through(
+    passed = stack_properties(
         [
             pane.angular(wavelength, cosine).map(lambda share: share[..., None])
             for pane in panes
@@ -137,7 +137,7 @@ def test_the_wheel_takes_every_coated_pane_for_bronze_glass(
     """
     engine = pytest.importorskip("pywincalc")
     file = products / f"{name}.json"
-    pane = read_layer(file).pane
+    pane = read_layer(file).material
     weights = nfrc().band("solar").weights(pane.wavelength_nm)
     theirs = (
         engine.GlazingSystem(
@@ -195,7 +195,7 @@ def test_absorptance_is_what_single_bounces_leave(products, shared_data):
     flux = [
         layer.matrices(wave, QUARTER).map(lambda f: measure * f) for layer in layers
     ]
-    passed = pass_through(flux)
+    passed = stack_properties(flux)
     for side in ("front", "back"):
         kept, out = bounced(flux, side)
         ours = getattr(passed, f"absorbed_{side}")

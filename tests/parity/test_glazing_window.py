@@ -12,7 +12,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.gap import Gap
+from clerestory.glazing.glazing_system import Gap
 from clerestory.glazing.layer import Glass
 from clerestory.glazing.layer_files import read_layer
 from clerestory.glazing.pane import grey_pane
@@ -76,7 +76,7 @@ def expected(wincalc, case, basis, method, theta=0, phi=0):
 @pytest.mark.parametrize("case", PANES)
 @pytest.mark.parametrize("angle", [(0, 0), (15, 270)])
 def test_panes_equal_window(wincalc, case, angle):
-    pane = read_layer(product(wincalc, PANES[case])).pane
+    pane = read_layer(product(wincalc, PANES[case])).material
     cosine = np.array([np.cos(np.radians(angle[0]))])
     shares = pane.angular(pane.wavelength_nm, cosine)
     for channel, method in METHODS.items():
@@ -346,7 +346,7 @@ def test_heat_of_a_double_pane_equals_pywincalc(wincalc, engine):
 
 @pytest.mark.slow
 def test_every_kind_of_layer_has_heat(wincalc, engine):
-    glass = Glass(read_layer(product(wincalc, "CLEAR_3.json")).pane)
+    glass = Glass(read_layer(product(wincalc, "CLEAR_3.json")).material)
     for name in ("cgdb_24002*.json", "cgdb_18000.json", "woven_shade.json"):
         shade = read_layer(product(wincalc, name))
         figures = thermal_figures([glass, shade], [Gap(0.05)], wavelengths="condensed")

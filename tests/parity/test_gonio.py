@@ -7,7 +7,7 @@ from radiance import run
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.fitted_measurement import fit_measurement
-from clerestory.gonio.lobe_fitting import condense, misplaced_light
+from clerestory.gonio.lobe_fitting import condensed_points, misplaced_flux
 from clerestory.gonio.measurement_files import read_measurement
 from clerestory.gonio.scattering_measurement import Measurement
 from clerestory.gonio.tree_export import to_tree
@@ -57,10 +57,10 @@ def test_held_out_scans_are_met_at_least_as_well_as_by_radiance(tmp_path):
     theirs = radiance_tree(tmp_path, halvings=5)
     fitted = fit_measurement(Measurement(rest, measurement.function))
     ours = to_tree(fitted.interpolant, halvings=5)
-    points = condense(scan)
+    points = condensed_points(scan)
     pairs = np.broadcast_to(scan.incident * FRONT, points.direction.shape)
     one, other = (
-        misplaced_light(points, tree.evaluate(pairs, points.direction))
+        misplaced_flux(points, tree.evaluate(pairs, points.direction))
         for tree in (ours, theirs)
     )
     assert one <= other

@@ -129,7 +129,7 @@ def shape(surface):
 def numbers(material):
     """Numbers of a material; those of a BSDF are looked at elsewhere."""
     skip = ("name", "source", "pattern", "bsdf", "peak")
-    values = [v for k, v in vars(material).items() if k not in skip]
+    values = [v for k, v in vars(material).items() if k not in skip and v is not None]
     return np.concatenate([np.ravel(v) for v in values])
 
 

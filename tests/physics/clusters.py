@@ -44,7 +44,8 @@ def local_cluster(folder: Path, *, workers: int):
     scheduler = _start("scheduler", options, folder, log)
     found = LocalCluster("", folder, log)
     try:
-        _until(file.exists)
+        # The file appears before its text does
+        _until(lambda: file.exists() and file.stat().st_size > 0)
         found.address = json.loads(file.read_text())["address"]
         for _ in range(workers):
             found.add_worker()

@@ -99,10 +99,14 @@ def test_where_no_scheduler_answers_is_bad_input(monkeypatch):
 
 def test_a_unit_asks_for_nothing_but_its_job(device):
     """Done twice, after others or alone: the same sums."""
+    from clerestory.engine.effort import Effort
     from clerestory.engine.matrix_jobs import ViewJob
 
     scene, south = box(4, 5, 3, 0.6)
-    job = ViewJob(scene, (south,), SENSORS, None, 5, 16, device)
+    job = ViewJob(
+        scene=scene, windows=(south,), sensors=SENSORS,
+        **Effort(seed=5, device=device).job_options(),
+    )  # fmt: skip
     units = [Unit(np.arange(r, r + 3), f, 64) for r in (0, 6) for f in (0, 128)]
     busy = Local()
     inorder = list(busy.map(job, units))

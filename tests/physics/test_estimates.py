@@ -72,7 +72,7 @@ def test_results_do_not_depend_on_the_size_of_launches(device, monkeypatch):
     options = {"sensors": SENSORS, "samples": 16 * 600, "seed": 3, "device": device}
     whole = cl.view_matrix(scene, south, **options)
     monkeypatch.setattr(work_units, "_PATHS", 16 * 256)
-    monkeypatch.setattr(controller, "_STRETCH", 256)
+    monkeypatch.setattr(controller, "_LONGEST_RANGE", 256)
     cut = cl.view_matrix(scene, south, **options)
     assert np.array_equal(whole.values, cut.values)
 

@@ -4,20 +4,18 @@ import numpy as np
 import pytest
 
 import clerestory as cl
-from clerestory.bsdf.analytic import pane_shares
+from clerestory.bsdf.analytic import glass_properties
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.reciprocity import diffuse_share
 from clerestory.bsdf.resample import to_matrices
-from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.fabric import fabric
+from clerestory.bsdfgen.film_geometry import mirrored_channels, prismatic
 from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
-from clerestory.bsdfgen.microlouvre import microlouvre
 from clerestory.bsdfgen.mirror_symmetry import Orbits
-from clerestory.bsdfgen.mirrored_channels import mirrored_channels
-from clerestory.bsdfgen.morton_codes import incident_part
-from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.morton_codes import incident_code
 from clerestory.bsdfgen.screen_geometry import perforated, woven
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.shading_system import SampleArea
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.engine import device as devices
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.shirley_chiu import disc_from_square
@@ -132,7 +130,7 @@ def test_glass_has_fresnels_shares(device):
     u = np.stack([(np.arange(4000) + 0.5) / 4000, np.full(4000, 0.5)], axis=1)
     for patch in (0, 40, 100, 144):
         cosine = full.sample(np.full(4000, patch), u)[:, 2]
-        expected = pane_shares(cosine, transmissivity=0.9, index=1.52)
+        expected = glass_properties(cosine, transmissivity=0.9, index=1.52)
         for name, share in zip(FUNCTIONS[::2], expected, strict=True):
             found = part(bsdf, name).direct_hemispherical()[patch]
             assert found == pytest.approx(float(share.mean()), abs=0.002)
@@ -394,7 +392,7 @@ def counted(system, halvings, device, *, samples, back=True):
             for n in (number, number >> 1)
         )
         for score in found if back else found[:1]:
-            which = incident_part(score.cell, rank=4, levels=grid.block)
+            which = incident_code(score.cell, rank=4, levels=grid.block)
             sums = np.bincount(which, score.sums[:, 0], minlength=len(rows))
             light[one, other] += sums / samples
     return light.ravel()

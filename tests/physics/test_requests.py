@@ -5,6 +5,8 @@ import pytest
 from physics_scenes import box, sensor
 
 import clerestory as cl
+from clerestory.engine.controller import Growth
+from clerestory.engine.matrix_jobs import ViewJob
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.scene.sensors import Sensors
 
@@ -52,9 +54,7 @@ def test_windows_of_one_name_are_refused():
 
 def test_an_error_out_of_reach_is_told(monkeypatch):
     """The trace ends at its longest batch and says what it did not reach."""
-    from clerestory.engine import device
-
-    monkeypatch.setattr(device.load("cpu"), "_LONGEST", 64)
+    monkeypatch.setattr(ViewJob, "growth", Growth(pilot=32, longest=64, most=32))
     scene, south = box(4, 5, 3, 0.5)
     with pytest.warns(ClerestoryWarning, match=r"0\.001 was not reached"):
         cl.view_matrix(scene, south, sensors=SENSOR, relative_error=0.001)

@@ -52,7 +52,7 @@ def write(tmp_path, monkeypatch):
     row = 41 * 16 * 8  # patches, batches, bytes of a sum
     monkeypatch.setattr(controller, "_SUMS", 2 * row)
     monkeypatch.setattr(study_results, "_LARGE", 100)
-    monkeypatch.setattr(cost_estimate, "_TRIAL", 1 << 12)
+    monkeypatch.setattr(cost_estimate, "_PILOT_PATHS", 1 << 12)
 
     def written(rule="", memory_gb=8.0):
         control = f"[window.control]\n{rule}\n" if rule else ""

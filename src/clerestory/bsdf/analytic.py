@@ -19,12 +19,8 @@ def lambertian(
 ) -> Bsdf:
     """Return a Lambertian diffuser, equal on both sides.
 
-    Parameters
-    ----------
-    transmittance, reflectance : 0…1, with a sum of at most 1
+    `transmittance`, `reflectance`: 0…1, with a sum of at most 1.
 
-    Examples
-    --------
     >>> from clerestory.hemisphere.klems import klems
     >>> lambertian(0.4, klems("half")).direct_hemispherical().round(9)[:2].tolist()
     [0.4, 0.4]
@@ -32,7 +28,7 @@ def lambertian(
     if min(transmittance, reflectance) < 0 or transmittance + reflectance > 1:
         raise InputError(
             f"transmittance {transmittance} and reflectance {reflectance};"
-            " shares of 1 together expected"
+            " non-negative values with a sum of at most 1 expected"
         )
     even = np.full((len(partition), len(partition)), 1 / np.pi)
     return _symmetric(
@@ -88,7 +84,7 @@ def thin_pane(
     part = (np.arange(_SAMPLES_PER_RING) + 0.5) / _SAMPLES_PER_RING
     low, high = np.sin(partition.theta[:-1]) ** 2, np.sin(partition.theta[1:]) ** 2
     cosine = np.sqrt(1 - low[:, None] - (high - low)[:, None] * part)
-    shares = pane_shares(
+    shares = glass_properties(
         cosine, transmissivity=transmissivity, index=index, panes=panes
     )
     transmitted, reflected = (
@@ -103,7 +99,7 @@ def thin_pane(
     )
 
 
-def pane_shares(
+def glass_properties(
     cosine: Values, *, transmissivity: float, index: float, panes: int = 1
 ) -> tuple[Values, Values]:
     """Transmittance and reflectance of clear panes for unpolarised light.
@@ -122,7 +118,7 @@ def pane_shares(
 
     Examples
     --------
-    >>> t, r = pane_shares(np.array(1.0), transmissivity=1.0, index=1.5)
+    >>> t, r = glass_properties(np.array(1.0), transmissivity=1.0, index=1.5)
     >>> round(float(t), 6), round(float(r), 6)  # 2n/(n²+1) and the rest
     (0.923077, 0.076923)
     """

@@ -19,14 +19,14 @@ from clerestory.array_types import Directions, Points2, Values
 from clerestory.bands import RGB, Bands
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_function import (
+    CHUNK,
     OTHER_SIDE,
-    TOGETHER,
     Function,
     ScatteringFunction,
-    by_function,
+    pairs_by_function,
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.bsdf.tree_colour import xyz_functions
+from clerestory.bsdf.tree_arithmetic import xyz_functions
 from clerestory.colorimetry import rgb_from_xyz
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
@@ -266,9 +266,9 @@ class Bsdf:
         answer = np.full(incident.shape[:-1], missing)
         flat, i, o = answer.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
         parts: dict[Function, ScatteringFunction] = {}
-        for start in range(0, len(flat), 4 * TOGETHER):
-            part = slice(start, start + 4 * TOGETHER)
-            for name, pairs in by_function(i[part], o[part]).items():
+        for start in range(0, len(flat), 4 * CHUNK):
+            part = slice(start, start + 4 * CHUNK)
+            for name, pairs in pairs_by_function(i[part], o[part]).items():
                 if len(pairs) and self.has(name, channel=channel):
                     if name not in parts:
                         parts[name] = self.scattering(name, channel=channel)

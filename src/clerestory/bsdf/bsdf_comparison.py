@@ -49,8 +49,6 @@ def compare(
     Layers are compared on their own patches if these are equal, otherwise on the
     coarser incident partition of the two. Trees are averaged to Klems full.
 
-    Examples
-    --------
     >>> from clerestory.bsdf.analytic import lambertian
     >>> from clerestory.hemisphere.klems import klems
     >>> result = compare(*(lambertian(t, klems("full")) for t in (0.4, 0.5)))

@@ -14,7 +14,7 @@ from clerestory.bsdf.scattering_function import Function
 _ASYMMETRIC = 0.05
 
 
-def check_presence(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
+def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
     """Yield functions that are missing, all zero, or copies of another one."""
     if "visible" not in bsdf.channels:
         yield Finding(
@@ -40,11 +40,11 @@ def _missing(bsdf: Bsdf, channel: str) -> Iterator[Finding]:
             0.0,
             "no transmission",
             channel,
-            "as a window it lets no daylight in, and matrix products refuse it",
+            "the layer transmits no daylight, and matrix products reject it",
         )
     effects: dict[Function, str] = {
-        "reflection_front": "light that the layer throws out is lost",
-        "reflection_back": "the window is black to light inside the room",
+        "reflection_front": "light reflected to the outside is lost",
+        "reflection_back": "the window absorbs all light from the room",
     }
     for name, effect in effects.items():
         if not bsdf.has(name, channel=channel):
@@ -67,7 +67,7 @@ def _empty(channel: str, tables: Tables) -> Iterator[Finding]:
             0.0,
             f"all values are zero{', while those of the other side are not' * matters}",
             f"{channel} {name.replace('_', ' ')}",
-            "programs that read this side find an opaque layer"
+            "programs that read this side get an opaque layer"
             if transmits
             else "the layer reflects nothing on this side",
         )
@@ -89,18 +89,17 @@ def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
         # Equal transmissions require self-reciprocity; equal reflections require equal
         # transmittances of both sides
         doubt = sides["reverse" if kind == "transmission" else "passing"]
+        asymmetric = doubt > _ASYMMETRIC
         yield Finding(
             "copy",
-            "warning" if doubt > _ASYMMETRIC else "info",
+            "warning" if asymmetric else "info",
             doubt,
-            f"back equals front to the last digit, but the sides of the layer differ by"
-            f" {doubt:.1%}"
-            if doubt > _ASYMMETRIC
-            else "back equals front to the last digit",
+            "the values of back and front are identical"
+            + f", but the sides of the layer differ by {doubt:.1%}" * asymmetric,
             f"{channel} {kind}",
-            "one side is not this layer's"
-            if doubt > _ASYMMETRIC
-            else "none for a layer with equal sides",
+            "the values of one side are wrong"
+            if asymmetric
+            else "none if both sides of the layer are equal",
         )
 
 
@@ -138,7 +137,7 @@ def _copied_channels(tables: Mapping[str, Tables]) -> Iterator[Finding]:
                 "copy",
                 "info",
                 0.0,
-                f"{channel} equals {first} to the last digit",
+                f"the values of {channel} and {first} are identical",
                 "all functions",
-                "heat gains are those of a layer without colour",
+                "solar heat gains are those of a spectrally neutral layer",
             )

@@ -9,9 +9,9 @@ conserves flux.
 import numpy as np
 from scipy import sparse
 
-from clerestory.array_types import Directions, Indices, Values
+from clerestory.array_types import Indices, Values
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.hemisphere.shirley_chiu import disc_from_square
+from clerestory.hemisphere.shirley_chiu import directions_from_square
 
 # Strips between neighbouring limits of cells or rings.
 _STRIPS = 8
@@ -24,12 +24,8 @@ _QUARTERS = (((1, 0), (0, 1)), ((0, 1), (-1, 0)), ((-1, 0), (0, -1)), ((0, -1), 
 def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_array:
     """Overlap of patches and cells of the unit square [sr], (patch, cell).
 
-    Parameters
-    ----------
-    halvings : 2^halvings cells along each axis, the second axis fastest
+    `halvings`: 2^halvings cells along each axis, the second axis fastest.
 
-    Examples
-    --------
     >>> from clerestory.hemisphere.klems import klems
     >>> quarter = klems("quarter")
     >>> overlap = patches_in_cells(quarter, 3)
@@ -64,7 +60,7 @@ def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_arra
         a, b = (0.5 + 0.5 * (axis[i] * along[strip] + side[i] * across) for i in (0, 1))
         cell = np.minimum(np.stack([a, b]) * wide, wide - 1).astype(int)
         area = np.pi / 4 * width[strip] * length[strip, piece]
-        place = partition.find(_directions(a, b)), cell[0] * wide + cell[1]
+        place = partition.find(directions_from_square(a, b)), cell[0] * wide + cell[1]
         overlap = overlap + sparse.csr_array((area, place), shape=shape)
     return overlap
 
@@ -101,8 +97,3 @@ def _azimuth_limits(partition: RingPartition) -> Values:
     if partition.azimuth == "compass":
         angle = np.pi / 2 - angle
     return np.unique(np.remainder(angle, 2 * np.pi))
-
-
-def _directions(a: Values, b: Values) -> Directions:
-    x, y = disc_from_square(a, b)
-    return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 1e-300))], axis=-1)

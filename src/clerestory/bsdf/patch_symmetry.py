@@ -7,7 +7,7 @@ patches: 0 for equal tables, 1 for disjoint ones.
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from clerestory.array_types import ExitIncident, Indices
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
@@ -63,22 +63,19 @@ def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
         "a quarter turn": (-y, x, z),
     }[turn]
     # A patch whose image straddles two others maps to the next one
-    found: Int[np.ndarray, " patches"] = partition.find(np.stack(moved, axis=-1))
-    return found
+    return np.asarray(partition.find(np.stack(moved, axis=-1)))
 
 
 def flux_table(part: ScatteringMatrix) -> ExitIncident:
     """Flux between patches per radiance of a uniform sky [sr]."""
-    flux: ExitIncident = (
+    return np.asarray(
         part.exits.projected_solid_angles()[:, None] * part.flux_factors()
     )
-    return flux
 
 
 def _flux_of_groups(part: ScatteringMatrix) -> Float[np.ndarray, "group group"]:
     exits, incidents = _groups(part.exits), _groups(part.incidents)
-    flux: Float[np.ndarray, "group group"] = exits.T @ flux_table(part) @ incidents
-    return flux
+    return np.asarray(exits.T @ flux_table(part) @ incidents)
 
 
 def _groups(partition: RingPartition) -> Float[np.ndarray, "patch group"]:

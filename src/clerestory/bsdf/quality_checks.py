@@ -6,24 +6,74 @@ finding has a measured size.
 """
 
 from collections.abc import Callable, Iterator
-from typing import Literal
 
 import numpy as np
 
 from clerestory.array_types import Values
-from clerestory.bsdf.angle_basis_check import check_labels
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.missing_components import check_presence
+from clerestory.bsdf.missing_components import check_components
 from clerestory.bsdf.patch_symmetry import turned_mismatch
-from clerestory.bsdf.quality_finding import Finding, graded, place
+from clerestory.bsdf.quality_finding import Finding, patch_label, severity_of
 from clerestory.bsdf.reciprocity import (
     Tables,
     check_reciprocity,
     check_scaling,
     check_sides,
 )
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import OF_SIDE, SIDES, Side
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.hemisphere.klems import klems
+from clerestory.hemisphere.partition import RingPartition
+
+_NAMES = ("full", "half", "quarter")
+
+
+def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
+    """Yield bases defined otherwise than in WINDOW, and notes of the file reader."""
+    seen: set[str] = set()
+    for part in bsdf.functions.values():
+        if not isinstance(part, ScatteringMatrix):
+            continue
+        for partition in (part.exits, part.incidents):
+            finding = None if partition.name in seen else _label(partition)
+            seen.add(partition.name)
+            if finding is not None:
+                yield finding
+    for note in bsdf.notes:
+        yield Finding(
+            "reading",
+            "info",
+            0.0,
+            note,
+            "file",
+            "other programs may read the file differently",
+        )
+
+
+def _label(partition: RingPartition) -> Finding | None:
+    words = partition.name.lower()
+    basis = next((name for name in _NAMES if f"klems {name}" in words), None)
+    if basis is None:
+        return None
+    usual = klems(basis)
+    if usual.matches(partition):
+        return None
+    same_count = len(usual) == len(partition)
+    what = (
+        f"{partition.name!r} with other ring limits than WINDOW's"
+        if same_count
+        else f"{partition.name!r} with {len(partition)} patches; WINDOW has"
+        f" {len(usual)} under that name"
+    )
+    return Finding(
+        "label",
+        "warning",
+        float(len(partition) - len(usual)),
+        what,
+        "angle basis",
+        "programs that use the name reject the file or assign wrong angles",
+    )
+
 
 # Limits of energy excess for info, warning and error.
 _ENERGY = (0.001, 0.01, 0.05)
@@ -36,9 +86,6 @@ _FROM_ABOVE = 1.5
 
 # Mismatch below which a layer is taken as symmetric or isotropic.
 _ALIKE = 0.025
-
-_Side = Literal["front", "back"]
-_SIDES: tuple[_Side, _Side] = ("front", "back")
 
 
 def check(bsdf: Bsdf) -> tuple[Finding, ...]:
@@ -54,7 +101,7 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     tables: dict[str, Tables] = {channel: {} for channel in bsdf.channels}
     for channel, name in bsdf.functions:
         tables[channel][name] = bsdf.function(name, channel=channel)
-    findings = [*check_presence(bsdf, tables), *check_labels(bsdf)]
+    findings = [*check_components(bsdf, tables), *check_angle_bases(bsdf)]
     for channel, known in tables.items():
         filled = {name: part for name, part in known.items() if np.any(part.values)}
         for one in _CHECKS:
@@ -64,17 +111,17 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
 
 
 def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
-    for side in _SIDES:
+    for side in SIDES:
         share, part = _scattered(tables, side, reflection_of=side)
         if part is None:
             continue
         worst = int(np.argmax(share))
         excess = float(share[worst]) - 1
-        severity = graded(excess, _ENERGY)
+        severity = severity_of(excess, _ENERGY)
         if severity is None:
             continue
         # Test whether the reflection of the other side satisfies the balance
-        other: _Side = "back" if side == "front" else "front"
+        other: Side = "back" if side == "front" else "front"
         swapped, _ = _scattered(tables, side, reflection_of=other)
         fits = (
             excess > _ENERGY[1]
@@ -83,7 +130,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         )
         advice = (
             f"; with the reflection of the {other} it would be"
-            f" {swapped.max():.3f}: front and back are swapped in one of them"
+            f" {swapped.max():.3f}: front and back are exchanged in one of them"
             if fits
             else ""
         )
@@ -91,26 +138,17 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
             "order" if fits else "energy",
             severity,
             excess,
-            f"{share[worst]:.4f} times the arriving light leaves the layer{advice}",
-            f"{channel} {side}, {place(part.incidents, worst)}",
-            f"rooms get up to {excess:.1%} too much light from there; interreflections"
-            " may not fade",
+            f"transmittance and reflectance sum to {share[worst]:.4f}{advice}",
+            f"{channel} {side}, {patch_label(part.incidents, worst)}",
+            f"results are up to {excess:.1%} too high; interreflections may diverge",
         )
 
 
 def _scattered(
-    tables: Tables, side: _Side, *, reflection_of: _Side
+    tables: Tables, side: Side, *, reflection_of: Side
 ) -> tuple[Values, ScatteringMatrix | None]:
     # Transmittance plus reflectance, on the incident patches of one of them
-    transmission: dict[_Side, Function] = {
-        "front": "transmission_front",
-        "back": "transmission_back",
-    }
-    reflection: dict[_Side, Function] = {
-        "front": "reflection_front",
-        "back": "reflection_back",
-    }
-    names = (transmission[side], reflection[reflection_of])
+    names = OF_SIDE[side][0], OF_SIDE[reflection_of][1]
     parts = [tables[name] for name in names if name in tables]
     alike = parts and all(p.incidents.matches(parts[0].incidents) for p in parts)
     if not alike:
@@ -121,7 +159,7 @@ def _scattered(
 
 def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
     # Very low values suggest flux fractions instead of 1/sr
-    for side in _SIDES:
+    for side in SIDES:
         share, dark = _scattered(tables, side, reflection_of=side)
         if dark is None:
             continue
@@ -135,11 +173,11 @@ def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
                 "scaling",
                 "warning",
                 float(share.max()),
-                f"at most {share.max():.2%} of the light leaves the layer, but the bare"
-                f" values of a direction add up to {np.max(sums):.3f}",
+                f"transmittance and reflectance sum to {share.max():.2%} at most, but"
+                f" the values of an incident direction add up to {np.max(sums):.3f}",
                 f"{channel} {side}",
-                "if the values are shares of flux instead of 1/sr, light is about"
-                f" {1 / _mean_size(dark):.0f} times too weak",
+                "if the values are flux fractions instead of 1/sr, results are about"
+                f" {1 / _mean_size(dark):.0f} times too low",
             )
 
 
@@ -160,11 +198,11 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
             "order",
             "warning",
             above / max(below, 1e-9),
-            f"{above:.3f} of the light from above passes, {below:.3f} of the light from"
-            " below",
+            f"the transmittance is {above:.3f} for light from above, {below:.3f} for"
+            " light from below",
             f"{channel} transmission front, 30° to 70° off the normal",
-            "right for louvres that guide light in; for a shading blind front and back"
-            " are swapped, or it hangs upside down, and shade turns into sun",
+            "plausible for light-redirecting louvres; a shading blind has its sides"
+            " exchanged or is upside down, and transmits the sun that it should block",
         )
 
 
@@ -185,11 +223,13 @@ def _shape(channel: str, tables: Tables) -> Iterator[Finding]:
         quarter = turned_mismatch(part, "a quarter turn")
         isotropic = max(sides, quarter) < _ALIKE
         if isotropic:
-            what = "the layer looks alike at every azimuth"
+            what = "the layer is isotropic"
         elif sides < _ALIKE:
-            what = "left and right mirror each other"
+            what = "the layer is symmetric left to right"
         else:
-            what = f"left and right differ by {sides:.0%}, a quarter turn {quarter:.0%}"
+            what = (
+                f"left and right differ by {sides:.0%}, a quarter turn by {quarter:.0%}"
+            )
         yield Finding(
             "isotropy" if isotropic else "symmetry",
             "info",

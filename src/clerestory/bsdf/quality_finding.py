@@ -42,10 +42,10 @@ class Finding:
         )
 
 
-def graded(size: float, limits: tuple[float, float, float]) -> Severity | None:
+def severity_of(size: float, limits: tuple[float, float, float]) -> Severity | None:
     """Severity of a deviation; None below the first limit.
 
-    >>> graded(0.02, (0.001, 0.01, 0.05))
+    >>> severity_of(0.02, (0.001, 0.01, 0.05))
     'warning'
     """
     if not size > limits[0]:
@@ -55,11 +55,11 @@ def graded(size: float, limits: tuple[float, float, float]) -> Severity | None:
     return "warning" if size <= limits[2] else "error"
 
 
-def place(partition: RingPartition, patch: int) -> str:
+def patch_label(partition: RingPartition, patch: int) -> str:
     """Return the number of a patch and the direction of its centre as text.
 
     >>> from clerestory.hemisphere.klems import klems
-    >>> place(klems("full"), 3)
+    >>> patch_label(klems("full"), 3)
     'patch 3 (10° off the normal, azimuth 90°)'
     """
     x, y, z = partition.centres()[patch]

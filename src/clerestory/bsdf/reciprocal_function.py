@@ -11,10 +11,11 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, ExitIncident, Points2, Values, Vector
+from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import opposite_patches
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.hemisphere.shirley_chiu import disc_from_square
+from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
 # Halvings of the grid: two more than those of the function, within limits.
 _FINER, _COARSEST, _FINEST = 2, 8, 10
@@ -22,7 +23,7 @@ _FINER, _COARSEST, _FINEST = 2, 8, 10
 
 @final
 @dataclass(frozen=True, eq=False)
-class ReversedFunction(ScatteringFunction):
+class ReciprocalFunction(ScatteringFunction):
     """A scattering function with incident and exit directions exchanged.
 
     Attributes
@@ -57,7 +58,7 @@ class ReversedFunction(ScatteringFunction):
         for number, direction in enumerate(each):
             of = which == number
             value = self._over(direction, grid)
-            leaving[of], density[of] = _choose(value, u[of])
+            leaving[of], density[of] = sample_square(value, u[of])
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
@@ -85,34 +86,10 @@ class ReversedFunction(ScatteringFunction):
     def own_partitions(self) -> None:
         """None: the function has no patches."""
 
-    def _grid(self) -> Directions:
+    def _grid(self) -> Float[np.ndarray, "cells 3"]:
         # Directions to the centres of grid cells, row by row
-        edge = 1 << min(max(self.halvings + _FINER, _COARSEST), _FINEST)
-        middle = (np.arange(edge) + 0.5) / edge
-        a, b = np.meshgrid(middle, middle, indexing="ij")
-        return _direction(a.ravel(), b.ravel())
+        halvings = min(max(self.halvings + _FINER, _COARSEST), _FINEST)
+        return directions_from_square(*cell_centres(halvings))
 
     def _over(self, incident: Vector, grid: Directions) -> Values:
         return self.evaluate(np.broadcast_to(incident, grid.shape), grid)
-
-
-def _direction(a: Values, b: Values) -> Directions:
-    x, y = disc_from_square(a, b)
-    return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
-
-
-def _choose(
-    value: Float[np.ndarray, " cells"], u: Float[np.ndarray, "samples 2"]
-) -> tuple[Float[np.ndarray, "samples 3"], Float[np.ndarray, " samples"]]:
-    # Directions in grid cells chosen with probabilities proportional to values
-    running = np.concatenate([[0.0], np.cumsum(value)])
-    total = float(running[-1])
-    if total == 0:
-        return np.broadcast_to([0.0, 0.0, 1.0], (len(u), 3)), np.zeros(len(u))
-    target = u[:, 0] * total
-    cell = np.searchsorted(running, target, side="right") - 1
-    cell = np.minimum(cell, len(value) - 1)
-    edge = round(len(value) ** 0.5)
-    rest = np.clip((target - running[cell]) / value[cell], 0, 1 - 1e-12)
-    leaving = _direction((cell // edge + rest) / edge, (cell % edge + u[:, 1]) / edge)
-    return leaving, value[cell] * len(value) / (np.pi * total) * leaving[:, 2]

@@ -11,7 +11,7 @@ import numpy as np
 
 from clerestory.array_types import ExitIncident
 from clerestory.bsdf.patch_symmetry import TURNS, reciprocity_mismatch, turn_incident
-from clerestory.bsdf.quality_finding import Finding, Severity, graded
+from clerestory.bsdf.quality_finding import Finding, Severity, severity_of
 from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
@@ -34,7 +34,7 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
     """
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
-        severity = graded(size, _RECIPROCITY)
+        severity = severity_of(size, _RECIPROCITY)
         if severity is None:
             continue
         # Find the renumbering of incident patches that satisfies reciprocity best
@@ -53,18 +53,18 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
                 f"reciprocity fails by {size:.0%}, and by {left[turn]:.0%} with the"
                 f" incident directions changed by {turn}",
                 f"{channel} {title}",
-                "light leaves towards the wrong side; azimuths of incident directions"
-                " are counted another way than in WINDOW's files",
+                "light is scattered to the wrong side; the azimuths of incident"
+                " directions follow another convention than in WINDOW",
             )
         else:
             yield Finding(
                 "reciprocity",
                 severity,
                 size,
-                f"{size:.1%} of the light takes other ways back than forth",
+                f"{size:.1%} of the flux violates reciprocity",
                 f"{channel} {title}",
-                "results change with the side that a program reads, and light traced"
-                " from the eye differs from light traced from the sun",
+                "results depend on the side that a program reads and on the sense in"
+                " which paths are traced",
             )
 
 
@@ -93,14 +93,14 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
     front = diffuse_share(tables["transmission_front"])
     back = diffuse_share(tables["transmission_back"])
     size = abs(front - back) / max(front, back)
-    severity = graded(size, _SIDES)
+    severity = severity_of(size, _SIDES)
     if severity is not None:
         yield Finding(
             "sides",
             severity,
             size,
-            f"diffuse light passes with {front:.4f} from the front and {back:.4f} from"
-            " the back; equal shares expected",
+            f"the diffuse transmittance is {front:.4f} from the front and {back:.4f}"
+            " from the back; equal values expected",
             f"{channel} transmission",
             f"daylight differs by {size:.0%} with the side that a program reads",
         )
@@ -132,8 +132,8 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
                 f"reciprocity fails by {size:.1%}, and by {left[name]:.1%} once values"
                 f" are divided by {name}",
                 f"{channel} {title}",
-                "values may hold that weight already; light is then too weak or wrong"
-                " by patch",
+                "values may include this weight already; results are then too low or"
+                " wrong per patch",
             )
 
 

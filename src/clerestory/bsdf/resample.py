@@ -14,9 +14,8 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import bits_of, combine
-from clerestory.bsdf.tree_colour import xyz_functions
-from clerestory.bsdf.tree_parser import branch_order
+from clerestory.bsdf.tree_arithmetic import combine, float_bits, xyz_functions
+from clerestory.bsdf.tree_parser import morton_order
 from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
@@ -48,9 +47,7 @@ def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
 def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
     """Return the BSDF as tensor trees of rank 4; existing trees are kept.
 
-    Parameters
-    ----------
-    halvings : 2^halvings smallest cells along each axis, 6 at most
+    `halvings`: 2^halvings smallest cells along each axis, 6 at most.
     """
     functions = {
         key: part if isinstance(part, ScatteringTree) else tree_from(part, halvings)
@@ -101,10 +98,8 @@ def full_tree(
 ) -> ScatteringTree:
     """Return the rank 4 tree of a full grid of cells.
 
-    Parameters
-    ----------
-    value : BSDF [1/sr] of the finest cells; incident cells are numbered by the
-        undeviated direction, the second coordinate of the square fastest
+    `value`: BSDF [1/sr] of the finest cells; incident cells are numbered by the
+    undeviated direction, the second coordinate of the square fastest.
     """
     # Branches of all levels, then the values in their order
     starts = np.cumsum([1 << 4 * level for level in range(halvings + 1)])
@@ -112,7 +107,7 @@ def full_tree(
         ~(start + (np.arange(1 << 4 * level) << 4)).astype(np.int32)
         for level, start in enumerate(starts[:-1])
     ]
-    leaves = bits_of(value.ravel()[branch_order(4, halvings)])
+    leaves = float_bits(value.ravel()[morton_order(4, halvings)])
     return ScatteringTree(np.concatenate([*inner, leaves]), 4, halvings)
 
 

@@ -20,27 +20,33 @@ Function = Literal[
 FUNCTIONS: tuple[Function, ...] = get_args(Function)
 
 # Pairs per chunk, so that arrays fit into the cache of the processor.
-TOGETHER = 1 << 15
+CHUNK = 1 << 15
 
+Side = Literal["front", "back"]
+SIDES: tuple[Side, ...] = get_args(Side)
+
+# Transmission and reflection of the light that is incident on each side
+OF_SIDE: dict[Side, tuple[Function, Function]] = {
+    "front": ("transmission_front", "reflection_front"),
+    "back": ("transmission_back", "reflection_back"),
+}
+
+# Functions whose reciprocals are each other
 OTHER_SIDE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
     "transmission_back": "transmission_front",
 }
 
 
-def by_function(
+def pairs_by_function(
     incident: Float[np.ndarray, "pair 3"], leaving: Float[np.ndarray, "pair 3"]
 ) -> dict[Function, Int[np.ndarray, " some"]]:
     """Numbers of the pairs of directions that each of the four functions is for.
 
-    Parameters
-    ----------
-    incident, leaving : away from the layer; z points into the room
+    `incident`, `leaving`: away from the layer; z points into the room.
 
-    Examples
-    --------
     >>> up, down = np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 0.0, -1.0]])
-    >>> by_function(down, up)["transmission_front"].tolist()
+    >>> pairs_by_function(down, up)["transmission_front"].tolist()
     [0]
     """
     from_sky, to_room = incident[:, 2] < 0, leaving[:, 2] > 0
@@ -71,9 +77,7 @@ class ScatteringFunction(ABC):
         directional-hemispherical value; directions have z ≥ 0 on either side. Where
         nothing is scattered the density is 0 and the direction the normal.
 
-        Parameters
-        ----------
-        u : points of the unit square [0, 1)², one per direction
+        `u`: points of the unit square [0, 1)², one per direction.
         """
 
     @abstractmethod

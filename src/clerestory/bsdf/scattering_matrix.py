@@ -13,8 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, ExitIncident, Indices, Points2, Values
+from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.patch_overlap import opposite_patches, patches_in_patches
-from clerestory.bsdf.scattering_function import TOGETHER, ScatteringFunction
+from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.patch_lookup import find_patches
@@ -48,15 +49,11 @@ class ScatteringMatrix(ScatteringFunction):
 
     def direct_hemispherical(self) -> Values:
         """Directional-hemispherical value per incident patch."""
-        share: Float[np.ndarray, " incident"] = (
-            self.exits.projected_solid_angles() @ self.values
-        )
-        return share
+        return np.asarray(self.exits.projected_solid_angles() @ self.values)
 
     def flux_factors(self) -> ExitIncident:
         """Exit radiance per radiance of each incident patch, as in matrix files."""
-        factors: ExitIncident = self.values * self.incidents.projected_solid_angles()
-        return factors
+        return np.asarray(self.values * self.incidents.projected_solid_angles())
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
@@ -64,8 +61,8 @@ class ScatteringMatrix(ScatteringFunction):
         value = np.empty(incident.shape[:-1])
         flat, i, o = value.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
         table, columns = self.values.ravel(), len(self.incidents)
-        for start in range(0, len(flat), TOGETHER):
-            part = slice(start, start + TOGETHER)
+        for start in range(0, len(flat), CHUNK):
+            part = slice(start, start + CHUNK)
             place = find_patches(self.exits, o[part]).astype(np.int64) * columns
             place += find_patches(self.incidents, -i[part])
             flat[part] = np.take(table, place)
@@ -79,25 +76,13 @@ class ScatteringMatrix(ScatteringFunction):
         """Exit directions and their probability density [1/sr]."""
         shape = np.shape(incident)[:-1]
         enter, u = self._enter(np.reshape(incident, (-1, 3))), np.reshape(u, (-1, 2))
-        light = self.exits.projected_solid_angles()[:, None] * self.values
-        running = np.cumsum(light, axis=0)
-        total = running[-1, enter]
-
-        # Choose a patch in proportion to its flux, over the concatenated columns
-        ahead = np.concatenate([[0.0], np.cumsum(light.T.ravel())])
+        flux = self.exits.projected_solid_angles()[:, None] * self.values
         first = enter * len(self.exits)
-        target = ahead[first] + u[..., 0] * (
-            ahead[first + len(self.exits)] - ahead[first]
+        chosen, rest, total = choose_cells(
+            flux.T.ravel(), first, first + len(self.exits), u[..., 0]
         )
-        chosen = np.searchsorted(ahead, target, side="right") - 1
-        chosen = np.clip(chosen, first, first + len(self.exits) - 1)
-        width = ahead[chosen + 1] - ahead[chosen]
-
-        # The remainder of the first number places the direction within the patch
-        rest = (target - ahead[chosen]) / np.where(width > 0, width, 1)
-        within = np.stack([np.clip(rest, 0, 1 - 1e-12), u[..., 1]], axis=-1)
         patch = chosen - first
-        leaving = self.exits.sample(patch, within)
+        leaving = self.exits.sample(patch, np.stack([rest, u[..., 1]], axis=-1))
         some = total > 0
         density = self.values[patch, enter] / np.where(some, total, 1)
         leaving = np.where(some[..., None], leaving, [0.0, 0.0, 1.0])
@@ -121,8 +106,7 @@ class ScatteringMatrix(ScatteringFunction):
         measure = np.outer(
             exits.projected_solid_angles(), incidents.projected_solid_angles()
         )
-        average: ExitIncident = flux.T / measure
-        return average
+        return np.asarray(flux.T / measure)
 
     def extrema(self) -> tuple[float, float]:
         """Smallest and largest value [1/sr]."""

@@ -19,9 +19,10 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float, Int32, Int64
 
-from clerestory.array_types import Directions, ExitIncident, Points2, Values
-from clerestory.bsdf.reciprocal_function import ReversedFunction
-from clerestory.bsdf.scattering_function import TOGETHER, ScatteringFunction
+from clerestory.array_types import Directions, ExitIncident, Points2, Slots, Values
+from clerestory.bsdf.inverse_sampling import choose_cells
+from clerestory.bsdf.reciprocal_function import ReciprocalFunction
+from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
 from clerestory.bsdf.tree_average import average_tree
 from clerestory.bsdf.tree_lookup import (
     Slices,
@@ -31,7 +32,7 @@ from clerestory.bsdf.tree_lookup import (
     slices,
     values_at,
 )
-from clerestory.bsdf.tree_parser import DEEPEST
+from clerestory.bsdf.tree_parser import MAX_DEPTH
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
@@ -65,16 +66,16 @@ class ScatteringTree(ScatteringFunction):
     0.7854
     """
 
-    slots: Int32[np.ndarray, " slots"]
+    slots: Slots
     rank: Literal[3, 4]
     depth: int
     standard_error: "ScatteringTree | None" = None
 
     def __post_init__(self) -> None:
-        if self.rank not in (3, 4) or not 0 <= self.depth <= DEEPEST:
+        if self.rank not in (3, 4) or not 0 <= self.depth <= MAX_DEPTH:
             raise InputError(
                 f"tensor tree of rank {self.rank} and depth {self.depth}; rank 3 or 4"
-                f" and 0 to {DEEPEST} halvings expected"
+                f" and 0 to {MAX_DEPTH} halvings expected"
             )
         inner = np.flatnonzero(self.slots < 0)
         block = ~self.slots[inner]
@@ -165,7 +166,7 @@ class ScatteringTree(ScatteringFunction):
     def reciprocal(self) -> ScatteringFunction:
         """Return the function with incident and leaving directions exchanged."""
         if self.rank == 3:
-            return ReversedFunction(self, halvings=self.depth)
+            return ReciprocalFunction(self, halvings=self.depth)
         # Opposite directions have complementary bits, so that branches are permuted
         bits = (np.arange(16)[:, None] >> np.array([2, 3, 0, 1])) & 1
         branch = (1 - bits) @ (1 << np.arange(4))
@@ -194,8 +195,8 @@ class ScatteringTree(ScatteringFunction):
         shape = incident.shape[:-1]
         incident, leaving = incident.reshape(-1, 3), leaving.reshape(-1, 3)
         result = np.empty(len(incident))
-        for start in range(0, len(result), TOGETHER):
-            part = slice(start, start + TOGETHER)
+        for start in range(0, len(result), CHUNK):
+            part = slice(start, start + CHUNK)
             x, y = incident[part, 0], incident[part, 1]
             place = self._incident_place(x, y), self._exit_place(leaving[part], x, y)
             result[part] = read((*place[0], *place[1]))
@@ -255,19 +256,11 @@ def _choose(
 ) -> tuple[Float[np.ndarray, "2 samples"], Float[np.ndarray, " samples"]]:
     # Points of the square distributed like the values of the cells of each owner, and
     # their density over projected solid angle
-    light = found.value * found.size.astype(float) ** 2
-    running = np.concatenate([[0.0], np.cumsum(light)])
-    owners = np.arange(int(found.owner[-1]) + 2)
-    start = np.searchsorted(found.owner, owners)
-    before, total = running[start[:-1]], np.diff(running[start])
-    target = before[owner] + u[:, 0] * total[owner]
-    cell = np.searchsorted(running, target, side="right") - 1
-    cell = np.clip(cell, start[owner], start[owner + 1] - 1)
-
-    # The remainder of the first number places the point within the cell
-    rest = (target - running[cell]) / np.where(light[cell] > 0, light[cell], 1)
-    within = np.stack([np.clip(rest, 0, 1 - 1e-12), u[:, 1]])
-    point = found.corner[:, cell] + found.size[cell] * within
-    some = total[owner] > 0
-    density = found.value[cell] / np.where(some, np.pi * total[owner], 1)
-    return point, np.where(some, density, 0)
+    flux = found.value * found.size.astype(float) ** 2
+    start = np.searchsorted(found.owner, np.arange(int(found.owner[-1]) + 2))
+    cell, rest, total = choose_cells(flux, start[owner], start[owner + 1], u[:, 0])
+    point = found.corner[:, cell] + found.size[cell] * np.stack([rest, u[:, 1]])
+    some = total > 0
+    return point, np.where(
+        some, found.value[cell] / np.where(some, np.pi * total, 1), 0
+    )

@@ -1,12 +1,14 @@
-"""Cell-wise operations on tensor trees."""
+"""Cell-wise operations on tensor trees, and tristimulus values from Y, u' and v'."""
 
 from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float, Float32, Int32
 
-from clerestory.array_types import Values
+from clerestory.array_types import Slots, Values
+from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.errors import InputError
 
 _Values = Float32[np.ndarray, " cells"]
 
@@ -32,14 +34,14 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
     rank = trees[0].rank
     step = np.arange(1 << rank, dtype=np.int32)
     codes = [tree.slots[:1] for tree in trees]
-    regions: list[Int32[np.ndarray, " slots"]] = []
+    regions: list[Slots] = []
     size, level = 1, -1
     while len(codes[0]):
         level += 1
         inner = np.any([code < 0 for code in codes], axis=0)
         region = np.empty(len(inner), dtype=np.int32)
         values: list[_Values] = [code[~inner].view(np.float32) for code in codes]
-        region[~inner] = bits_of(operation(*values))
+        region[~inner] = float_bits(operation(*values))
         count = int(inner.sum())
         region[inner] = ~(size + (np.arange(count, dtype=np.int64) << rank))
         regions.append(region)
@@ -55,9 +57,33 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
     return ScatteringTree(np.concatenate(regions), rank, level)
 
 
-def bits_of(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
+def float_bits(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
     """Slots that hold values; negative values become zero."""
     single: Float32[np.ndarray, " cells"] = np.abs(np.maximum(value, 0)).astype(
         np.float32
     )
     return single.view(np.int32)
+
+
+def xyz_functions(
+    luminance: ScatteringFunction, u: ScatteringFunction, v: ScatteringFunction
+) -> tuple[ScatteringFunction, ScatteringFunction, ScatteringFunction]:
+    """Return the functions of X, Y and Z from those of Y, u' and v'."""
+    trees = [part for part in (luminance, u, v) if isinstance(part, ScatteringTree)]
+    if len(trees) < 3 or len({tree.rank for tree in trees}) > 1:
+        raise InputError("CIE u' and v' of another kind than Y; tensor trees expected")
+    return combine(_x, *trees), luminance, combine(_z, *trees)
+
+
+# CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; white where v' is 0.
+def _x(y: Values, u: Values, v: Values) -> Values:
+    return np.asarray(y * _over(9 * u, 4 * v))
+
+
+def _z(y: Values, u: Values, v: Values) -> Values:
+    return np.asarray(y * _over(12 - 3 * u - 20 * v, 4 * v))
+
+
+def _over(above: Values, below: Values) -> Values:
+    ratio = np.divide(above, below, out=np.ones_like(above), where=below > 0)
+    return np.asarray(ratio)

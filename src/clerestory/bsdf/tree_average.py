@@ -3,10 +3,10 @@
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, Int32
+from jaxtyping import Float
 from scipy import sparse
 
-from clerestory.array_types import ExitIncident
+from clerestory.array_types import ExitIncident, Slots
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.tree_lookup import Cells, cells
 from clerestory.hemisphere.partition import RingPartition
@@ -16,10 +16,7 @@ _TURN_STEPS = 480
 
 
 def average_tree(
-    slots: Int32[np.ndarray, " slots"],
-    rank: Literal[3, 4],
-    exits: RingPartition,
-    incidents: RingPartition,
+    slots: Slots, rank: Literal[3, 4], exits: RingPartition, incidents: RingPartition
 ) -> ExitIncident:
     """BSDF of a tree averaged over pairs of patches [1/sr]."""
     groups = [group for group in cells(slots, rank) if len(group.value)]
@@ -27,8 +24,7 @@ def average_tree(
     measure = np.outer(
         exits.projected_solid_angles(), incidents.projected_solid_angles()
     )
-    average: ExitIncident = flux / measure
-    return average
+    return np.asarray(flux / measure)
 
 
 def _flux(

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Int, Int32, Int64
 
-from clerestory.array_types import Indices
+from clerestory.array_types import Indices, Slots
 
 # Bits of the joined levels: at most 65,536 cells.
 _TOP_BITS = 16
@@ -50,10 +50,7 @@ class Slices(NamedTuple):
 
 
 def look_up(
-    slots: Int32[np.ndarray, " slots"],
-    place: tuple[Int32[np.ndarray, " pairs"], ...],
-    *,
-    depth: int,
+    slots: Slots, place: tuple[Int32[np.ndarray, " pairs"], ...], *, depth: int
 ) -> tuple[Float32[np.ndarray, " pairs"], Int32[np.ndarray, " pairs"]]:
     """Values at places, and the level of the cells that contain them."""
     rank = len(place)
@@ -73,7 +70,7 @@ def look_up(
 
 
 def dense_top(
-    slots: Int32[np.ndarray, " slots"], rank: int, depth: int
+    slots: Slots, rank: int, depth: int
 ) -> tuple[int, Int32[np.ndarray, " tops"]]:
     """Number of coarse levels that are joined into one, and its slots.
 
@@ -92,7 +89,7 @@ def dense_top(
 
 
 def values_at(
-    slots: Int32[np.ndarray, " slots"],
+    slots: Slots,
     top: tuple[int, Int32[np.ndarray, " tops"]],
     place: tuple[Int32[np.ndarray, " pairs"], ...],
     *,
@@ -111,7 +108,7 @@ def values_at(
     return code.view(np.float32)
 
 
-def cells(slots: Int32[np.ndarray, " slots"], rank: int) -> Iterator[Cells]:
+def cells(slots: Slots, rank: int) -> Iterator[Cells]:
     """Cells of a tree, one group per size."""
     code, place, level = slots[:1], np.zeros((rank, 1), dtype=np.int64), 0
     bits = (np.arange(1 << rank) >> np.arange(rank)[:, None]) & 1
@@ -125,10 +122,7 @@ def cells(slots: Int32[np.ndarray, " slots"], rank: int) -> Iterator[Cells]:
 
 
 def slices(
-    slots: Int32[np.ndarray, " slots"],
-    incident: Int[np.ndarray, "fixed places"],
-    *,
-    depth: int,
+    slots: Slots, incident: Int[np.ndarray, "fixed places"], *, depth: int
 ) -> Slices:
     """Exit cells for each of the incident places, which fix the first dimensions."""
     fixed, count = incident.shape

@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32, Int8, Int32, Int64
 
-from clerestory.array_types import Indices
+from clerestory.array_types import Indices, Slots
 from clerestory.bsdf.tree_scanner import TreeFault, TreeScan, position_of, scan_tree
 from clerestory.errors import InputError
 
 # Most halvings of a coordinate: 2¹⁵ cells, a few arc seconds.
-DEEPEST = 15
+MAX_DEPTH = 15
 
 # Values that are reordered together.
 _TOGETHER = 1 << 22
@@ -34,7 +34,7 @@ class TreeTable:
     negative : mean of the negative values, which are read as zero [1/sr]
     """
 
-    slots: Int32[np.ndarray, " slots"]
+    slots: Slots
     depth: int
     negative: float
 
@@ -79,11 +79,11 @@ def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
             "a tensor tree ends before its text does; one tree expected",
             brace=int(ends[0]),
         )
-    if np.max(depth) > DEEPEST + 1:
+    if np.max(depth) > MAX_DEPTH + 1:
         raise TreeFault(
-            f"a tensor tree of {np.max(depth) - 1} nested levels; {DEEPEST} at most"
+            f"a tensor tree of {np.max(depth) - 1} nested levels; {MAX_DEPTH} at most"
             " expected",
-            brace=int(np.argmax(depth > DEEPEST + 1)),
+            brace=int(np.argmax(depth > MAX_DEPTH + 1)),
         )
 
     # Only innermost pairs of braces may hold values
@@ -100,7 +100,7 @@ def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
     # A grid has a power of 2^rank values
     count = scan.words[np.flatnonzero(holds)].astype(np.int64)
     grid = np.full(len(count), -1, dtype=np.int8)
-    for halvings in range(DEEPEST + 1):
+    for halvings in range(MAX_DEPTH + 1):
         grid[count == 1 << rank * halvings] = halvings
     if np.any(grid < 0):
         wrong = int(np.argmax(grid < 0))
@@ -144,16 +144,16 @@ def _build(
     nodes: _Nodes, values: Float32[np.ndarray, " values"], rank: int
 ) -> TreeTable:
     depth = int(np.max(nodes.level + np.maximum(nodes.grid, 0)))
-    if depth > DEEPEST:
+    if depth > MAX_DEPTH:
         raise TreeFault(
-            f"a tensor tree with {depth} halvings of a coordinate; {DEEPEST} at most"
+            f"a tensor tree with {depth} halvings of a coordinate; {MAX_DEPTH} at most"
             " expected"
         )
     negative = _negative_mean(nodes, values, rank)
     code = np.abs(np.maximum(values, 0)).view(np.int32)
 
     # Append the nodes level by level
-    regions: list[Int32[np.ndarray, " slots"]] = []
+    regions: list[Slots] = []
     size = 1
     for level in range(int(nodes.level.max()) + 1):
         on = np.flatnonzero(nodes.level == level)
@@ -168,7 +168,7 @@ def _build(
     # Append the grids
     shift = 0
     offsets = np.cumsum([0, *(len(region) for region in regions)])
-    grids: list[Int32[np.ndarray, " slots"]] = []
+    grids: list[Slots] = []
     for level in range(len(offsets) - 1):
         on = np.flatnonzero(nodes.level == level)
         for halvings in np.unique(nodes.grid[on]):
@@ -182,7 +182,7 @@ def _build(
     return TreeTable(np.concatenate(regions + grids), depth, negative)
 
 
-def _pointers(start: int, count: int, rank: int) -> Int32[np.ndarray, " slots"]:
+def _pointers(start: int, count: int, rank: int) -> Slots:
     # Slots of `count` branches whose blocks are consecutive from `start`
     if start + (count << rank) >= 1 << 31:
         raise TreeFault("a tensor tree of more than 2³¹ slots; fewer expected")
@@ -195,14 +195,14 @@ def _grids(
     rank: int,
     halvings: int,
     start: int,
-) -> Int32[np.ndarray, " slots"]:
+) -> Slots:
     # Slots of grids of one size: their inner levels, then their values in Morton order
     levels = []
     for level in range(1, halvings):
         count = len(first) << rank * level
         start += count
         levels.append(_pointers(start, count, rank))
-    order = branch_order(rank, halvings)
+    order = morton_order(rank, halvings)
     leaves = np.empty((len(first), len(order)), dtype=np.int32)
     together = max(1, _TOGETHER // len(order))
     for begin in range(0, len(first), together):
@@ -211,10 +211,10 @@ def _grids(
     return np.concatenate([*levels, leaves.ravel()])
 
 
-def branch_order(rank: int, halvings: int) -> Indices:
+def morton_order(rank: int, halvings: int) -> Indices:
     """Morton order of a grid: index, last dimension fastest, of each cell.
 
-    >>> branch_order(3, 1).tolist()
+    >>> morton_order(3, 1).tolist()
     [0, 4, 2, 6, 1, 5, 3, 7]
     """
     number = np.arange(1 << rank * halvings).reshape([2] * (rank * halvings))

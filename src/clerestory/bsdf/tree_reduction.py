@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int32
 
-from clerestory.array_types import Values
+from clerestory.array_types import Slots, Values
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import bits_of, combine
+from clerestory.bsdf.tree_arithmetic import combine, float_bits
 from clerestory.bsdf.tree_lookup import cells
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
@@ -57,9 +57,7 @@ class _Level:
 def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
     """Return a tree with similar cells merged; flux is conserved.
 
-    Parameters
-    ----------
-    percent : blocks of smallest cells to merge [%]; 0 merges only equal cells
+    `percent`: blocks of smallest cells to merge [%]; 0 merges only equal cells.
     """
     if not 0 <= percent < 100:
         raise InputError(f"reduction by {percent} %; 0 to below 100 % expected")
@@ -118,17 +116,15 @@ def _threshold(levels: list[_Level], tree: ScatteringTree, percent: float) -> fl
     return _END / _STEPS * passed if wanted > 0 else 0.0
 
 
-def _rebuilt(
-    levels: list[_Level], rank: int, threshold: float
-) -> Int32[np.ndarray, " slots"]:
+def _rebuilt(levels: list[_Level], rank: int, threshold: float) -> Slots:
     branches = np.arange(1 << rank)
     at = np.zeros(1, dtype=np.int64)
-    regions: list[Int32[np.ndarray, " slots"]] = []
+    regions: list[Slots] = []
     size = 1
     for level in levels:
         inner = level.code < 0
         keep: Bool[np.ndarray, " nodes"] = (inner & (level.measure() > threshold))[at]
-        region = bits_of(level.mean[at])
+        region = float_bits(level.mean[at])
         count = int(keep.sum())
         region[keep] = ~(size + (np.arange(count) << rank))
         regions.append(region)

@@ -6,6 +6,7 @@ the count of values, not from its name: "LBNL/Klems Half" has meant 73 and 77 pa
 
 import warnings
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from lxml import etree
@@ -13,10 +14,11 @@ from lxml import etree
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.bsdf.xml_basis import Bases, choose_bases, read_bases
 from clerestory.bsdf.xml_document import Document, parse_document, read_numbers
 from clerestory.bsdf.xml_product import read_product
-from clerestory.bsdf.xml_tree import read_tree, tree_rank
 from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
 
@@ -118,12 +120,12 @@ def _read_matrix(
     if lost > _NEGLIGIBLE_NEGATIVE:
         raise document.error(
             data,
-            f"negative values down to {table.min():.3g}/sr take away {lost:.2%} of the"
-            " light; a BSDF without negative values expected",
+            f"negative values down to {table.min():.3g}/sr change the flux by"
+            f" {lost:.2%}; a BSDF without negative values expected",
         )
     if lost > 0:
         notes.append(
-            f"line {document.line(data)}: negative values, {lost:.1e} of the light, are"
+            f"line {document.line(data)}: negative values, {lost:.1e} of the flux, are"
             " read as zero"
         )
     return ScatteringMatrix(np.maximum(table, 0), exits, incidents)
@@ -137,8 +139,60 @@ def _warn_of_energy(bsdf: Bsdf, path: str | Path) -> None:
         most = float(part.hemispherical(incidents.centres() * [-1, -1, 1]).max())
         if most > _ENERGY_LIMIT:
             warnings.warn(
-                f"{path}: {channel} {name.replace('_', ' ')} sends on {most:.3f} times"
-                " the light that arrives; 1 at most expected",
+                f"{path}: {channel} {name.replace('_', ' ')} scatters {most:.3f} times"
+                " the incident flux; 1 at most expected",
                 ClerestoryWarning,
                 stacklevel=3,
             )
+
+
+_BASIS = "LBNL/Shirley-Chiu"
+
+
+def tree_rank(kind: str) -> Literal[3, 4] | None:
+    """Rank of an IncidentDataStructure; None if it is no tree.
+
+    >>> tree_rank("TensorTree4"), tree_rank("Columns")
+    (4, None)
+    """
+    ranks: dict[str, Literal[3, 4]] = {"tensortree3": 3, "tensortree4": 4}
+    return ranks.get(kind.lower())
+
+
+def read_tree(
+    block: etree._Element, rank: Literal[3, 4], document: Document, notes: list[str]
+) -> ScatteringTree:
+    """Return the tree of a WavelengthDataBlock; irregularities are added to notes."""
+    data = document.require(block, "ScatteringData")
+    basis = document.text(block, "AngleBasis")
+    if basis.lower() != _BASIS.lower():
+        raise document.error(
+            block, f"angle basis {basis[:60]!r} of a tensor tree; {_BASIS!r} expected"
+        )
+    number = document.trees.find(data.text)
+    if len(data):
+        raise document.error(
+            data, "an element or a comment in a tensor tree; only numbers expected"
+        )
+    if number is None:
+        found = " ".join((data.text or "").split())[:40]
+        raise document.error(
+            data, f"no tensor tree but {found!r}; numbers in braces {{…}} expected"
+        )
+    line = document.lines_before + document.trees.first_line[number]
+    text = document.trees.texts[number]
+    table = parse_tree(text, rank=rank, file=document.path, line=line)
+
+    # Half of a rank 3 tree is unused
+    lost = 3.1416 * table.negative * (2 if rank == 3 else 1)
+    if lost > _NEGLIGIBLE_NEGATIVE:
+        raise document.error(
+            data,
+            f"negative values change the flux by {lost:.2%}; a BSDF without"
+            " negative values expected",
+        )
+    if lost > 0:
+        notes.append(
+            f"line {line}: negative values, {lost:.1e} of the flux, are read as zero"
+        )
+    return ScatteringTree(table.slots, rank, table.depth)

@@ -13,8 +13,13 @@ from jaxtyping import Float, Int64
 
 from clerestory.array_types import Indices, Values
 from clerestory.bsdfgen.flux_preserving_merge import HemisphericalFlux
-from clerestory.bsdfgen.morton_codes import incident_part
-from clerestory.bsdfgen.tree_pruning import Cells, Light, chosen_cells, climbed
+from clerestory.bsdfgen.morton_codes import incident_code
+from clerestory.bsdfgen.tree_pruning import (
+    Cells,
+    NodeValues,
+    pruned_levels,
+    selected_cells,
+)
 from clerestory.engine.effort import Effort
 
 # Share of the paths in the first round, and paths per cell in it if a target error is
@@ -30,7 +35,7 @@ _MOST = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class FunctionEstimate:
     """Estimates of one function in one block.
 
     Attributes
@@ -40,13 +45,13 @@ class Part:
     leaving : the same by reciprocity for each exit cell of the whole tree, rank 4 only
     """
 
-    finest: Light
+    finest: NodeValues
     incident: HemisphericalFlux
     leaving: HemisphericalFlux
 
 
 @dataclass(frozen=True, eq=False)
-class Counted:
+class BlockEstimate:
     """Estimates of one block.
 
     Attributes
@@ -56,14 +61,14 @@ class Counted:
     reached : whether the target error was reached
     """
 
-    transmission: Part
-    reflection: Part
+    transmission: FunctionEstimate
+    reflection: FunctionEstimate
     paths: int
     reached: bool
 
 
 @dataclass(eq=False)
-class Counter:
+class BlockEstimator:
     """Accumulated sums of one block.
 
     Attributes
@@ -89,7 +94,7 @@ class Counter:
         nothing = np.zeros(0, dtype=np.int64), np.zeros((0, len(self.weights) + 1))
         self._scores = [nothing, nothing]
 
-    def count(self, effort: Effort) -> Counted:
+    def count(self, effort: Effort) -> BlockEstimate:
         """Trace until the samples are used up or the target error is reached."""
         goal = effort.samples
         first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
@@ -109,7 +114,7 @@ class Counter:
             extra = _shared(risk * spent, more)
             short = not done and spent.max() >= _MOST
             if done or short or not extra.any():
-                return Counted(parts[0], parts[1], int(spent.sum()), not short)
+                return BlockEstimate(parts[0], parts[1], int(spent.sum()), not short)
             self._trace(extra, effort)
 
     def _trace(self, extra: Indices, effort: Effort) -> None:
@@ -135,11 +140,11 @@ class Counter:
         ]
         self._paths[self._rows] += extra
 
-    def _part(self, number: int) -> Part:
+    def _part(self, number: int) -> FunctionEstimate:
         # Estimates of a function from its scores
         grid = self.grid
         place, sums = self._scores[number]
-        incident = incident_part(place, rank=grid.rank, levels=grid.block)
+        incident = incident_code(place, rank=grid.rank, levels=grid.block)
         exit_size = np.pi / 4**grid.depth
         every = np.maximum(self._paths, 1)
         paths = every[incident]
@@ -153,16 +158,18 @@ class Counter:
         share = np.bincount(incident, luminous, minlength=grid.incidents) / every
         variance = share * np.maximum(1 - share, _ROULETTE) / every
         single = mean.astype(np.float32), noise.astype(np.float32)
-        finest = Light(place.astype(np.int32), *single)
-        return Part(finest, HemisphericalFlux(share, variance), self._leaving(finest))
+        finest = NodeValues(place.astype(np.int32), *single)
+        return FunctionEstimate(
+            finest, HemisphericalFlux(share, variance), self._leaving(finest)
+        )
 
-    def _leaving(self, finest: Light) -> HemisphericalFlux:
+    def _leaving(self, finest: NodeValues) -> HemisphericalFlux:
         # Flux of each exit cell from the incident cells of this block
         grid = self.grid
         if grid.rank == 3:
             return HemisphericalFlux(np.zeros(0), np.zeros(0))
         coarse, inner = np.divmod(finest.place, 1 << grid.rank * grid.block)
-        cell = incident_part(inner >> 2, rank=grid.rank, levels=grid.block)
+        cell = incident_code(inner >> 2, rank=grid.rank, levels=grid.block)
         cell |= coarse << 2 * grid.block
         number, size = 4**grid.depth, np.pi / 4**grid.depth
         return HemisphericalFlux(
@@ -170,12 +177,14 @@ class Counter:
             np.bincount(cell, finest.noise, number) * size**2,
         )
 
-    def _cells(self, part: Part) -> Cells:
+    def _cells(self, part: FunctionEstimate) -> Cells:
         # Cells of the block, each root separately
         grid = self.grid
-        levels = climbed(part.finest, self.weights, rank=grid.rank, levels=grid.block)
+        levels = pruned_levels(
+            part.finest, self.weights, rank=grid.rank, levels=grid.block
+        )
         roots = 1 << 2 * (grid.depth - grid.block)
-        return chosen_cells(levels, rank=grid.rank, roots=roots)
+        return selected_cells(levels, rank=grid.rank, roots=roots)
 
     def _risk(self, cells: Cells) -> Values:
         # Expected squared error, summed over the finest cells of each incident cell
@@ -184,7 +193,7 @@ class Counter:
         for height in np.unique(cells.height):
             of = cells.height == height
             square = cells.noise[of] * 4.0 ** (2 * height)
-            which = incident_part(
+            which = incident_code(
                 cells.place[of], rank=grid.rank, levels=grid.block - height
             )
             wide = 1 << bits * height
@@ -192,7 +201,7 @@ class Counter:
             risk += np.repeat(sums, wide)
         return risk[self._rows]
 
-    def _ratio(self, parts: list[Part], risk: Values, aim: float) -> float:
+    def _ratio(self, parts: list[FunctionEstimate], risk: Values, aim: float) -> float:
         # Ratio of the present to the target error
         finest = len(self._rows) << 2 * self.grid.depth
         error = np.sqrt(risk.sum() / (2 * finest))

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.array_types import Points2
 from clerestory.scene.model import Polygon
@@ -33,10 +32,7 @@ def arc(width: float, rise: float) -> Points2:
     strips = int(np.ceil(2 * half / _STRIP))
     turn = np.linspace(-half, half, strips + 1)
     above = np.sign(rise) * radius * (np.cos(turn) - 1)
-    points: Float[np.ndarray, "point 2"] = np.stack(
-        [radius * np.sin(turn), above], axis=1
-    )
-    return points
+    return np.asarray(np.stack([radius * np.sin(turn), above], axis=1))
 
 
 def extruded(
@@ -63,7 +59,7 @@ def extruded(
         yield Polygon(np.array(corners, dtype=float), material, f"{name}.{number}")
 
 
-def turned(polygons: Iterator[Polygon]) -> Iterator[Polygon]:
+def rotated(polygons: Iterator[Polygon]) -> Iterator[Polygon]:
     """Yield polygons rotated about z by -90°, so that up becomes right."""
     for polygon in polygons:
         x, y, z = polygon.vertices.T

@@ -9,9 +9,9 @@ import math
 import numpy as np
 
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.screen_geometry import cell, holed_sheet
+from clerestory.bsdfgen.screen_geometry import sheet_with_holes, unit_cell
 from clerestory.bsdfgen.shading_system import System
-from clerestory.bsdfgen.system_parameters import Share, bands, share
+from clerestory.bsdfgen.system_parameters import Share, bands, channel_values
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Trans
 
@@ -46,29 +46,31 @@ def fabric(
         raise InputError(f"openness = {openness}; 0 to below 1 expected")
     if not 0 <= thickness <= 10:
         raise InputError(f"thickness = {thickness}; 0 to 10 distances expected")
-    reflected = share("reflectance", reflectance)
-    passed = share("diffuse_transmittance", diffuse_transmittance)
-    cloth = scatterer("cloth", reflected, passed)
+    reflected = channel_values("reflectance", reflectance)
+    passed = channel_values("diffuse_transmittance", diffuse_transmittance)
+    cloth = diffuse_material("cloth", reflected, passed)
     hole = max(math.sqrt(openness), 1e-4) * _PITCH
     depth = thickness * _PITCH
-    scene = holed_sheet(
+    scene = sheet_with_holes(
         cloth, pitch=_PITCH, hole=hole, shape="square", thickness=depth, faces=1
     )
     return System(
         scene,
-        cell(_PITCH, depth),
+        unit_cell(_PITCH, depth),
         bands(solar=False),
         Product(name=f"Fabric, {openness:.1%} open", device_type="Roller Shade"),
     )
 
 
-def scatterer(name: str, reflected: np.ndarray, passed: np.ndarray) -> Plastic | Trans:
+def diffuse_material(
+    name: str, reflected: np.ndarray, passed: np.ndarray
+) -> Plastic | Trans:
     """Return a diffuse material of given reflectance and transmittance."""
     both = reflected + passed
     if np.any(both > 1):
         raise InputError(
             f"reflectance {reflected.tolist()} and transmittance {passed.tolist()};"
-            " 1 together at most expected"
+            " a sum of at most 1 expected"
         )
     if not passed.any():
         return Plastic(name, reflected)

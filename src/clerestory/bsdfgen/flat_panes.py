@@ -3,10 +3,9 @@
 import numpy as np
 
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.fabric import scatterer
-from clerestory.bsdfgen.shading_system import System
-from clerestory.bsdfgen.system_parameters import Share, share
+from clerestory.bsdfgen.fabric import diffuse_material
+from clerestory.bsdfgen.shading_system import SampleArea, System
+from clerestory.bsdfgen.system_parameters import Share, channel_values
 from clerestory.errors import InputError
 from clerestory.scene.model import Glass, Material, Polygon, Scene
 
@@ -14,20 +13,16 @@ from clerestory.scene.model import Glass, Material, Polygon, Scene
 def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
     """Return a Lambertian sheet.
 
-    Parameters
-    ----------
-    transmittance, reflectance : with a sum of at most 1
+    `transmittance`, `reflectance`: with a sum of at most 1.
 
-    Examples
-    --------
     >>> diffuse_pane(transmittance=0.5).area.periodic
     True
     """
     passed, reflected = (
-        share("transmittance", transmittance),
-        share("reflectance", reflectance),
+        channel_values("transmittance", transmittance),
+        channel_values("reflectance", reflectance),
     )
-    return _sheet(scatterer("pane", reflected, passed), "Diffuse pane")
+    return _sheet(diffuse_material("pane", reflected, passed), "Diffuse pane")
 
 
 def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
@@ -45,7 +40,7 @@ def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
     """
     if not index >= 1:
         raise InputError(f"index = {index}; 1 or more expected")
-    glass = Glass("pane", share("transmissivity", transmissivity), index)
+    glass = Glass("pane", channel_values("transmissivity", transmissivity), index)
     return _sheet(glass, "Clear pane")
 
 

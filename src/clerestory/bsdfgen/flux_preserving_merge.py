@@ -24,8 +24,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Float64, Int32
 
 from clerestory.array_types import Values
-from clerestory.bsdfgen.morton_codes import incident_part
-from clerestory.bsdfgen.subcells import Pieces
+from clerestory.bsdfgen.morton_codes import incident_code
+from clerestory.bsdfgen.subcells import Subcells
 
 # Largest flux error of a part of the incident cells, as a share of all incident flux,
 # for parts of 1/2^_SPAN of the width of the square and wider; twice as much per halving
@@ -63,13 +63,13 @@ class HemisphericalFlux:
 
 
 def preserve_flux(
-    pieces: list[Pieces],
+    pieces: list[Subcells],
     luminous: Values,
     light: HemisphericalFlux,
     *,
     rank: int,
     by_leaving: bool = False,
-) -> list[Pieces]:
+) -> list[Subcells]:
     """Return merged cells subdivided and scaled to preserve directional-hemispherical
     values.
 
@@ -85,8 +85,8 @@ def preserve_flux(
     --------
     A block of 2 × 2 incident and 2 × 2 leaving cells, all in one:
 
-    >>> from clerestory.bsdfgen.subcells import uncut
-    >>> one = uncut(np.array([0]), np.array([1]), depth=1)
+    >>> from clerestory.bsdfgen.subcells import whole_cells
+    >>> one = whole_cells(np.array([0]), np.array([1]), depth=1)
     >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
     >>> light = HemisphericalFlux(share, np.zeros(4))
     >>> kept = preserve_flux(one, np.array([0.2]), light, rank=4)
@@ -113,11 +113,11 @@ def preserve_flux(
 
 
 def preserve_flux_on_both_sides(
-    pieces: list[Pieces],
+    pieces: list[Subcells],
     luminous: Values,
     incident: HemisphericalFlux,
     leaving: HemisphericalFlux,
-) -> list[Pieces]:
+) -> list[Subcells]:
     """Return subcells of rank 4 that preserve the flux of incident and of exit cells.
 
     Parameters
@@ -130,8 +130,8 @@ def preserve_flux_on_both_sides(
     --------
     Four leaving cells of two brightnesses, joined:
 
-    >>> from clerestory.bsdfgen.subcells import uncut
-    >>> one = uncut(np.array([0]), np.array([1]), depth=1)
+    >>> from clerestory.bsdfgen.subcells import whole_cells
+    >>> one = whole_cells(np.array([0]), np.array([1]), depth=1)
     >>> even = HemisphericalFlux(np.pi * np.full(4, 0.2), np.zeros(4))
     >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
     >>> varied = HemisphericalFlux(share, np.zeros(4))
@@ -183,14 +183,14 @@ class _Tally:
     depth: int
     skip: int  # bits of a digit before those of the cells whose light is kept
 
-    def lights(self, pieces: Sequence[Pieces]) -> Float64[np.ndarray, " incident"]:
+    def lights(self, pieces: Sequence[Subcells]) -> Float64[np.ndarray, " incident"]:
         """Flux of subcells of the lowest heights for each incident cell."""
         total = np.zeros(self.incidents)
         for height, part in enumerate(pieces):
             total += self.light(part, height)
         return total
 
-    def light(self, pieces: Pieces, height: int) -> Float64[np.ndarray, " incident"]:
+    def light(self, pieces: Subcells, height: int) -> Float64[np.ndarray, " incident"]:
         """Flux of subcells of one height for each incident cell."""
         wide = 1 << (self.rank - 2) * height
         sums = np.zeros(self.incidents // wide)
@@ -200,18 +200,18 @@ class _Tally:
             sums += np.bincount(block, self.share(some, height), len(sums))
         return np.repeat(sums, wide)
 
-    def share(self, pieces: Pieces, height: int) -> Float64[np.ndarray, " piece"]:
+    def share(self, pieces: Subcells, height: int) -> Float64[np.ndarray, " piece"]:
         """Flux of each subcell from one finest incident cell."""
         size = np.pi * 4.0 ** (height - self.depth)
         return np.asarray(self.luminous[pieces.cell] * pieces.factor * size)
 
-    def block(self, pieces: Pieces, height: int) -> Int32[np.ndarray, " piece"]:
+    def block(self, pieces: Subcells, height: int) -> Int32[np.ndarray, " piece"]:
         """Number of the incident cell of each subcell, among all of its width."""
         levels = self.depth - height
-        return incident_part(pieces.place >> self.skip, rank=self.rank, levels=levels)
+        return incident_code(pieces.place >> self.skip, rank=self.rank, levels=levels)
 
     def brightest(
-        self, pieces: Pieces, need: Float[np.ndarray, " block"], height: int
+        self, pieces: Subcells, need: Float[np.ndarray, " block"], height: int
     ) -> Bool[np.ndarray, " piece"]:
         """Brightest subcells of one height with as much flux as required."""
         found = np.zeros(len(pieces), dtype=bool)
@@ -228,8 +228,8 @@ class _Tally:
         return found
 
     def scaled(
-        self, pieces: list[Pieces], left: Float64[np.ndarray, " incident"]
-    ) -> list[Pieces]:
+        self, pieces: list[Subcells], left: Float64[np.ndarray, " incident"]
+    ) -> list[Subcells]:
         """Scale wide subcells by the common part of the correction, small ones by the
         rest.
         """
@@ -244,7 +244,7 @@ class _Tally:
             ratio[few] = np.clip(ratio[few], 1 - _CHANGE, 1 + _CHANGE)
             part = pieces[height]
             factor = ratio.astype(np.float32)[self.block(part, height)]
-            found[height] = Pieces(part.place, part.cell, part.factor * factor)
+            found[height] = Subcells(part.place, part.cell, part.factor * factor)
             left = np.maximum(left - own[height] * np.repeat(ratio, wide), 0)
             rest = rest - own[height]
         return found

@@ -13,7 +13,6 @@ from typing import Literal, Unpack
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Geometry, Product
-from clerestory.bsdfgen.area import SampleArea, area_of
 from clerestory.bsdfgen.channel_weights import Weights, check_bands, default_weights
 from clerestory.bsdfgen.geometry_checks import check_system
 from clerestory.bsdfgen.mgf_text import mgf_text
@@ -22,7 +21,7 @@ from clerestory.bsdfgen.postprocessing import (
     reciprocal_with_errors,
     reduced,
 )
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import SampleArea, System, area_of
 from clerestory.bsdfgen.trace_matrices import trace_matrices
 from clerestory.bsdfgen.trace_request import TraceRequest
 from clerestory.bsdfgen.trace_trees import trace_trees
@@ -141,8 +140,7 @@ def generate_bsdf(
         rank = int(basis[-1])
         traced = trace_trees(engine, system.scene, request, rank=rank, depth=halvings)
     else:
-        engine = devices.load(effort.device, "sample_area_matrix")
-        traced = trace_matrices(engine, system.scene, klems(basis), request)
+        traced = trace_matrices(system.scene, klems(basis), request)
     if not traced.reached:
         warnings.warn(
             f"the relative error {effort.relative_error} was not reached after"

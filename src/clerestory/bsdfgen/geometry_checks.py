@@ -1,20 +1,20 @@
 """Plausibility checks of the geometry of a shading system.
 
 Findings are warnings, except for a system that is entirely in the room, which is an
-error.
+error. Surfaces are checked for position, units, overlaps in one plane and, for
+dielectrics, closed solids with outward normals.
 """
 
 from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Bool, Float, Int
 
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.closed_solids import open_solids
-from clerestory.bsdfgen.coplanar_overlaps import overlapping
-from clerestory.bsdfgen.naming import item
+from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.errors import InputError
-from clerestory.scene.model import Scene
+from clerestory.scene.model import Dielectric, Interface, Scene, Surface
 from clerestory.scene.surface import extent
+from clerestory.scene.tessellate import Mesh, meshes
 
 # Largest z of surfaces [m], as in genBSDF.
 _IN_ROOM = 1e-5
@@ -51,8 +51,8 @@ def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
         *_units(scene),
         *_in_room(scene),
         *_far_behind(area),
-        *open_solids(scene, area),
-        *overlapping(scene),
+        *check_solids(scene, area),
+        *check_overlaps(scene),
     )
 
 
@@ -77,8 +77,8 @@ def _in_room(scene: Scene) -> Iterator[str]:
         worst = scene.surfaces[int(inside[np.argmax(high[inside])])]
         more = f", as do {len(inside) - 1} more" if len(inside) > 1 else ""
         yield (
-            f"{item(worst)} reaches {high.max() * 1e3:.3g} mm into the room{more};"
-            " nothing at z > 0 expected"
+            f"{surface_label(worst)} reaches {high.max() * 1e3:.3g} mm into the"
+            f" room{more}; nothing at z > 0 expected"
         )
 
 
@@ -90,3 +90,188 @@ def _far_behind(area: SampleArea) -> Iterator[str]:
             f"the system ends {gap:.4g} m behind z = 0, where the BSDF stands;"
             " less than a tenth of its size expected"
         )
+
+
+# Tolerance of coplanarity and of overlaps at common edges, as a share of the size of
+# the system.
+_SAME = 1e-6
+
+# Most pairs of triangles that are tested; larger systems are tested in part.
+_MOST_PAIRS = 4_000_000
+
+
+def check_overlaps(scene: Scene) -> Iterator[str]:
+    """Yield the first pair of overlapping coplanar surfaces and their number."""
+    parts = meshes(scene)
+    corner = np.concatenate([m.vertices[m.faces] for m in parts])
+    surface = np.concatenate([m.surface for m in parts])
+    size = float(np.ptp(corner.reshape(-1, 3), axis=0).max())
+    pairs = [
+        _pairs(corner[of], surface[of], of, _SAME * size)
+        for of in _planes(corner, _SAME * size)
+    ]
+    found = np.concatenate([np.empty((0, 2), dtype=int), *pairs])
+    if not len(found):
+        return
+    both = np.unique(np.sort(surface[found], axis=1), axis=0)
+    one, other = (surface_label(scene.surfaces[int(i)]) for i in both[0])
+    more = f"; {len(both) - 1} more such pairs" if len(both) > 1 else ""
+    yield (
+        f"{one} and {other} lie in one plane and overlap{more}; one surface in each"
+        " place expected"
+    )
+
+
+def _planes(
+    corner: Float[np.ndarray, "triangle 3 3"], near: float
+) -> Iterator[Int[np.ndarray, " triangle"]]:
+    # Triangles grouped by their plane
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    flat = np.flatnonzero(length > 0)
+    normal = normal[flat] / length[flat, None]
+    lead = np.argmax(np.abs(normal) > 1e-6, axis=1)
+    normal *= np.sign(normal[np.arange(len(flat)), lead])[:, None]
+    offset = np.einsum("tx,tx->t", normal, corner[flat].mean(axis=1))
+    key = np.column_stack(
+        [np.round(normal, 5), np.round(offset / max(10 * near, 1e-12))]
+    )
+    _, which, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(which.ravel(), kind="stable")
+    for part in np.split(flat[order], np.cumsum(count)[:-1]):
+        if len(part) > 1:
+            yield part
+
+
+def _pairs(
+    corner: Float[np.ndarray, "triangle 3 3"],
+    surface: Int[np.ndarray, " triangle"],
+    number: Int[np.ndarray, " triangle"],
+    near: float,
+) -> Int[np.ndarray, "pair 2"]:
+    # Project along the largest component of the normal
+    normal = np.cross(corner[0, 1] - corner[0, 0], corner[0, 2] - corner[0, 0])
+    flat = np.delete(corner, int(np.argmax(np.abs(normal))), axis=2)
+    low, high = flat.min(axis=1) + near, flat.max(axis=1) - near
+    order = np.argsort(low[:, 0])
+    flat, low, high = flat[order], low[order], high[order]
+    surface, number = surface[order], number[order]
+
+    # Sweep along the first axis
+    last = np.searchsorted(low[:, 0], high[:, 0])
+    count = np.maximum(last - np.arange(len(flat)) - 1, 0)
+    total = np.minimum(np.cumsum(count), _MOST_PAIRS)
+    count = np.diff(np.concatenate([[0], total]))
+    one = np.repeat(np.arange(len(flat)), count)
+    start = np.repeat(np.cumsum(count) - count, count)
+    other = one + 1 + np.arange(len(one)) - start
+    near_by = (low[one, 1] < high[other, 1]) & (low[other, 1] < high[one, 1])
+    near_by &= surface[one] != surface[other]
+    one, other = one[near_by], other[near_by]
+    cross = _overlap(flat[one], flat[other], near)
+    return np.stack([number[one[cross]], number[other[cross]]], axis=1)
+
+
+def _overlap(
+    one: Float[np.ndarray, "pair 3 2"],
+    other: Float[np.ndarray, "pair 3 2"],
+    near: float,
+) -> Bool[np.ndarray, " pair"]:
+    # Separating axis test on the normals of the edges
+    apart = np.zeros(len(one), dtype=bool)
+    for part in (one, other):
+        edge = np.roll(part, -1, axis=1) - part
+        axis = np.stack([-edge[..., 1], edge[..., 0]], axis=-1)
+        axis /= np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-300)
+        a = np.einsum("pex,pcx->pec", axis, one)
+        b = np.einsum("pex,pcx->pec", axis, other)
+        gap = np.maximum(b.min(axis=2) - a.max(axis=2), a.min(axis=2) - b.max(axis=2))
+        apart |= np.any(gap > -near, axis=1)
+    return ~apart
+
+
+def surface_label(surface: Surface) -> str:
+    """Return the place of a surface in its file, its kind and its name.
+
+    >>> import numpy as np
+    >>> from clerestory.scene.model import Sphere
+    >>> surface_label(Sphere(np.zeros(3), 1.0, False, "grey", "ball"))
+    'sphere "ball"'
+    """
+    kind = type(surface).__name__.lower()
+    place = ""
+    if surface.source is not None and surface.source.file:
+        place = f"{surface.source.file}:{surface.source.line}: "
+    return f'{place}{kind} "{surface.name}"'
+
+
+def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
+    """Yield dielectrics with open edges or inward normals.
+
+    Every edge of a solid belongs to two faces that use it in opposite senses. Edges in
+    the sides of a periodic unit cell may be open.
+    """
+    for mesh in meshes(scene):
+        if not isinstance(mesh.material, Dielectric | Interface):
+            continue
+        corner, faces = _welded(mesh, _SAME * float(np.ptp(area.bounds, axis=0).max()))
+        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        lone = _lone(edges)
+        if area.periodic:
+            lone &= ~_in_sides(corner[edges], area)
+        name = f'{type(mesh.material).__name__.lower()} "{mesh.material.name}"'
+        if lone.any():
+            owner = np.tile(mesh.surface, 3)[lone]
+            surface = surface_label(scene.surfaces[int(owner[0])])
+            yield (
+                f"{surface} has an open edge: {name} does not enclose a solid"
+                f" ({int(lone.sum())} edges without a second face); closed surfaces"
+                " with their fronts outwards expected"
+            )
+        elif _volume(corner, faces) < 0:
+            yield f"{name} is inside out; faces whose fronts point outwards expected"
+
+
+def _welded(
+    mesh: Mesh, distance: float
+) -> tuple[Float[np.ndarray, "corner 3"], Int[np.ndarray, "face 3"]]:
+    place = np.round(mesh.vertices / max(distance, 1e-12)).astype(np.int64)
+    _, first, which = np.unique(place, axis=0, return_index=True, return_inverse=True)
+    faces = which.ravel()[mesh.faces]
+    solid = (
+        (faces[:, 0] != faces[:, 1])
+        & (faces[:, 1] != faces[:, 2])
+        & (faces[:, 2] != faces[:, 0])
+    )
+    return mesh.vertices[first], np.where(solid[:, None], faces, 0)
+
+
+def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
+    # Edges that are not used equally often in both senses
+    count = int(edges.max()) + 1
+    forth = edges[:, 0].astype(np.int64) * count + edges[:, 1]
+    back = edges[:, 1].astype(np.int64) * count + edges[:, 0]
+    keys, number = np.unique(forth, return_counts=True)
+    place = np.minimum(np.searchsorted(keys, back), len(keys) - 1)
+    reverse = np.where(keys[place] == back, number[place], 0)
+    own = number[np.searchsorted(keys, forth)]
+    return np.asarray((own != reverse) & (edges[:, 0] != edges[:, 1]))
+
+
+def _in_sides(
+    ends: Float[np.ndarray, "edge 2 3"], area: SampleArea
+) -> Bool[np.ndarray, " edge"]:
+    # Edges in or beyond a side of the unit cell
+    near = _SAME * float(area.size.max())
+    low, high = area.bounds[0, :2] + near, area.bounds[1, :2] - near
+    beyond = np.concatenate([ends[..., :2] <= low, ends[..., :2] >= high], axis=-1)
+    return np.asarray(beyond.all(axis=1).any(axis=-1))
+
+
+def _volume(
+    corner: Float[np.ndarray, "corner 3"], faces: Int[np.ndarray, "face 3"]
+) -> float:
+    # Volume by Gauss' theorem on (0, 0, z): vertical faces do not contribute
+    a, b, c = np.moveaxis(corner[faces] - corner.mean(axis=0), 1, 0)
+    upwards = np.cross(b - a, c - a)[:, 2] / 2
+    return float(upwards @ (a + b + c)[:, 2] / 3)

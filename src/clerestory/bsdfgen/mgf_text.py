@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.colorimetry import RADIANCE
 from clerestory.scene.material import error_at
 from clerestory.scene.materials.highlight import Roughness

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.array_types import Directions, Indices, Vector
-from clerestory.bsdfgen.area import SampleArea
+from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import (
     Cone,
@@ -43,7 +43,7 @@ _FLIPS: tuple[Flip, ...] = (1, 1), (1, -1), (-1, 1), (-1, -1)
 NO_MIRROR = _FLIPS[:1]
 
 
-def mirrors(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
+def mirror_flips(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
     """Return the flips of x and y that map a system onto itself, the identity first.
 
     The mirror planes are in the middle of the sample area. Polygons and cylinders of
@@ -51,7 +51,7 @@ def mirrors(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
 
     >>> from clerestory.bsdfgen.venetian_geometry import venetian
     >>> blind = venetian(slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.5)
-    >>> mirrors(blind.scene, blind.area)
+    >>> mirror_flips(blind.scene, blind.area)
     ((1, 1), (-1, 1))
     """
     surfaces = [s for s in scene.surfaces if isinstance(s, Polygon | Cone)]
@@ -85,7 +85,7 @@ class Orbits:
     flips: Int[np.ndarray, "mirror patch"]
 
     @classmethod
-    def of(cls, partition: RingPartition, mirrors: Sequence[Flip]) -> "Orbits":
+    def of(cls, partition: RingPartition, mirror_flips: Sequence[Flip]) -> "Orbits":
         """Return the classes of patches of a partition under some mirrors.
 
         Mirrors that do not map patches onto patches are left out.
@@ -96,7 +96,7 @@ class Orbits:
         """
         centre = partition.centres()
         found = []
-        for flip in mirrors:
+        for flip in mirror_flips:
             image = centre * [*flip, 1]
             patch = partition.find(image)
             if np.allclose(centre[patch], image, atol=1e-6):
@@ -107,10 +107,7 @@ class Orbits:
     @property
     def kind(self) -> Indices:
         """Number of each patch's class."""
-        kind: Int[np.ndarray, " patch"] = np.searchsorted(
-            self.chosen, self.flips.min(axis=0)
-        )
-        return kind
+        return np.asarray(np.searchsorted(self.chosen, self.flips.min(axis=0)))
 
     def unfolded(
         self, table: Float[np.ndarray, "*more kind exit"]

@@ -17,10 +17,10 @@ _TABLE_BITS = 16
 _Number = Int[np.ndarray, "*batch"]
 
 
-def incident_part(number: _Number, *, rank: int, levels: int) -> _Number:
+def incident_code(number: _Number, *, rank: int, levels: int) -> _Number:
     """Return the code of the incident cell, over the last levels of a code.
 
-    >>> incident_part(np.array([0b1110_1101]), rank=4, levels=2).tolist()
+    >>> incident_code(np.array([0b1110_1101]), rank=4, levels=2).tolist()
     [9]
     """
     found = np.zeros_like(number)
@@ -45,7 +45,7 @@ def _incident_parts(rank: int, digits: int) -> Indices:
     return found
 
 
-def joined(
+def pair_code(
     incident: Int[np.ndarray, " *incident"],
     leaving: Int[np.ndarray, " *leaving"],
     *,
@@ -54,7 +54,7 @@ def joined(
 ) -> Int[np.ndarray, " *place"]:
     """Return the code of a pair of incident and exit cells.
 
-    >>> joined(np.array([0b10_01]), np.array([0b11_11]), rank=4, levels=2).tolist()
+    >>> pair_code(np.array([0b10_01]), np.array([0b11_11]), rank=4, levels=2).tolist()
     [237]
     """
     bits = rank - 2

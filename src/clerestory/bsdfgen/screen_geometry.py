@@ -5,18 +5,16 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.array_types import Points2, Vector2
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.bsdfgen.system_parameters import (
     Share,
     bands,
-    not_negative,
-    positive,
-    share,
+    channel_values,
+    check_not_negative,
+    check_positive,
 )
 from clerestory.errors import InputError
 from clerestory.scene.model import Cone, Material, Plastic, Polygon, Scene
@@ -53,12 +51,16 @@ def perforated(
     >>> screen.area.thickness
     0.0005
     """
-    paint = Plastic("sheet", share("reflectance", reflectance, solar_reflectance))
-    scene = holed_sheet(paint, pitch=pitch, hole=hole, shape=shape, thickness=thickness)
+    paint = Plastic(
+        "sheet", channel_values("reflectance", reflectance, solar_reflectance)
+    )
+    scene = sheet_with_holes(
+        paint, pitch=pitch, hole=hole, shape=shape, thickness=thickness
+    )
     area = (hole / pitch) ** 2 * (math.pi / 4 if shape == "round" else 1)
     return System(
         scene,
-        cell(pitch, thickness),
+        unit_cell(pitch, thickness),
         bands(solar=solar_reflectance is not None),
         Product(name=f"Perforated screen, {area:.1%} open", device_type="Other"),
     )
@@ -86,10 +88,12 @@ def woven(
     >>> round(woven(spacing=1e-3, thread=0.25e-3).area.thickness * 1e3, 6)
     0.5025
     """
-    positive(spacing=spacing, thread=thread)
+    check_positive(spacing=spacing, thread=thread)
     if thread >= spacing:
         raise InputError(f"thread = {thread}; less than the spacing {spacing} expected")
-    paint = Plastic("thread", share("reflectance", reflectance, solar_reflectance))
+    paint = Plastic(
+        "thread", channel_values("reflectance", reflectance, solar_reflectance)
+    )
     side, radius = _COUNT * spacing, thread / 2
     layers = -1.01 * radius, -3.02 * radius
     threads = []
@@ -103,19 +107,19 @@ def woven(
     open_share = (1 - thread / spacing) ** 2
     return System(
         Scene({"thread": paint}, tuple(threads)),
-        cell(spacing, layers[0] + radius - (layers[1] - radius) + 0.01 * radius),
+        unit_cell(spacing, layers[0] + radius - (layers[1] - radius) + 0.01 * radius),
         bands(solar=solar_reflectance is not None),
         Product(name=f"Woven screen, {open_share:.1%} open", device_type="Other"),
     )
 
 
-def cell(pitch: float, thickness: float) -> SampleArea:
+def unit_cell(pitch: float, thickness: float) -> SampleArea:
     """Return the unit cell of a few holes or threads each way."""
     side = _COUNT * pitch
     return SampleArea(np.array([[0, 0, -thickness], [side, side, 0]]), periodic=True)
 
 
-def holed_sheet(
+def sheet_with_holes(
     material: Material,
     *,
     pitch: float,
@@ -126,12 +130,10 @@ def holed_sheet(
 ) -> Scene:
     """Return a sheet of one material with holes and their walls.
 
-    Parameters
-    ----------
-    faces : of a thick sheet; a single one for materials that transmit
+    `faces`: of a thick sheet; a single one for materials that transmit.
     """
-    positive(pitch=pitch, hole=hole)
-    not_negative(thickness=thickness)
+    check_positive(pitch=pitch, hole=hole)
+    check_not_negative(thickness=thickness)
     if hole >= pitch:
         raise InputError(f"hole = {hole}; less than the pitch {pitch} expected")
     if shape not in ("round", "square"):
@@ -152,8 +154,7 @@ def holed_sheet(
 def _rim(shape: str, hole: float) -> Points2:
     if shape == "square":
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        square: Float[np.ndarray, "corner 2"] = hole / 2 * corners
-        return square
+        return np.asarray(hole / 2 * corners)
     turn = 2 * np.pi * (np.arange(_CORNERS) / _CORNERS - 0.375)
     radius = hole / 2 * np.sqrt(2 * np.pi / (_CORNERS * np.sin(2 * np.pi / _CORNERS)))
     return np.asarray(radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))

@@ -14,7 +14,7 @@ from clerestory.array_types import Indices, Mask
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class Subcells:
     """Subcells of one size.
 
     Attributes
@@ -31,50 +31,54 @@ class Pieces:
     def __len__(self) -> int:
         return len(self.place)
 
-    def cut(self, split: Mask, *, rank: int) -> "tuple[Pieces, Pieces]":
+    def cut(self, split: Mask, *, rank: int) -> "tuple[Subcells, Subcells]":
         """Return the subcells that stay whole, and the branches of those to split."""
         width = 1 << rank
         place = (self.place[split, None] << rank) + np.arange(width, dtype=np.int32)
-        branches = Pieces(
+        branches = Subcells(
             place.ravel(),
             np.repeat(self.cell[split], width),
             np.repeat(self.factor[split], width),
         )
         return self.only(~split), branches
 
-    def only(self, which: slice | Mask) -> "Pieces":
+    def only(self, which: slice | Mask) -> "Subcells":
         """Return some of the subcells."""
-        return Pieces(self.place[which], self.cell[which], self.factor[which])
+        return Subcells(self.place[which], self.cell[which], self.factor[which])
 
-    def beside(self, other: "Pieces") -> "Pieces":
+    def beside(self, other: "Subcells") -> "Subcells":
         """Return these subcells and others of the same size."""
-        return Pieces(
+        return Subcells(
             np.concatenate([self.place, other.place]),
             np.concatenate([self.cell, other.cell]),
             np.concatenate([self.factor, other.factor]),
         )
 
 
-def uncut(place: Indices, height: Indices, *, depth: int) -> list[Pieces]:
+def whole_cells(place: Indices, height: Indices, *, depth: int) -> list[Subcells]:
     """Return whole cells as subcells, by their height above the finest cells.
 
-    >>> [len(pieces) for pieces in uncut(np.arange(16), np.zeros(16, int), depth=1)]
+    >>> cells = whole_cells(np.arange(16), np.zeros(16, int), depth=1)
+    >>> [len(part) for part in cells]
     [16, 0]
     """
     found = []
     for level in range(depth + 1):
         cell = np.flatnonzero(height == level).astype(np.int32)
         factor = np.ones(len(cell), dtype=np.float32)
-        found.append(Pieces(place[cell].astype(np.int32), cell, factor))
+        found.append(Subcells(place[cell].astype(np.int32), cell, factor))
     return found
 
 
-def slots_of(pieces: Sequence[Pieces], *, rank: int) -> Int32[np.ndarray, " slot"]:
+def subcell_slots(
+    pieces: Sequence[Subcells], *, rank: int
+) -> Int32[np.ndarray, " slot"]:
     """Return the slots of a tree, as in `ScatteringTree`, with numbers as values.
 
     Subcells are numbered from the finest on, in the given order.
 
-    >>> slots_of(uncut(np.arange(16), np.zeros(16, int), depth=1), rank=4)[:3].tolist()
+    >>> cells = whole_cells(np.arange(16), np.zeros(16, int), depth=1)
+    >>> subcell_slots(cells, rank=4)[:3].tolist()
     [-2, 0, 1]
     """
     # Ascend from the finest level: nodes with branches are inserted between the others

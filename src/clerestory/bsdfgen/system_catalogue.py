@@ -9,13 +9,11 @@ from types import MappingProxyType
 from typing import Any
 
 from clerestory.bsdfgen.fabric import fabric
+from clerestory.bsdfgen.film_geometry import mirrored_channels, prismatic
 from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
-from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.mirrored_channels import mirrored_channels
-from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.shading_system import System
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.errors import InputError
 from clerestory.files import read_text
 
@@ -76,12 +74,12 @@ def _check_kind(name: str, value: Any, default: Any) -> None:
         raise InputError(f"{name} = {value!r}; {word} expected")
 
 
-def parse_words(text: str) -> dict[str, Any]:
+def parse_parameters(text: str) -> dict[str, Any]:
     """Return the parameters of a text such as `slat_width=0.08,tilt_deg=45`.
 
     Values with slashes are lists, for red, green and blue.
 
-    >>> parse_words("openness=0.05,reflectance=0.6/0.5/0.4,shape=round")
+    >>> parse_parameters("openness=0.05,reflectance=0.6/0.5/0.4,shape=round")
     {'openness': 0.05, 'reflectance': [0.6, 0.5, 0.4], 'shape': 'round'}
     """
     values: dict[str, Any] = {}

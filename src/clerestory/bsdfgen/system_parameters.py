@@ -12,7 +12,7 @@ from clerestory.errors import InputError
 Share = float | Sequence[float]
 
 
-def share(name: str, value: Share, solar: float | None = None) -> Vector:
+def channel_values(name: str, value: Share, solar: float | None = None) -> Vector:
     """Return a reflectance or transmittance in the three traced channels.
 
     Parameters
@@ -22,37 +22,37 @@ def share(name: str, value: Share, solar: float | None = None) -> Vector:
 
     Examples
     --------
-    >>> share("reflectance", 0.5, solar=0.4).tolist()
+    >>> channel_values("reflectance", 0.5, solar=0.4).tolist()
     [0.5, 0.4, 0.4]
     """
     channels = np.atleast_1d(np.asarray(value, dtype=float))
     if channels.shape not in ((1,), (3,)) or not np.all(
         (channels >= 0) & (channels <= 1)
     ):
-        raise InputError(f"{name} = {value}; one or three shares from 0 to 1 expected")
+        raise InputError(f"{name} = {value}; one or three values from 0 to 1 expected")
     if solar is None:
         return np.broadcast_to(channels, 3).copy()
     if len(channels) == 3 or not 0 <= solar <= 1:
         raise InputError(
-            f"{name} = {value} and {solar} in the solar band; one share from 0 to 1 for"
+            f"{name} = {value} and {solar} in the solar band; one value from 0 to 1 for"
             " each expected"
         )
     return np.array([channels[0], solar, solar])
 
 
 def bands(*, solar: bool) -> Mapping[str, Weights]:
-    """Return the bands of the channels of `share`."""
+    """Return the bands of the channels of `channel_values`."""
     return dict(VISIBLE_AND_SOLAR if solar else VISIBLE)
 
 
-def positive(**lengths: float) -> None:
+def check_positive(**lengths: float) -> None:
     """Refuse lengths that are not above zero."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0):
             raise InputError(f"{name} = {value}; a length above 0 m expected")
 
 
-def not_negative(**lengths: float) -> None:
+def check_not_negative(**lengths: float) -> None:
     """Refuse negative lengths."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value >= 0):

@@ -1,6 +1,5 @@
 """Scattering matrices of a shading system by ray tracing."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,8 +8,10 @@ from jaxtyping import Float
 from clerestory.bands import weighted_sum
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdfgen.channel_weights import tristimulus
-from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirrors
+from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirror_flips
 from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
+from clerestory.engine.controller import estimate
+from clerestory.engine.sample_area_jobs import SlabJob
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
 
@@ -21,28 +22,26 @@ _BATCHES = 8
 
 
 def trace_matrices(
-    engine: Any, scene: Scene, partition: RingPartition, request: TraceRequest
+    scene: Scene, partition: RingPartition, request: TraceRequest
 ) -> Traced:
     """Return matrices of transmission and reflection for some incident sides.
 
     Only one of several mirror-symmetric patches is traced.
-
-    Parameters
-    ----------
-    engine : module `engine.sample_area_matrix`
     """
-    flips = mirrors(scene, request.area) if request.symmetry else NO_MIRROR
+    flips = mirror_flips(scene, request.area) if request.symmetry else NO_MIRROR
     orbits = Orbits.of(partition, flips)
-    traced = engine.trace_matrix(
-        scene,
-        request.area.slab(),
-        partition,
-        orbits.chosen,
-        stands_for=np.bincount(orbits.kind),
+    job = SlabJob(
+        scene=scene,
+        box=request.area.slab(),
+        partition=partition,
         periodic=request.area.periodic,
         sides=request.backs,
-        effort=replace(request.effort, batches=request.effort.batches or _BATCHES),
+        incidents=orbits.chosen,
+        stands_for=np.bincount(orbits.kind),
+        **request.effort.job_options(_BATCHES),
     )
+    traced = estimate(job, request.effort)
+    assert traced.components is not None
     count, rows = len(partition), len(orbits.chosen)
     functions: Functions = {}
     for number, back in enumerate(request.backs):

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
-from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.channel_weights import Weights
+from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.engine.effort import Effort
 
 Functions = dict[tuple[str, Function], ScatteringFunction]

@@ -8,18 +8,23 @@ from jaxtyping import Float32
 from clerestory.array_types import Values
 from clerestory.bands import RGB, weighted_sum
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import bits_of
-from clerestory.bsdfgen.adaptive_sampling import Counter, Part
+from clerestory.bsdf.tree_arithmetic import float_bits
+from clerestory.bsdfgen.adaptive_sampling import BlockEstimator, FunctionEstimate
 from clerestory.bsdfgen.channel_weights import chromaticity
 from clerestory.bsdfgen.flux_preserving_merge import (
     HemisphericalFlux,
     preserve_flux,
     preserve_flux_on_both_sides,
 )
-from clerestory.bsdfgen.morton_codes import joined
-from clerestory.bsdfgen.subcells import Pieces, slots_of, uncut
+from clerestory.bsdfgen.morton_codes import pair_code
+from clerestory.bsdfgen.subcells import Subcells, subcell_slots, whole_cells
 from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
-from clerestory.bsdfgen.tree_pruning import Cells, Light, chosen_cells, climbed
+from clerestory.bsdfgen.tree_pruning import (
+    Cells,
+    NodeValues,
+    pruned_levels,
+    selected_cells,
+)
 from clerestory.scene.model import Scene
 
 # Most finest cells in a block of a rank 4 tree, over functions and channels.
@@ -49,7 +54,7 @@ def trace_trees(
             if effort.progress is not None:
                 share = (number + block / grid.blocks) / len(request.backs)
                 effort.progress(share, f"block {block + 1} of {grid.blocks}")
-            counter = Counter(engine, slab, grid, block, back, weights)
+            counter = BlockEstimator(engine, slab, grid, block, back, weights)
             found.append(counter.count(effort))
             paths, reached = paths + found[-1].paths, reached and found[-1].reached
         side = "back" if back else "front"
@@ -79,12 +84,12 @@ def _block(rank: int, depth: int, channels: int) -> int:
 
 
 def _pieces(
-    blocks: list[Part], weights: Values, grid: Any
-) -> tuple[Cells, list[Pieces]]:
+    blocks: list[FunctionEstimate], weights: Values, grid: Any
+) -> tuple[Cells, list[Subcells]]:
     # Cells of the whole tree from the estimates of all blocks, and their subcells
     rank, depth = grid.rank, grid.depth
-    levels = climbed(_whole(blocks, grid), weights, rank=rank, levels=depth)
-    cells = chosen_cells(levels, rank=rank)
+    levels = pruned_levels(_whole(blocks, grid), weights, rank=rank, levels=depth)
+    cells = selected_cells(levels, rank=rank)
     del levels
     light = HemisphericalFlux(
         np.concatenate([part.incident.share for part in blocks]),
@@ -96,13 +101,13 @@ def _pieces(
     )
     blocks.clear()
     luminous = cells.value @ weights
-    pieces = uncut(cells.place, cells.height, depth=depth)
+    pieces = whole_cells(cells.place, cells.height, depth=depth)
     if rank == 3:
         return cells, preserve_flux(pieces, luminous, light, rank=rank)
     return cells, preserve_flux_on_both_sides(pieces, luminous, light, leaving)
 
 
-def _whole(blocks: list[Part], grid: Any) -> Light:
+def _whole(blocks: list[FunctionEstimate], grid: Any) -> NodeValues:
     # Morton codes of the finest cells in the whole tree
     if len(blocks) == 1:
         return blocks[0].finest
@@ -111,17 +116,17 @@ def _whole(blocks: list[Part], grid: Any) -> Light:
     for number, part in enumerate(blocks):
         root, inside = np.divmod(part.finest.place, 1 << inner)
         block = np.full_like(root, number)
-        above = joined(block, root, rank=grid.rank, levels=grid.depth - grid.block)
+        above = pair_code(block, root, rank=grid.rank, levels=grid.depth - grid.block)
         places.append((above << inner | inside).astype(np.int32))
     place = np.concatenate(places)
     order = np.argsort(place, kind="stable")
     mean = np.concatenate([part.finest.mean for part in blocks])
     noise = np.concatenate([part.finest.noise for part in blocks])
-    return Light(place[order], mean[order], noise[order])
+    return NodeValues(place[order], mean[order], noise[order])
 
 
 def _trees(
-    cells: Cells, pieces: list[Pieces], grid: Any, request: TraceRequest
+    cells: Cells, pieces: list[Subcells], grid: Any, request: TraceRequest
 ) -> dict[str, ScatteringTree]:
     # Values of each band on the same cells; relative errors are those of luminance
     channels = cells.value.T
@@ -129,7 +134,7 @@ def _trees(
     relative = np.divide(
         np.sqrt(cells.noise), luminous, out=np.zeros_like(luminous), where=luminous > 0
     )
-    slots = slots_of(pieces, rank=grid.rank)
+    slots = subcell_slots(pieces, rank=grid.rank)
     ends = slots >= 0
     cell = np.concatenate([part.cell for part in pieces])[slots[ends]]
     factor = np.concatenate([part.factor for part in pieces])[slots[ends]]
@@ -138,7 +143,7 @@ def _trees(
         value: Float32[np.ndarray, " end"], error: ScatteringTree | None
     ) -> ScatteringTree:
         held = slots.copy()
-        held[ends] = bits_of(value)
+        held[ends] = float_bits(value)
         return ScatteringTree(held, grid.rank, grid.depth, error)
 
     made = {}

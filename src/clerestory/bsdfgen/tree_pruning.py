@@ -27,7 +27,7 @@ _CAUTION = 1.5
 
 
 @dataclass(frozen=True, eq=False)
-class Light:
+class NodeValues:
     """Values of the nodes of one level that received light; all others are zero.
 
     Attributes
@@ -52,11 +52,13 @@ class Level:
     split : whether the branches of each are kept
     """
 
-    light: Light
+    light: NodeValues
     split: Bool[np.ndarray, " node"]
 
 
-def climbed(finest: Light, weights: Values, *, rank: int, levels: int) -> list[Level]:
+def pruned_levels(
+    finest: NodeValues, weights: Values, *, rank: int, levels: int
+) -> list[Level]:
     """Return the levels from the roots to the finest cells, with the nodes to split.
 
     Parameters
@@ -78,8 +80,8 @@ def climbed(finest: Light, weights: Values, *, rank: int, levels: int) -> list[L
 
 
 def _coarser(
-    below: Light, cost: Float[np.ndarray, " node"], *, rank: int
-) -> tuple[Light, Float[np.ndarray, " above"]]:
+    below: NodeValues, cost: Float[np.ndarray, " node"], *, rank: int
+) -> tuple[NodeValues, Float[np.ndarray, " above"]]:
     # The parent level, and the cost of the branches
     above = below.place >> rank
     first = np.flatnonzero(np.diff(above, prepend=-1))
@@ -87,14 +89,11 @@ def _coarser(
         np.add.reduceat(part, first, dtype=float) if len(first) else part
         for part in (below.mean, below.noise, cost)
     )
-    return Light(above[first], mean / (1 << rank), noise), apart
+    return NodeValues(above[first], mean / (1 << rank), noise), apart
 
 
 def _cost(luminous: Values, noise: Values, cells: int) -> Values:
-    cost: Float[np.ndarray, " node"] = 2 * _CAUTION * noise / cells - cells * np.square(
-        luminous
-    )
-    return cost
+    return np.asarray(2 * _CAUTION * noise / cells - cells * np.square(luminous))
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +114,7 @@ class Cells:
     height: Int[np.ndarray, " cell"]
 
 
-def chosen_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
+def selected_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
     """Return the cells of levels from the roots to the finest cells."""
     branches = np.arange(1 << rank)
     at = np.arange(roots)
@@ -134,7 +133,7 @@ def chosen_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
     return Cells(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
 
-def _nodes(light: Light, place: Indices) -> tuple[Indices, Mask]:
+def _nodes(light: NodeValues, place: Indices) -> tuple[Indices, Mask]:
     # Index of nodes in a level, and whether they exist
     if not len(light.place):
         return np.zeros_like(place), np.zeros(len(place), dtype=bool)

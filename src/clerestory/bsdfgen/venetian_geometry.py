@@ -1,26 +1,28 @@
-"""Geometry of venetian blinds: flat or curved slats, horizontal or vertical.
+"""Geometry of venetian blinds and microlouvres, horizontal or vertical.
 
 At tilt 0 slats are perpendicular to the window. Positive tilts lower the outer edge of
 horizontal slats, which blocks the sun, and turn that of vertical slats to the left,
-seen from the room.
+seen from the room. Microlouvres are woven metal mats of small bars; no direct light
+passes above their cut-off angle, the profile angle above which each bar shades the gap
+below it.
 """
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from clerestory.array_types import Points2
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.extrusion import arc, extruded, turned
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.extrusion import arc, extruded, rotated
+from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.bsdfgen.system_parameters import (
     Share,
     bands,
-    not_negative,
-    positive,
-    share,
+    channel_values,
+    check_not_negative,
+    check_positive,
 )
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Polygon, Scene
@@ -76,8 +78,8 @@ def venetian(
     >>> round(blind.area.thickness, 6), blind.area.periodic
     (0.056569, True)
     """
-    positive(slat_width=slat_width, spacing=spacing)
-    not_negative(thickness=thickness)
+    check_positive(slat_width=slat_width, spacing=spacing)
+    check_not_negative(thickness=thickness)
     if not -90 <= tilt_deg <= 90:
         raise InputError(f"tilt_deg = {tilt_deg}; -90 to 90 expected")
     if abs(rise) > slat_width / 2:
@@ -88,7 +90,7 @@ def venetian(
     if solar is None and solar_below is not None:
         raise InputError("solar_reflectance_below without solar_reflectance")
     upper, lower = (
-        Plastic(name, share(what, value, band), specularity, roughness)
+        Plastic(name, channel_values(what, value, band), specularity, roughness)
         for name, what, value, band in (
             ("upper", "reflectance", reflectance, solar),
             ("lower", "reflectance_below", below, solar_below),
@@ -117,7 +119,7 @@ def venetian(
             name=f"slat{number}",
             closed=thickness > 0,
         )
-        surfaces += turned(strips) if vertical else strips
+        surfaces += rotated(strips) if vertical else strips
     if not alike:
         surfaces = [_painted(s, len(section) // 2) for s in surfaces]
     size = layout.slats * spacing, layout.across
@@ -157,7 +159,7 @@ def _sample(spacing: float, slats: int, length: float | None) -> _Layout:
             f"slats = {slats}; a whole number from 1 to {_MOST_SLATS} expected"
         )
     across = slats * spacing if length is None else length
-    positive(length=across)
+    check_positive(length=across)
     return _Layout(int(slats), 0, across, (0.0, across))
 
 
@@ -196,3 +198,57 @@ def _name(width: float, spacing: float, tilt_deg: float, *, vertical: bool) -> s
         f"{kind} blind, slats of {width * 1e3:g} mm every {spacing * 1e3:g} mm"
         f" at {tilt_deg:g} degrees"
     )
+
+
+def microlouvre(
+    *,
+    depth: float = 1.25e-3,
+    thickness: float = 0.22e-3,
+    cutoff_deg: float = 40.0,
+    tilt_deg: float = 0.0,
+    reflectance: Share = 0.1,
+    solar_reflectance: float | None = None,
+) -> System:
+    """Return the unit cell of an endless microlouvre.
+
+    Parameters
+    ----------
+    depth, thickness : of a bar [m]
+    cutoff_deg : profile angle above which no direct light passes
+    tilt_deg : of the bars; positive if the outer edge is the lower one
+    reflectance : of the bars
+    solar_reflectance : in the solar band; None for the visible band only
+
+    Examples
+    --------
+    >>> louvre = microlouvre()
+    >>> round(louvre.area.thickness * 1e3, 3)
+    1.25
+    """
+    check_positive(depth=depth, thickness=thickness)
+    if not (0 < cutoff_deg < 90 and abs(tilt_deg) < 90):
+        raise InputError(
+            f"cutoff_deg = {cutoff_deg} at tilt_deg = {tilt_deg}; 0 to 90, and"
+            " less than 90, expected"
+        )
+    louvre = venetian(
+        slat_width=depth,
+        spacing=_spacing(depth, thickness, math.radians(cutoff_deg), tilt_deg),
+        tilt_deg=tilt_deg,
+        thickness=thickness,
+        reflectance=reflectance,
+        solar_reflectance=solar_reflectance,
+    )
+    name = (
+        f"Microlouvre, bars of {depth * 1e3:g} mm by {thickness * 1e3:g} mm,"
+        f" cut-off {cutoff_deg:g} degrees"
+    )
+    return replace(louvre, product=Product(name=name))
+
+
+def _spacing(depth: float, thickness: float, cutoff: float, tilt_deg: float) -> float:
+    # A ray at the cut-off falls by tan(cutoff) per length; a bar covers, across it, the
+    # projection of its tilted rectangular section
+    turn = cutoff + math.radians(tilt_deg)
+    across = depth * abs(math.sin(turn)) + thickness * abs(math.cos(turn))
+    return across / math.cos(cutoff)

@@ -6,12 +6,15 @@ import typer
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.area import area_from_dimensions, area_of
 from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.postprocessing import error_functions
-from clerestory.bsdfgen.shading_system import System
-from clerestory.bsdfgen.system_catalogue import make_system, parse_words, read_system
+from clerestory.bsdfgen.shading_system import System, area_from_dimensions, area_of
+from clerestory.bsdfgen.system_catalogue import (
+    make_system,
+    parse_parameters,
+    read_system,
+)
 from clerestory.cli.progress import progress_display
 from clerestory.cli.requests.bsdf_generate import GenerateBsdf
 from clerestory.errors import InputError
@@ -64,7 +67,7 @@ def _system(request: GenerateBsdf) -> System:
     if request.system is not None:
         return read_system(request.system)
     for kind, text in named.items():
-        return make_system(kind, {} if text == _DEFAULTS else parse_words(text))
+        return make_system(kind, {} if text == _DEFAULTS else parse_parameters(text))
     if not files and dimensions is None:
         raise InputError(
             "no system; Radiance files or one such as --venetian"
@@ -79,7 +82,7 @@ def _system(request: GenerateBsdf) -> System:
 def _bands(texts: list[str] | None) -> dict[str, Weights] | None:
     found: dict[str, Weights] = {}
     for text in texts or []:
-        for name, weights in parse_words(text).items():
+        for name, weights in parse_parameters(text).items():
             numbers = weights if isinstance(weights, list) else [weights]
             if len(numbers) != 3 or not all(
                 isinstance(n, int | float) for n in numbers

@@ -9,7 +9,7 @@ import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.bsdf_comparison import Comparison
-from clerestory.bsdf.quality_finding import Finding, place
+from clerestory.bsdf.quality_finding import Finding, patch_label
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
@@ -69,7 +69,7 @@ def comparison_lines(result: Comparison, names: tuple[str, str]) -> Iterator[str
     yield (
         f"  {'share scattered in all':34}{result.share_bias:+.4f} on average,"
         f" {result.share_rms:.4f} rms, {result.share_worst:+.4f} at most, at"
-        f" {place(result.incidents, result.worst_patch)}"
+        f" {patch_label(result.incidents, result.worst_patch)}"
     )
 
 

@@ -7,12 +7,12 @@ nothing but the requests.
 import importlib
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass
-from typing import Annotated, Any, get_args, get_type_hints
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from clerestory.options import Argument, Option
+from clerestory.options import Argument, Option, description
 
 
 @dataclass(frozen=True)
@@ -61,38 +61,40 @@ def option_parameters(request: Any) -> Iterator[inspect.Parameter]:
 
     Examples
     --------
+    >>> from clerestory.options import option
     >>> @dataclass(frozen=True)
     ... class Sun:
-    ...     size: Annotated[float, Option("Diameter [°].", metavar="DEG")] = 0.533
+    ...     size: float = option(0.533, "Diameter [°].", metavar="DEG")
     >>> [(p.name, p.default) for p in option_parameters(Sun)]
     [('size', 0.533)]
     """
-    for name, (hint, default) in _fields(request).items():
+    for each, hint in _fields(request):
         if is_dataclass(hint):
             yield from option_parameters(hint)
             continue
-        kind, described = get_args(hint)
+        kind, described = description(each, hint)
+        required = each.default is MISSING
         yield inspect.Parameter(
-            name,
+            each.name,
             inspect.Parameter.KEYWORD_ONLY,
-            default=inspect.Parameter.empty if default is MISSING else default,
-            annotation=Annotated[kind, _typer_info(name, described)],
+            default=inspect.Parameter.empty if required else each.default,
+            annotation=Annotated[kind, _typer_info(each.name, described)],
         )
 
 
 def assemble(request: Any, given: Mapping[str, object]) -> Any:
     """Return a request whose fields have the values given by name, groups included."""
     values = {
-        name: assemble(hint, given) if is_dataclass(hint) else given[name]
-        for name, (hint, default) in _fields(request).items()
-        if is_dataclass(hint) or name in given or default is MISSING
+        each.name: assemble(hint, given) if is_dataclass(hint) else given[each.name]
+        for each, hint in _fields(request)
+        if is_dataclass(hint) or each.name in given
     }
     return request(**values)
 
 
-def _fields(request: Any) -> dict[str, tuple[Any, Any]]:
+def _fields(request: Any) -> list[tuple[Field[Any], Any]]:
     hints = get_type_hints(request, include_extras=True)
-    return {field.name: (hints[field.name], field.default) for field in fields(request)}
+    return [(each, hints[each.name]) for each in fields(request)]
 
 
 def _typer_info(name: str, described: Option | Argument) -> Any:

@@ -13,8 +13,12 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.cli.progress import progress_display
 from clerestory.cli.requests.glazing import GlazingInfo, StackLayers
 from clerestory.errors import InputError
-from clerestory.glazing.gap import Gap
-from clerestory.glazing.glazing_system import GlazingSystem, read_system, system_of
+from clerestory.glazing.glazing_system import (
+    Gap,
+    GlazingSystem,
+    read_system,
+    system_with_equal_gaps,
+)
 from clerestory.glazing.layer import Glass, Layer
 from clerestory.glazing.layer_files import read_catalogue, read_layer
 from clerestory.glazing.layer_random_walk import walk_layers
@@ -92,7 +96,7 @@ def _system(files: list[Path], gap: float, gas: str) -> GlazingSystem:
             raise InputError("a description in TOML stands alone; one file expected")
         return read_system(files[0])
     layers = [read_layer(path) for path in files]
-    return system_of(layers, gap=Gap(gap * _MILLIMETRE, _gases(gas)))
+    return system_with_equal_gaps(layers, gap=Gap(gap * _MILLIMETRE, _gases(gas)))
 
 
 def _gases(text: str) -> dict[str, float]:
@@ -118,7 +122,7 @@ def _write(path: Path, bsdf: Bsdf, system: GlazingSystem) -> None:
 
 def _about(layer: Layer) -> Iterator[str]:
     yield f"{layer.name}: {type(layer).__name__}"
-    pane = layer.pane if isinstance(layer, Glass) else getattr(layer, "material", None)
+    pane = getattr(layer, "material", None)
     if pane is not None:
         ends = pane.wavelength_nm[[0, -1]]
         yield (

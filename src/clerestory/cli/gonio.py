@@ -25,14 +25,14 @@ from clerestory.cli.requests.gonio import (
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.bsdf_export import export_bsdf
-from clerestory.gonio.coverage import survey
+from clerestory.gonio.coverage import measure_coverage
 from clerestory.gonio.cross_validation import smoothing_study
 from clerestory.gonio.energy_conservation import conserve_energy
 from clerestory.gonio.fit_storage import read_fits, write_fits
 from clerestory.gonio.fitted_measurement import Fitted, fit_measurement
 from clerestory.gonio.lobe_fitting import FitOptions
 from clerestory.gonio.measurement_files import read_measurement
-from clerestory.gonio.measurement_planning import worth_measuring
+from clerestory.gonio.measurement_planning import recommended_directions
 from clerestory.gonio.scattering_measurement import Measurement
 from clerestory.report.figure_file import figure_format, write_figure
 from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure
@@ -44,7 +44,7 @@ def info(request: MeasurementInfo) -> int:
     """Print the coverage of measurements."""
     findings = 0
     for measurement in _read(request.measurement):
-        coverage = survey(measurement)
+        coverage = measure_coverage(measurement)
         findings += len(coverage.doubts())
         for line in measurement_lines(measurement, coverage):
             typer.echo(line)
@@ -97,7 +97,9 @@ def check(request: CrossValidation) -> None:
                 typer.echo(line)
         if request.more:
             symmetry = request.symmetry or measurement.symmetry
-            found = worth_measuring(results[0], symmetry=symmetry, count=request.more)
+            found = recommended_directions(
+                results[0], symmetry=symmetry, count=request.more
+            )
             for line in direction_lines(found):
                 typer.echo(line)
         if output is not None:

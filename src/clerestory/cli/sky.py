@@ -19,7 +19,7 @@ from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.sky.gensky import CieSky, cie_sky
 from clerestory.sky.point_sky import perez_moment, sky_vector
-from clerestory.sky.quality_checks import warn_of_clock
+from clerestory.sky.quality_checks import describe_weather, warn_of_clock
 from clerestory.sky.sky_conditions import daylight_steps
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement
@@ -28,7 +28,6 @@ from clerestory.sky.sun_tables import sun_path_table, suns_table
 from clerestory.sky.weather import Weather
 from clerestory.sky.weather_formats import read_weather
 from clerestory.sky.weather_selection import select_days, select_moment
-from clerestory.sky.weather_summary import describe_weather
 
 
 def matrix(request: SkyMatrixRequest) -> None:

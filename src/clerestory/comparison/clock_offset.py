@@ -1,4 +1,7 @@
-"""What moving the measured clock would do: a search that is told and never applied."""
+"""Clock offset between measurement and simulation, by the minimum of CV(RMSE).
+
+The offset is reported and not applied.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,20 +11,22 @@ import numpy as np
 
 from clerestory.comparison.time_alignment import Pairs
 
-FARTHEST = 120
-STEP = 5
+# Largest shift and step of the search [min]
+_LARGEST, _STEP = 120, 5
+
+# Smallest number of times for a search
 _FEWEST = 8
 
 
 @final
 @dataclass(frozen=True)
 class Offset:
-    """The shift of the measured times under which both sides agree best.
+    """Shift of the measured times for the best agreement.
 
     Attributes
     ----------
     minutes : added to the measured times [min]
-    rmse, rmse_unmoved : relative to the measured mean, with that shift and without
+    rmse, rmse_unmoved : CV(RMSE) with this shift and without
     """
 
     minutes: int
@@ -30,23 +35,18 @@ class Offset:
 
     @property
     def matters(self) -> bool:
-        """Whether the shift would lower the deviation by more than a tenth."""
+        """Whether the shift reduces CV(RMSE) by more than a tenth."""
         return self.minutes != 0 and self.rmse < 0.9 * self.rmse_unmoved
 
 
 def search_offset(pairs_at: Callable[[int], Pairs]) -> Offset | None:
-    """Return the best shift within two hours; None with too few pairs to tell.
-
-    Parameters
-    ----------
-    pairs_at : the pairs that count, with the measured times that many minutes later
-    """
+    """Return the best shift within two hours, None with too few pairs."""
     unmoved = pairs_at(0)
     if len(np.unique(unmoved.times)) < _FEWEST:
         return None
     enough = 0.8 * unmoved.measured.size
     found = {0: _variation(unmoved)}
-    for minutes in range(-FARTHEST, FARTHEST + 1, STEP):
+    for minutes in range(-_LARGEST, _LARGEST + 1, _STEP):
         pairs = pairs_at(minutes)
         if pairs.measured.size >= enough:
             found[minutes] = _variation(pairs)

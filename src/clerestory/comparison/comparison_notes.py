@@ -1,4 +1,4 @@
-"""What a reader must know about how a comparison was made, in sentences."""
+"""Notes on the method of a comparison, as sentences."""
 
 import numpy as np
 
@@ -9,20 +9,21 @@ _SHOWN = 8
 
 
 def comparison_notes(comparison: Comparison) -> list[str]:
-    """Return what counted, what was left out, what was done to the times."""
+    """Return notes on included and excluded values and on the alignment of times."""
     rules = comparison.rules
     notes = [
         *_counted(comparison),
         f"Simulated steps of {comparison.step_minutes:g} min. Finer values are averaged"
-        f" over coarser steps that are filled to {100 * rules.coverage:g} %; the"
-        " simulation is interpolated to moments between the middles of its steps.",
+        f" over coarser steps with a coverage of at least {100 * rules.coverage:g} %;"
+        " for instantaneous measurements the simulation is interpolated between the"
+        " centres of its steps.",
     ]
     if rules.shift_minutes:
         minutes = f"{rules.shift_minutes:+g} min"
-        notes.append(f"Measured times were moved by {minutes}, as asked.")
+        notes.append(f"Measured times were shifted by {minutes}, as requested.")
     if comparison.years_ignored:
         notes.append(
-            "The weather has no year in common with the measurement: month, day and"
+            "The weather and the measurement have no year in common: month, day and"
             " time of day were matched."
         )
     notes += [_clock(kind, offset) for kind, offset in comparison.offset.items()]
@@ -30,7 +31,7 @@ def comparison_notes(comparison: Comparison) -> list[str]:
         more = len(comparison.unmatched) - _SHOWN
         shown = ", ".join(comparison.unmatched[:_SHOWN])
         shown += f" and {more} more" if more > 0 else ""
-        notes.append(f"Measured, but not simulated: {shown}.")
+        notes.append(f"Measured but not simulated: {shown}.")
     return notes
 
 
@@ -39,9 +40,9 @@ def _counted(comparison: Comparison) -> list[str]:
     notes = [
         f"{pairs.measured.size} pairs of measured values above"
         f" {comparison.rules.above_lux:g} lux (glare indices: above 0);"
-        f" {int(comparison.below.sum())} darker ones left out;"
-        f" {int(pairs.gaps.sum())} gaps in what was measured;"
-        f" {int(pairs.outside.sum())} values at times that were not simulated."
+        f" {int(comparison.below.sum())} smaller ones were excluded;"
+        f" {int(pairs.gaps.sum())} measured values are missing;"
+        f" {int(pairs.outside.sum())} are at times that were not simulated."
     ]
     known = ~np.isnan(pairs.error) & (pairs.simulated > 0)
     if np.any(known):
@@ -53,9 +54,9 @@ def _counted(comparison: Comparison) -> list[str]:
 
 
 def _clock(quantity: str, offset: Offset) -> str:
-    told = (
-        f"Clock check of {quantity}: CV(RMSE) {100 * offset.rmse_unmoved:.1f} % as it"
-        f" stands; least, {100 * offset.rmse:.1f} %, with measured times moved by"
-        f" {offset.minutes:+d} min. Nothing was moved."
+    note = (
+        f"Clock check of {quantity}: CV(RMSE) is {100 * offset.rmse_unmoved:.1f} %, and"
+        f" {100 * offset.rmse:.1f} % at best, with measured times shifted by"
+        f" {offset.minutes:+d} min. This shift was not applied."
     )
-    return told + (" That is much: is one clock wrong?" if offset.matters else "")
+    return note + (" It is large: is one clock wrong?" if offset.matters else "")

@@ -1,4 +1,4 @@
-"""Tables of a comparison: the paper's shares, the statistics, every pair; JSON."""
+"""Tables of a comparison: fractions within limits, statistics, all pairs; and JSON."""
 
 import csv
 import io
@@ -33,9 +33,9 @@ _STATISTICS = (
 
 
 def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Rows of the paper's tables: shares of pairs within the limits, side by side.
+    """Return the fractions of pairs within the limits, simulations side by side.
 
-    The first row is the heading; the others are a group and a quantity each.
+    The first row is the header; each other row is a group and a quantity.
     """
     head = ["group", "quantity", "pairs"]
     for comparison in comparisons:
@@ -53,7 +53,7 @@ def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
 
 
 def statistics_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Rows of all statistics, of groups first and then of each series."""
+    """Return all statistics, of groups and then of each series."""
     rows = [["simulation", "series", "quantity", "unit", *_STATISTICS]]
     for comparison in comparisons:
         for (group, quantity), found in comparison.table().items():
@@ -80,7 +80,7 @@ def write_tables(comparisons: Sequence[Comparison], folder: Path) -> None:
 
 
 def comparison_facts(comparison: Comparison) -> dict[str, Any]:
-    """Return all that a comparison found, but for the pairs, as plain values."""
+    """Return the results of a comparison, without the pairs, as plain values."""
     pairs = comparison.pairs
     return {
         "simulation": comparison.name,

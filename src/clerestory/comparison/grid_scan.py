@@ -1,110 +1,96 @@
-"""Grid scans: a table of readings, row by row, taken over a grid at a stated minute.
+"""Grid scans: tables of illuminance readings, taken row by row over a grid of points.
 
-The table knows nothing of the room. A layout says where the sensors of its columns and
-of its rows stood; each reading then belongs to the sensor of the study that is there.
+A layout defines the points of the columns and rows of the table; each reading is
+assigned to the sensor of the study at its point.
 """
 
 import csv
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text
+from clerestory.sky.station_file import Table
 
-Axis = Literal["x", "y"]
 
-
-@final
-@dataclass(frozen=True)
-class GridLayout:
-    """Where the readings of a scan were taken.
+class GridLayout(Table):
+    """Points at which the readings of a scan were taken.
 
     Attributes
     ----------
-    columns : names of the columns that are read, in any choice and order
-    column_axis : along which the sensors of a row stand
-    column_at, row_at : where those of each column and of each row stand [m], on that
-        axis and the other one
-    height : of all of them [m]
-    grid : of the study that they belong to; any if empty
-    separator, skip_lines : how the file is written
-    factor : by which readings are multiplied, 1000 for kilolux
-    tolerance : how far the study's sensor may stand off [m]
-
-    Raises
-    ------
-    InputError : not one place for each column
+    columns : names of the columns to be read
+    column_axis : axis along which the points of a row lie
+    column_at, row_at : coordinates of columns and rows [m], on that axis and the other
+    height : of the points [m]
+    grid : of the study, whose sensors these are; any if empty
+    factor : of the readings, 1000 for kilolux
+    tolerance : largest distance of the study's sensor from a point [m]
     """
 
-    columns: tuple[str, ...]
-    column_axis: Axis
-    column_at: tuple[float, ...]
-    row_at: tuple[float, ...]
-    height: float
+    columns: list[str] = Field(min_length=1, description="a list of columns")
+    column_axis: Literal["x", "y"] = Field(description='"x" or "y"')
+    column_at: list[float] = Field(description="a place [m] for each column")
+    row_at: list[float] = Field(min_length=1, description="a place [m] for each row")
+    height: float = Field(description="the height of the sensors [m]")
     grid: str = ""
-    separator: str = ","
-    skip_lines: int = 0
+    separator: str = Field(",", min_length=1, max_length=1)
+    skip_lines: int = Field(0, ge=0)
     factor: float = 1.0
-    tolerance: float = 0.05
+    tolerance: float = Field(0.05, gt=0)
 
-    def __post_init__(self) -> None:
+    @model_validator(mode="after")
+    def _one_place_each(self) -> "GridLayout":
         if len(self.columns) != len(self.column_at):
-            raise InputError(
-                f"{len(self.column_at)} places for {len(self.columns)} columns;"
-                " one each expected"
+            raise PydanticCustomError(
+                "rule", '"columns" and "column_at" differ in length; one each expected'
             )
+        return self
 
     def positions(self) -> Float[np.ndarray, "row column 3"]:
-        """Where each reading is taken [m]."""
+        """Return the point of each reading [m]."""
         down, across = np.meshgrid(self.row_at, self.column_at, indexing="ij")
         height = np.full(down.shape, self.height)
         x, y = (down, across) if self.column_axis == "y" else (across, down)
         return np.stack([x, y, height], axis=-1)
 
 
-@final
-@dataclass(frozen=True)
-class ScanTime:
-    """When a scan was taken.
+class GridScan(Table):
+    """A grid scan in a file of its own.
 
     Attributes
     ----------
-    at : of its first row, on the clock of the measurement
+    file : its name
+    at : time of its first row, on the clock of the measurement
+    layout : name of its layout
     row_minutes : from one row to the next [min]; 0 if all were taken at once
-    backwards : whether the first row of the file stands at the last place
+    backwards : whether the first row of the file is that of the last points
     """
 
-    at: datetime
-    row_minutes: float = 0.0
+    file: str = Field(min_length=1, description="the name of a file in quotes")
+    at: datetime = Field(description="a moment such as 2024-06-26T09:00:00")
+    layout: str = Field(description="the name of a table [layout.NAME]")
+    row_minutes: float = Field(0.0, ge=0)
     backwards: bool = False
 
 
 def read_scan(
-    path: str | Path, *, layout: GridLayout, when: ScanTime, near: Series
+    folder: Path, scan: GridScan, *, layout: GridLayout, near: Series
 ) -> list[Series]:
-    """Return the readings of a scan, one set of series for each moment.
-
-    Parameters
-    ----------
-    near : series of the study, with the places of their sensors
-
-    Raises
-    ------
-    InputError : the file lacks a column or a row, a cell is not a number, or the study
-        has no sensor at a place
-    """
+    """Return the readings of a scan, one set of series for each time."""
+    path = folder / scan.file
     readings = layout.factor * _cells(path, layout)
     names = sensors_at(layout, near)
-    places = names[::-1] if when.backwards else names
-    start = np.datetime64(when.at.replace(tzinfo=None), "s")
+    places = names[::-1] if scan.backwards else names
+    start = np.datetime64(scan.at.replace(tzinfo=None), "s")
     moments = [
-        start + np.timedelta64(round(number * when.row_minutes * 60), "s")
+        start + np.timedelta64(round(number * scan.row_minutes * 60), "s")
         for number in range(len(places))
     ]
     found = []
@@ -124,15 +110,10 @@ def read_scan(
 
 
 def sensors_at(layout: GridLayout, near: Series) -> list[list[str]]:
-    """Return the study's sensor at each place of a layout, row by row.
-
-    Raises
-    ------
-    InputError : there is none within the tolerance
-    """
+    """Return the study's sensor at each point of a layout, row by row."""
     if near.position is None:
         raise InputError(
-            "no places of sensors; the results.nc of a run expected with scans",
+            "no positions of sensors; the results.nc of a run expected with scans",
             file=near.source,
         )
     ours = [
@@ -180,7 +161,7 @@ def _cells(path: str | Path, layout: GridLayout) -> np.ndarray:
 
 
 def _number(row: list[str], place: int, path: str | Path) -> float:
-    # An empty cell is a reading that was not taken
+    # An empty cell is a missing reading
     text = row[place].strip() if place < len(row) else ""
     try:
         value = float(text) if text else float("nan")

@@ -1,82 +1,76 @@
-"""Series in CSV files: a column of times, and a column for every series."""
+"""Series in CSV files of data loggers: a column of times and a column per series."""
 
 import csv
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.csv_measurements import local_times, read_table
+from clerestory.sky.station_file import OneOrSeveral, Table
 from clerestory.sky.time_steps import centres, require_increasing, typical_step
 
-StandsFor = Literal["start", "centre", "end", "moment"]
 
-
-@final
-@dataclass(frozen=True)
-class Layout:
-    """How a CSV file of series is written.
+class LoggerFile(Table):
+    """A CSV file with a column of times.
 
     Attributes
     ----------
+    file : its name
     time : one column, or several that together give the time
+    columns : names of columns by the names of series
     time_format : as for `datetime.strptime`; None reads ISO 8601
-    stands_for : the part of its step that a time names; "moment" for readings that
-        stand for no step
-    clock : time zone of the clock, such as "Europe/Berlin", with its daylight saving;
-        None for local standard time
-    separator : between cells
-    skip_lines : lines before the header
-    factor : by which values are multiplied, 1000 for kilolux
+    stands_for : the part of its step that a time names; "moment" for instantaneous
+        readings
+    factor : of the values, 1000 for kilolux
     """
 
-    time: tuple[str, ...]
+    file: str = Field(min_length=1, description="the name of a file in quotes")
+    time: OneOrSeveral = Field(min_length=1, description="the name of a column")
+    columns: dict[str, str] = Field(
+        min_length=1, description="a table of columns by the names of series"
+    )
     time_format: str | None = None
-    stands_for: StandsFor = "centre"
-    clock: str | None = None
-    separator: str = ","
-    skip_lines: int = 0
+    stands_for: Literal["start", "centre", "end", "moment"] = "centre"
+    separator: str = Field(",", min_length=1, max_length=1)
+    skip_lines: int = Field(0, ge=0)
     factor: float = 1.0
 
 
 def read_logger(
-    path: str | Path,
+    folder: Path,
+    logger: LoggerFile,
     *,
-    layout: Layout,
-    columns: Mapping[str, str],
     utc_offset_hours: float,
+    clock: str | None = None,
 ) -> Series:
     """Return the series in a CSV file.
 
     Parameters
     ----------
-    columns : by the name of the series, what its column is called
     utc_offset_hours : of local standard time
-
-    Raises
-    ------
-    InputError : a column is missing, a cell is not a number or a time, time does not
-        grow
+    clock : time zone of civil time, such as "Europe/Berlin", with its daylight saving
+        time; None for local standard time
     """
-    table = read_table(path, layout.separator, layout.skip_lines)
-    times = local_times(
-        table, layout.time, layout.time_format, layout.clock, utc_offset_hours
-    )
+    path = folder / logger.file
+    table = read_table(path, logger.separator, logger.skip_lines)
+    columns = tuple(logger.time)
+    times = local_times(table, columns, logger.time_format, clock, utc_offset_hours)
     require_increasing(times, rows=table)
     step = 0.0
-    if layout.stands_for != "moment":
+    if logger.stands_for != "moment":
         step = typical_step(times)
-        times = centres(times, step, layout.stands_for)
-    values = [layout.factor * table.numbers(name) for name in columns.values()]
+        times = centres(times, step, logger.stands_for)
+    values = [logger.factor * table.numbers(name) for name in logger.columns.values()]
     return Series(
-        tuple(columns),
+        tuple(logger.columns),
         times,
-        np.array(values).reshape(len(columns), len(times)),
+        np.array(values).reshape(len(values), len(times)),
         step,
         utc_offset_hours,
         source=str(path),
@@ -86,22 +80,17 @@ def read_logger(
 def read_plain(path: str | Path, *, utc_offset_hours: float) -> Series:
     """Return the series of a CSV file whose first column is the time.
 
-    Times are ISO 8601 and the middles of their steps; the other columns are named as
-    series are. Tables of `clerestory run` are such files.
-
-    Raises
-    ------
-    InputError : as for `read_logger`
+    Times are ISO 8601 and stand for the centres of their steps; the other columns have
+    the names of series. Tables written by `clerestory run` have this format.
     """
-    names = _header(path)
-    layout = Layout((names[0],))
-    columns = {name: name for name in names[1:]}
-    return read_logger(
-        path, layout=layout, columns=columns, utc_offset_hours=utc_offset_hours
-    )
+    path = Path(path)
+    time, *names = _header(path)
+    columns = {name: name for name in names}
+    logger = LoggerFile(file=path.name, time=[time], columns=columns)
+    return read_logger(path.parent, logger, utc_offset_hours=utc_offset_hours)
 
 
-def _header(path: str | Path) -> Sequence[str]:
+def _header(path: Path) -> Sequence[str]:
     rows = csv.reader(read_text(path).splitlines()[:1])
     names = [name.strip() for row in rows for name in row]
     if len(names) < 2 or not all(names) or len(set(names)) < len(names):

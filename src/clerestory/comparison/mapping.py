@@ -1,4 +1,4 @@
-"""Mapping files (.toml): which measured column belongs to which series of a study.
+"""Mapping files (.toml): measured columns and the series of a study they belong to.
 
     utc_offset_hours = 1
 
@@ -23,117 +23,36 @@
 Files are named relative to the mapping.
 """
 
-from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    ValidationError,
-    model_validator,
-)
+from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
-from clerestory.comparison.grid_scan import Axis, GridLayout, ScanTime, read_scan
-from clerestory.comparison.logger_files import (
-    Layout,
-    StandsFor,
-    read_logger,
-    read_plain,
-)
+from clerestory.comparison.grid_scan import GridLayout, GridScan, read_scan
+from clerestory.comparison.logger_files import LoggerFile, read_logger, read_plain
 from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text
+from clerestory.sky.station_file import Table
 from clerestory.study.config_errors import input_error, parse_toml
 
 
-def _several(value: Any) -> Any:
-    # One name is a list of one
-    return [value] if isinstance(value, str) else value
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
-
-
-class LoggerTable(_Table):
-    """A CSV file with a column of times."""
-
-    file: str = Field(min_length=1, description="the name of a file in quotes")
-    time: Annotated[list[str], BeforeValidator(_several)] = Field(
-        min_length=1, description="the name of a column"
-    )
-    columns: dict[str, str] = Field(
-        min_length=1, description="a table of columns by the names of series"
-    )
-    time_format: str | None = None
-    stands_for: StandsFor = "centre"
-    separator: str = Field(",", min_length=1, max_length=1)
-    skip_lines: int = Field(0, ge=0)
-    factor: float = 1.0
-
-
-class LayoutTable(_Table):
-    """Where the readings of a scan were taken."""
-
-    columns: list[str] = Field(min_length=1, description="a list of columns")
-    column_axis: Axis = Field(description='"x" or "y"')
-    column_at: list[float] = Field(description="a place [m] for each column")
-    row_at: list[float] = Field(min_length=1, description="a place [m] for each row")
-    height: float = Field(description="the height of the sensors [m]")
-    grid: str = ""
-    separator: str = Field(",", min_length=1, max_length=1)
-    skip_lines: int = Field(0, ge=0)
-    factor: float = 1.0
-    tolerance: float = Field(0.05, gt=0)
-
-    @model_validator(mode="after")
-    def _one_place_each(self) -> "LayoutTable":
-        if len(self.columns) != len(self.column_at):
-            raise PydanticCustomError(
-                "rule", '"columns" and "column_at" differ in length; one each expected'
-            )
-        return self
-
-    def layout(self) -> GridLayout:
-        """Return the same as a plain value."""
-        facts = self.model_dump()
-        for key in ("columns", "column_at", "row_at"):
-            facts[key] = tuple(facts[key])
-        return GridLayout(**facts)
-
-
-class ScanTable(_Table):
-    """A grid scan in a file of its own."""
-
-    file: str = Field(min_length=1, description="the name of a file in quotes")
-    at: datetime = Field(description="a moment such as 2024-06-26T09:00:00")
-    layout: str = Field(description="the name of a table [layout.NAME]")
-    row_minutes: float = Field(0.0, ge=0)
-    backwards: bool = False
-
-
-class Mapping(_Table):
-    """A whole mapping file."""
+class Mapping(Table):
+    """A mapping file."""
 
     title: str = ""
     utc_offset_hours: float | None = Field(None, ge=-14, le=14)
     clock: str | None = None
-    logger: list[LoggerTable] = Field(default_factory=list)
-    layout: dict[str, LayoutTable] = Field(default_factory=dict)
-    scan: list[ScanTable] = Field(default_factory=list)
+    logger: list[LoggerFile] = Field(default_factory=list)
+    layout: dict[str, GridLayout] = Field(default_factory=dict)
+    scan: list[GridScan] = Field(default_factory=list)
 
     @model_validator(mode="after")
     def _something(self) -> "Mapping":
         if not self.logger and not self.scan:
             raise PydanticCustomError(
-                "rule", "nothing measured; a table [[logger]] or [[scan]] expected"
+                "rule", "no measurements; a table [[logger]] or [[scan]] expected"
             )
         for scan in self.scan:
             if scan.layout not in self.layout:
@@ -146,12 +65,7 @@ class Mapping(_Table):
 
 
 def read_mapping(path: str | Path) -> Mapping:
-    """Return the mapping in a TOML file.
-
-    Raises
-    ------
-    InputError : it is not TOML, or a key is missing, unknown or wrong
-    """
+    """Return the mapping in a TOML file."""
     path = Path(path)
     text = read_text(path)
     try:
@@ -161,11 +75,11 @@ def read_mapping(path: str | Path) -> Mapping:
 
 
 def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:
-    """Return all that was measured, on the clock of a study.
+    """Return all measured series, on the clock of a study.
 
     Parameters
     ----------
-    path : a mapping (.toml), or a CSV file whose columns are named as series are
+    path : a mapping (.toml), or a CSV file whose columns have the names of series
     near : series of the study
 
     Raises
@@ -178,34 +92,20 @@ def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:
     mapping = read_mapping(path)
     offset = mapping.utc_offset_hours
     offset = near.utc_offset_hours if offset is None else offset
-    found = []
-    for table in mapping.logger:
-        given = table.model_dump(exclude={"file", "columns", "time"})
-        layout = Layout(tuple(table.time), clock=mapping.clock, **given)
-        file = path.parent / table.file
-        found.append(
-            read_logger(
-                file, layout=layout, columns=table.columns, utc_offset_hours=offset
-            )
-        )
+    found = [
+        read_logger(path.parent, one, utc_offset_hours=offset, clock=mapping.clock)
+        for one in mapping.logger
+    ]
+    here = near.on_clock(offset)
     for scan in mapping.scan:
-        when = ScanTime(scan.at, scan.row_minutes, scan.backwards)
-        layout_of = mapping.layout[scan.layout].layout()
-        here = near.on_clock(offset)
-        found += read_scan(
-            path.parent / scan.file, layout=layout_of, when=when, near=here
-        )
+        layout = mapping.layout[scan.layout]
+        found += read_scan(path.parent, scan, layout=layout, near=here)
     return [series.on_clock(near.utc_offset_hours) for series in found]
 
 
 def write_layout_sensors(path: str | Path, mapping: Mapping) -> int:
-    """Write the places of all layouts as upward sensors; return how many there are.
-
-    Raises
-    ------
-    InputError : there is no layout
-    """
-    places = [t.layout().positions().reshape(-1, 3) for t in mapping.layout.values()]
+    """Write the points of all layouts as upward sensors; return their number."""
+    places = [one.positions().reshape(-1, 3) for one in mapping.layout.values()]
     if not places:
         raise InputError("no table [layout.NAME]; the places of scans expected")
     points = np.unique(np.concatenate(places).round(6), axis=0)

@@ -1,8 +1,8 @@
-"""Quantities over time: what was measured, or what a simulation says.
+"""Measured or simulated quantities over time.
 
-A series is named as results name it: `desks.3` is the third sensor of the grid
-"desks", `eye.dgp` the daylight glare probability of the view "eye". The last word of
-the name tells the quantity; what is none of glare's is illuminance.
+Series have the names of results: `desks.3` is the third sensor of the grid "desks",
+`eye.dgp` the daylight glare probability of the view "eye". The quantity is the last
+word of the name, or illuminance.
 """
 
 from dataclasses import dataclass, replace
@@ -25,7 +25,7 @@ UNITS = {
 
 
 def quantity_of(name: str) -> str:
-    """Return the quantity that a series' name tells.
+    """Return the quantity of a series by its name.
 
     >>> quantity_of("desks.3"), quantity_of("eye.dgp")
     ('illuminance', 'dgp')
@@ -47,23 +47,18 @@ def group_of(name: str) -> str:
 @final
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Several quantities at the same moments.
+    """Several quantities at the same times.
 
     Attributes
     ----------
     names : of the series
-    times : middle of what each value stands for, local standard time, growing
-    values : in the unit of each series' quantity; NaN where there is none
-    step_minutes : how long a value stands for [min]; 0 for a moment
-    utc_offset_hours : how far the clock is ahead of UTC [h]
-    error : standard errors of the values, if they are known
-    position : of each series' sensor [m], NaN where there is none
-    source : where it comes from
-
-    Raises
-    ------
-    InputError : numbers that do not fit each other, a name twice, times that do not
-        grow
+    times : centres of the steps, local standard time, increasing
+    values : in the unit of each series' quantity; NaN if missing
+    step_minutes : length of a step [min]; 0 for instantaneous values
+    utc_offset_hours : time of the clock minus UTC [h]
+    error : standard errors of the values, if known
+    position : of each series' sensor [m], NaN if unknown
+    source : file of the series
     """
 
     names: tuple[str, ...]
@@ -86,16 +81,16 @@ class Series:
                 file=self.source,
             )
         if np.any(np.diff(self.times) <= np.timedelta64(0)):
-            raise InputError("times that do not grow", file=self.source)
+            raise InputError("times do not increase", file=self.source)
 
     def on_clock(self, utc_offset_hours: float) -> "Series":
-        """Return the same as another clock shows it."""
+        """Return the series with the times of another clock."""
         ahead = round((utc_offset_hours - self.utc_offset_hours) * 3600)
         times = self.times + np.timedelta64(ahead, "s")
         return replace(self, times=times, utc_offset_hours=utc_offset_hours)
 
     def shifted(self, minutes: float) -> "Series":
-        """Return the same, that much later."""
+        """Return the series at later times."""
         later = np.timedelta64(round(minutes * 60), "s")
         return replace(self, times=self.times + later)
 

@@ -1,8 +1,8 @@
-"""Compare what was measured with what a study says."""
+"""Comparison of measured and simulated series."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, replace
+from typing import TypeVar, final
 
 import numpy as np
 
@@ -24,21 +24,19 @@ from clerestory.errors import InputError
 
 ABOVE_LUX = 100.0
 
+Label = TypeVar("Label", str, tuple[str, str])
+
 
 @final
 @dataclass(frozen=True)
 class Rules:
-    """Which values count, and how times are brought together.
+    """Selection of values, and alignment of times.
 
     Attributes
     ----------
-    above_lux : measured illuminance must exceed this to count [lux]
+    above_lux : smaller measured illuminances are excluded [lux]
     shift_minutes : added to the measured times [min]
-    coverage : share of a coarse step that finer values must fill, 0…1
-
-    Raises
-    ------
-    InputError : a negative limit, a share outside 0…1
+    coverage : fraction of a coarse step that finer values must cover, 0…1
     """
 
     above_lux: float = ABOVE_LUX
@@ -55,16 +53,16 @@ class Rules:
 @final
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """What a comparison found.
+    """Result of a comparison.
 
     Attributes
     ----------
     name : of the simulation
-    pairs : that count
-    below : pairs of each series left out as too dark
-    rules : by which it was made
-    offset : best shift of the clock of each quantity, told and not applied
-    unmatched : measured series that the simulation lacks
+    pairs : included pairs
+    below : number of pairs of each series below the limit of illuminance
+    rules : settings of the comparison
+    offset : best shift of the clock of each quantity, not applied
+    unmatched : measured series that the simulation does not have
     years_ignored : whether only month, day and time of day were matched
     step_minutes : of the simulation
     """
@@ -79,23 +77,22 @@ class Comparison:
     step_minutes: float
 
     def table(self) -> dict[tuple[str, str], Agreement]:
-        """Agreement by group (a grid or a view) and quantity."""
+        """Return the agreement by group (a grid or a view) and quantity."""
         kinds = [(group_of(n), quantity_of(n)) for n in self.pairs.names]
-        found = {}
-        for kind in dict.fromkeys(kinds):
-            rows = [i for i, each in enumerate(kinds) if each == kind]
-            part = self.pairs.where(np.isin(self.pairs.series, rows))
-            if part.measured.size:
-                found[kind] = agreement(part.measured, part.simulated)
-        return found
+        return self._agreements(kinds)
 
     def series(self) -> dict[str, Agreement]:
-        """Agreement of each series that has pairs."""
+        """Return the agreement of each series that has pairs."""
+        return self._agreements(list(self.pairs.names))
+
+    def _agreements(self, labels: list[Label]) -> dict[Label, Agreement]:
+        # One label for each series; those without pairs are left out
         found = {}
-        for number, name in enumerate(self.pairs.names):
-            part = self.pairs.where(self.pairs.series == number)
+        for label in dict.fromkeys(labels):
+            rows = [i for i, each in enumerate(labels) if each == label]
+            part = self.pairs.where(np.isin(self.pairs.series, rows))
             if part.measured.size:
-                found[name] = agreement(part.measured, part.simulated)
+                found[label] = agreement(part.measured, part.simulated)
         return found
 
 
@@ -106,7 +103,7 @@ def compare_series(
     name: str = "simulated",
     rules: Rules | None = None,
 ) -> Comparison:
-    """Return how well a simulation agrees with what was measured.
+    """Return the agreement of a simulation with measurements.
 
     Parameters
     ----------
@@ -167,7 +164,7 @@ def _pairs(
 
 
 def _counts(pairs: Pairs, rules: Rules) -> np.ndarray:
-    # Bright enough; indices of glare need only be there
+    # Illuminance above the limit; indices of glare above 0
     lux = np.array([quantity_of(name) == ILLUMINANCE for name in pairs.names])
     limit = np.where(lux[pairs.series], rules.above_lux, 0.0)
     return np.asarray(pairs.measured > limit)
@@ -175,9 +172,9 @@ def _counts(pairs: Pairs, rules: Rules) -> np.ndarray:
 
 def _nothing(pairs: Pairs, rules: Rules, simulated: Series) -> str:
     if pairs.measured.size:
-        return f"nothing measured above {rules.above_lux:g} lux; a lower limit expected"
+        return f"no measurement above {rules.above_lux:g} lux; a lower limit expected"
     first, last = simulated.times[0], simulated.times[-1]
-    return f"no step in common; measured times from {first} to {last} expected"
+    return f"no time in common; measured times from {first} to {last} expected"
 
 
 def _offsets(
@@ -203,7 +200,7 @@ def _offsets(
 def _in_the_same_years(
     measured: Sequence[Series], simulated: Series
 ) -> tuple[list[Series], bool]:
-    # A typical year has no year: match month, day and time of day
+    # The year of typical weather is arbitrary: match month, day and time of day
     ours = set(simulated.times.astype("datetime64[Y]").astype(int).tolist())
     theirs = {
         int(year)
@@ -217,8 +214,8 @@ def _in_the_same_years(
 
 
 def _in_year(series: Series, year: int) -> Series:
-    # Steps of 29 February fall away where the year has none, and those of other years
-    # than the first where they would meet
+    # Steps of 29 February are dropped where the year has none, as are those of other
+    # years than the first
     months = series.times.astype("datetime64[M]")
     day = (series.times.astype("datetime64[D]") - months).astype(int)
     rest = series.times - series.times.astype("datetime64[D]")
@@ -227,14 +224,9 @@ def _in_year(series: Series, year: int) -> Series:
     times = date.astype("datetime64[s]") + rest
     kept = date.astype("datetime64[M]") == own
     kept &= months.astype("datetime64[Y]") == months[0].astype("datetime64[Y]")
-    error = None if series.error is None else series.error[:, kept]
-    return Series(
-        series.names,
-        times[kept],
-        series.values[:, kept],
-        series.step_minutes,
-        series.utc_offset_hours,
-        error,
-        series.position,
-        series.source,
+    return replace(
+        series,
+        times=times[kept],
+        values=series.values[:, kept],
+        error=None if series.error is None else series.error[:, kept],
     )

@@ -1,4 +1,4 @@
-"""The series in the results of a study: sensors, and glare and illuminance of views."""
+"""Series in the results of a study: sensors, and indices of views."""
 
 from pathlib import Path
 
@@ -18,12 +18,11 @@ def simulated_series(path: str | Path) -> Series:
 
     Raises
     ------
-    InputError : the file is not the results of a run, or is of a version that did not
-        keep the clock
+    InputError : the file does not hold results, or is of a version without UTC offset
     """
     data = read_results(path).data
     if "utc_offset_hours" not in data.attrs:
-        raise InputError("results without their clock; run the study again", file=path)
+        raise InputError("results without UTC offset; run the study again", file=path)
     names = [str(name) for name in data["sensor"].values]
     values = [np.asarray(data["illuminance"].transpose("sensor", "time").values)]
     errors = [np.asarray(data["standard_error"].transpose("sensor", "time").values)]

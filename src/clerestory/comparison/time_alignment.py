@@ -1,10 +1,9 @@
-"""Bring measured and simulated values to the same moments.
+"""Time alignment of measured and simulated series.
 
-The coarser of both keeps its steps, and the finer one is averaged over them: five
-minutes of a logger to the hours of a study, or minutes of a study to the quarter hours
-of a logger. A step counts when enough of it is there. Where both have the same step, or
-what was measured is a moment, the simulation is interpolated to it between the middles
-of its steps. Times are never moved to fit; `offset` says what moving them would do.
+The finer series is averaged over the steps of the coarser one, where enough of a step
+is covered. If both have the same step, or measurements are instantaneous, the
+simulation is interpolated between the centres of its steps. Clocks are not corrected;
+see `clock_offset`.
 """
 
 from dataclasses import dataclass, replace
@@ -22,17 +21,17 @@ _SAME = 1.0  # seconds by which steps may differ and still be the same
 @final
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Measured values and what a simulation says for the same moments.
+    """Pairs of measured and simulated values at the same times.
 
     Attributes
     ----------
     names : of the series
-    series : which of them each pair belongs to
-    times : middle of each pair's step, local standard time
+    series : index of the series of each pair
+    times : centre of each pair's step, local standard time
     measured, simulated : the values
-    error : standard error of the simulated value, NaN where unknown
-    gaps : measured steps of each series without a value
-    outside : measured values of each series at times that were not simulated
+    error : standard error of the simulated value, NaN if unknown
+    gaps : number of missing measured values of each series
+    outside : number of measured values of each series at times without simulation
     """
 
     names: tuple[str, ...]
@@ -45,7 +44,7 @@ class Pairs:
     outside: Int[np.ndarray, " series"]
 
     def where(self, chosen: np.ndarray) -> "Pairs":
-        """Return some of the pairs, by mask; all series stay."""
+        """Return the pairs of a mask; all series are kept."""
         return replace(
             self,
             series=self.series[chosen],
@@ -56,7 +55,7 @@ class Pairs:
         )
 
     def of(self, name: str) -> "Pairs":
-        """Return the pairs of one series, in the order of time."""
+        """Return the pairs of one series in order of time."""
         one = self.where(self.series == self.names.index(name))
         order = np.argsort(one.times, kind="stable")
         return one.where(order)
@@ -70,19 +69,22 @@ def pair_series(
     Parameters
     ----------
     measured, simulated : on the same clock
-    coverage : share of a coarse step that the finer values must fill, 0…1
+    coverage : fraction of a coarse step that finer values must cover, 0…1
     """
     coarse = (measured.step_minutes - simulated.step_minutes) * 60
     if measured.step_minutes > 0 and coarse < -_SAME:
-        measured_at, gaps = _averaged(measured, simulated, coverage)
+        measured_at, gaps = _averaged(measured, simulated, coverage, measured.values)
         steps = simulated.times
         simulated_at, error = simulated.values, simulated.error
     else:
         steps, measured_at = measured.times, measured.values
         gaps = np.isnan(measured.values).sum(axis=1)
         if coarse > _SAME and measured.step_minutes > 0:
-            simulated_at, _ = _averaged(simulated, measured, coverage)
-            error = _averaged_error(simulated, measured, coverage)
+            simulated_at, _ = _averaged(simulated, measured, coverage, simulated.values)
+            # Steps of one sensor share a matrix: their errors are correlated
+            error = simulated.error
+            if error is not None:
+                error, _ = _averaged(simulated, measured, coverage, error)
         else:
             simulated_at, error = _interpolated(simulated, steps)
     known, told = ~np.isnan(measured_at), ~np.isnan(simulated_at)
@@ -101,7 +103,7 @@ def pair_series(
 
 
 def join_pairs(parts: list[Pairs]) -> Pairs:
-    """Return all pairs of several files together, series by their names."""
+    """Return all pairs of several files, series of the same name joined."""
     names = tuple(dict.fromkeys(name for part in parts for name in part.names))
     place = {name: number for number, name in enumerate(names)}
     gaps, outside = np.zeros(len(names), int), np.zeros(len(names), int)
@@ -128,27 +130,10 @@ def _seconds(times: np.ndarray) -> np.ndarray:
 
 
 def _averaged(
-    fine: Series, coarse: Series, coverage: float
+    fine: Series, coarse: Series, coverage: float, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    # Means over the coarse steps, NaN where too little is there; the fine values missed
-    means, counts, missed = _sums(fine, coarse, fine.values)
-    wanted = coverage * coarse.step_minutes / fine.step_minutes
-    return np.where(counts >= wanted - 1e-9, means, np.nan), missed
-
-
-def _averaged_error(fine: Series, coarse: Series, coverage: float) -> np.ndarray | None:
-    # Steps of one sensor share a matrix: their errors do not average out
-    if fine.error is None:
-        return None
-    means, counts, _ = _sums(fine, coarse, fine.error)
-    wanted = coverage * coarse.step_minutes / fine.step_minutes
-    return np.where(counts >= wanted - 1e-9, means, np.nan)
-
-
-def _sums(
-    fine: Series, coarse: Series, values: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    # The coarse step that each fine one lies in, by its middle
+    # Means over the coarse steps, NaN below the coverage, and the number of missing
+    # values. Each fine step belongs to the coarse step around its centre
     moments, middles = _seconds(fine.times), _seconds(coarse.times)
     half = coarse.step_minutes * 30
     bin_of = np.searchsorted(middles - half, moments, side="right") - 1
@@ -162,14 +147,16 @@ def _sums(
             to, np.where(there[row], chosen[row], 0), minlength=shape[1]
         )
         count[row] = np.bincount(to, there[row], minlength=shape[1])
-    means = np.divide(total, count, out=np.full(shape, np.nan), where=count > 0)
-    return means, count, (~there).sum(axis=1)
+    enough = count >= coverage * coarse.step_minutes / fine.step_minutes - 1e-9
+    means = np.full(shape, np.nan)
+    np.divide(total, count, out=means, where=(count > 0) & enough)
+    return means, (~there).sum(axis=1)
 
 
 def _interpolated(
     series: Series, times: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    # Between the middles of neighbouring steps; up to half a step beyond the ends
+    # Between the centres of neighbouring steps; up to half a step beyond the ends
     moments, middles = _seconds(times), _seconds(series.times)
     step = max(series.step_minutes * 60, 1.0)
     after = np.clip(np.searchsorted(middles, moments), 0, len(middles) - 1)
@@ -178,7 +165,7 @@ def _interpolated(
     weight = np.divide(
         moments - middles[before], gap, out=np.ones(len(moments)), where=gap > 0
     )
-    # A lone step, or one beside a gap, stands for itself
+    # A single step, or one beside a gap, is not interpolated
     alone = (gap > 1.5 * step) | (weight > 1) | (weight < 0) | (gap == 0)
     near = np.abs(moments - middles[before]) < np.abs(moments - middles[after])
     nearest = np.where(near, before, after)

@@ -28,10 +28,6 @@ class Situation:
     occupied : whether the room is occupied
     signals : over time, such as "irradiance" [W/m²] and "profile" [rad]
     by_state : over (state, time), such as "illuminance" [lux] and "dgp"
-
-    Raises
-    ------
-    InputError : arrays of another shape
     """
 
     times: np.ndarray
@@ -60,10 +56,6 @@ Rule = Callable[[Situation], Int[np.ndarray, " time"]]
 def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
     """Return the states of a rule, after a check.
 
-    Raises
-    ------
-    InputError : another number of steps, or an unknown state
-
     Examples
     --------
     >>> hours = np.array(["2001-06-21T09:30", "2001-06-21T12:30"], "datetime64[s]")
@@ -91,10 +83,6 @@ def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
 
 def load_rule(path: str | Path, name: str) -> Rule:
     r"""Return a function from a Python file.
-
-    Raises
-    ------
-    InputError : the file raises an error, or has no function of this name
 
     Examples
     --------

@@ -53,10 +53,6 @@ def operate_by_direct_sun(
     static : direct illuminance through windows without blinds [lux]
     sun_lux, most_sensors : limits of the criterion
 
-    Raises
-    ------
-    InputError : no groups, or arrays of different shapes
-
     Notes
     -----
     Of combinations with the same sum of state numbers the first is chosen, in the order

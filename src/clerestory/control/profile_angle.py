@@ -22,11 +22,6 @@ def profile_angle(
     NaN where the sun is behind the window. For vertical slats the angle is measured to
     the right, seen from the room.
 
-    Parameters
-    ----------
-    sun : unit vectors to the sun
-    frame : of the window, normal into the room
-
     Examples
     --------
     >>> y, z = np.eye(3)[1:]

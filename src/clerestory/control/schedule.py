@@ -64,17 +64,7 @@ class StateSchedule:
         *,
         static: Float[np.ndarray, "sensor time"] | None = None,
     ) -> Float[np.ndarray, "sensor time"]:
-        """Sum of the results of all groups in their states.
-
-        Parameters
-        ----------
-        by_state : per group, results in every state, over (state, sensor, time)
-        static : results of windows without states
-
-        Raises
-        ------
-        InputError : a group of the schedule has no results
-        """
+        """Sum of the results of all groups in their states."""
         parts = [] if static is None else [static]
         for group, state in self.states.items():
             if group not in by_state:
@@ -89,10 +79,6 @@ def select_states(
     by_state: Float[np.ndarray, "state *rest time"], state: Int[np.ndarray, " time"]
 ) -> Float[np.ndarray, "*rest time"]:
     """Return the values of the state of each step.
-
-    Raises
-    ------
-    InputError : an unknown state, or another number of steps
 
     Examples
     --------
@@ -135,12 +121,7 @@ def states_at(
 
 
 def read_schedule(path: str | Path) -> StateSchedule:
-    """Read a CSV file: a header `time,GROUP…`, then lines of a time and states.
-
-    Raises
-    ------
-    InputError : a malformed line
-    """
+    """Read a CSV file: a header `time,GROUP…`, then lines of a time and states."""
     lines = read_text(path).splitlines()
     groups = [word.strip() for word in lines[0].split(",")][1:] if lines else []
     if not groups:

@@ -20,10 +20,6 @@ class Limit:
     values : over (state, time)
     bound : the limit, which is permitted itself
     side : "below" or "above", the permitted side
-
-    Raises
-    ------
-    InputError : values that are not over (state, time)
     """
 
     values: Float[np.ndarray, "state time"]

@@ -30,10 +30,6 @@ def threshold_states(
     close_after, open_after : consecutive steps beyond the threshold before a movement
     start : state before the first step
 
-    Raises
-    ------
-    InputError : the lower threshold is above the upper, or a delay below 1
-
     Examples
     --------
     >>> lux = np.array([10.0, 60.0, 45.0, 60.0, 20.0, 20.0])

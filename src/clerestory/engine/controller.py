@@ -1,108 +1,110 @@
-"""Matrices by Monte Carlo: how many paths, in which launches, with which error.
+"""Control of Monte Carlo estimates: batches, work units, standard error, progress.
 
-Every row of a matrix is estimated by sixteen independent batches. A batch walks
-along its own scrambled sequence of sample points; more accuracy means longer
-batches, never more of them. Their spread is the standard error.
+Every row is estimated by independent batches. A batch follows its own scrambled
+low-discrepancy sequence; more accuracy means longer batches, not more of them. The
+spread of the batches is the standard error.
 
-A unit of work is some rows, all batches, one stretch of the sequence. Its sums are
-exact whole numbers, so neither the cut into units nor their order changes a bit of
-the result; after each round the sums decide which rows go on.
+A job gives its rows, its empty sums, and the relative error of sums. The controller
+lengthens the batches until the samples are spent or the error is reached, cuts the work
+into units, adds their sums in order, and reports progress.
 """
 
 import time
-from abc import ABC, abstractmethod
-from collections.abc import Iterator
-from dataclasses import replace
-from typing import ClassVar, Literal, final
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Bool, Float, Int
 
 from clerestory.engine.effort import Effort
 from clerestory.engine.sums import Estimate, Sums, estimated
-from clerestory.engine.work_units import Unit, UnitSize, evenly_spaced
+from clerestory.engine.work_units import Job, Unit, UnitSize, evenly_spaced
 from clerestory.progress import share_of_progress
-from clerestory.scene.model import Scene
 
-# Sample points of a batch in the first round, when an error is aimed at.
-PILOT = 32
+# Longest range of the sequence in one unit
+_LONGEST_RANGE = 1 << 16
 
-# Longest stretch of the sequence in one unit.
-_STRETCH = 1 << 16
+# Exponent of convergence: the error falls nearly like n^(-1/1.6) with the points of a
+# batch
+CONVERGENCE = 1.6
 
-# The error falls nearly like n to the power of -1/1.6 with the points of a batch.
-GROWTH = 1.6
-
-# Most sample points of one batch: an aim that needs more is out of reach. A sum of
-# as many weights of π still fits into its fixed-point number.
-_LONGEST = 1 << 22
-
-# Most sums held at a time [bytes]. Rows are judged block by block, so this number is
-# part of the result: it must not depend on the machine.
+# Bytes of sums held at a time. Rows are judged block by block, so that this number is
+# part of the result: it must not depend on the machine
 _SUMS = 1 << 29
 
-# Rows that a trial takes, unless all are judged as one
-_TRIAL_ROWS = 64
+# Rows of a pilot unit, unless all rows are judged as one
+_PILOT_ROWS = 64
 
 
-class MatrixJob(ABC):
-    """A job whose units return sums of weights in fixed point; see `Job`.
+@dataclass(frozen=True)
+class Growth:
+    """How batches grow while an error is aimed at.
+
+    Attributes
+    ----------
+    pilot : sample points of a batch in the pilot run
+    longest : most sample points of a batch: an error that needs more is out of reach
+    most : largest factor of one step
+    """
+
+    pilot: int
+    longest: int
+    most: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EstimatedJob(Job):
+    """A job whose batches are lengthened, with sums in fixed point by default.
 
     Attributes
     ----------
     together : whether all rows are judged as one
+    growth : of the batches. A sum of 2^22 weights of π fits into its fixed-point number
+    cut : size of units; None: the executor's, as sums in fixed point do not depend on
+        how the work is cut
     """
 
-    tracer: ClassVar[tuple[str, str]]
     together: ClassVar[bool]
+    growth: ClassVar[Growth] = Growth(pilot=32, longest=1 << 22, most=32)
+    cut: ClassVar[UnitSize | None] = None
 
-    scene: Scene
-    batches: int
-    device: Literal["cpu", "cuda"]
-
-    @property
     @abstractmethod
-    def shape(self) -> tuple[int, int, int, int]:
-        """Rows, batches, columns and channels of the whole matrix."""
+    def error(self, sums: Sums) -> float | Float[np.ndarray, " row"]:
+        """Return the relative error of each row, or one for all of them."""
 
-    @property
-    @final
-    def receivers(self) -> int:
-        """Rows of the matrix."""
-        return self.shape[0]
+    def empty_sums(self, rows: int) -> Sums:
+        """Return sums of so many rows that nothing was added to."""
+        return Sums.fixed_point((rows, *self.shape[1:]))
 
-    @final
     def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of rows spread over the matrix."""
         rows, batches, _, _ = self.shape
-        few = np.arange(rows) if self.together else evenly_spaced(rows, _TRIAL_ROWS)
-        return Unit(few, 0, int(np.clip(paths // (len(few) * batches), 1, _STRETCH)))
+        few = np.arange(rows) if self.together else evenly_spaced(rows, _PILOT_ROWS)
+        count = int(np.clip(paths // (len(few) * batches), 1, _LONGEST_RANGE))
+        return Unit(few, 0, count)
 
-    @abstractmethod
-    def unfinished(self, sums: "Sums", aim: float) -> tuple[np.ndarray, float]:
-        """Return which rows need more paths for a relative error, and the worst ratio.
-
-        The ratio is how many times the error aimed at remains.
-        """
-
-
-def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
-    """Variance of the mean of independent batches."""
-    of_batches: np.ndarray = np.var(values, axis=axis, ddof=1)
-    mean: np.ndarray = of_batches / values.shape[axis]
-    return mean
-
-
-def all_or_none(
-    sums: Sums, error: float, mean: float, aim: float
-) -> tuple[np.ndarray, float]:
-    """Return the judgement of rows that go on until the error of all is reached."""
-    ratio = error / (aim * mean) if mean > 0 else 0.0
-    return np.full(len(sums.count), ratio > 1), ratio
+    def units(
+        self, rows: Int[np.ndarray, " row"], first: int, end: int, size: UnitSize
+    ) -> Iterator[Unit]:
+        """Cut rows and a range of the sequence into units of at most a size."""
+        # Sums in fixed point leave the device once for a long range of the sequence; in
+        # floating point, the sums of all rows are best added for a short one
+        together = 1 if self.cut is None else len(rows)
+        points = size.paths // (self.batches * together)
+        points = min(_LONGEST_RANGE, max(self.growth.pilot, points))
+        for begin in range(first, end, points):
+            count = min(end - begin, points)
+            most = min(
+                size.paths // (self.batches * count), size.sums // row_bytes(self)
+            )
+            for row in range(0, len(rows), max(1, most)):
+                yield Unit(rows[row : row + max(1, most)], begin, count)
 
 
-def estimate(job: MatrixJob, effort: Effort) -> Estimate:
-    """Trace block after block of rows, each to its end."""
+def estimate(job: EstimatedJob, effort: Effort) -> Estimate:
+    """Estimate a matrix, block after block of rows."""
     if not effort.executor.accepts(job, effort.goal):
         return _blank(job, effort)
     whole = job.shape[0]
@@ -119,7 +121,7 @@ def estimate(job: MatrixJob, effort: Effort) -> Estimate:
     )
 
 
-def row_blocks(job: MatrixJob) -> list[slice]:
+def row_blocks(job: EstimatedJob) -> list[slice]:
     """Return the blocks of rows that are traced and judged together, in order."""
     rows = job.shape[0]
     most = max(1, min(rows, _SUMS // row_bytes(job)))
@@ -127,66 +129,55 @@ def row_blocks(job: MatrixJob) -> list[slice]:
     return [slice(n, min(rows, n + block)) for n in range(0, rows, block)]
 
 
-def estimate_rows(job: MatrixJob, rows: slice, effort: Effort) -> Estimate:
-    """Trace one of the blocks of `row_blocks` to its end.
+def row_bytes(job: Job) -> int:
+    """Return the memory of the sums of one row [bytes]."""
+    _, batches, columns, channels = job.shape
+    return max(1, batches * columns * channels * 8)
 
-    What it returns is the same to the bit whether other blocks are traced or not.
-    """
-    sums, reached = _trace_rows(job, np.arange(rows.start, rows.stop), effort)
+
+def estimate_rows(job: EstimatedJob, rows: slice, effort: Effort) -> Estimate:
+    """Estimate one of the blocks of `row_blocks`, independently of the others."""
+    sums, reached = sum_rows(job, rows, effort)
     return estimated(sums, reached=reached, components=effort.components)
 
 
-def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
-    size = rows.stop - rows.start
-    part = share_of_progress(effort.progress, rows.start / whole, size / whole)
-    return replace(effort, progress=part)
+def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool]:
+    """Lengthen the batches until the samples are spent or the error is reached.
 
-
-def _blank(job: MatrixJob, effort: Effort) -> Estimate:
-    # The right shape, without any memory
-    rows, batches, columns, channels = job.shape
-    values = np.broadcast_to(0.0, (channels, rows, columns))
-    none = np.float32(0)
-    components = np.broadcast_to(none, (batches, channels, rows, columns))
-    return Estimate(values, components if effort.components else None, 0, True)
-
-
-def row_bytes(job: MatrixJob) -> int:
-    """Return what the sums of one row take [bytes]."""
-    _, batches, columns, channels = job.shape
-    return batches * columns * channels * 8
-
-
-def _trace_rows(
-    job: MatrixJob, numbers: Int[np.ndarray, " row"], effort: Effort
-) -> tuple[Sums, bool]:
-    # Lengthen the batches until the samples are spent or the error is reached
-    sums = Sums.none((len(numbers), *job.shape[1:]))
+    Returns
+    -------
+    sums, and whether the error was reached
+    """
+    numbers = np.arange(rows.start, rows.stop)
+    sums, active = job.empty_sums(len(numbers)), np.full(len(numbers), True)
     if effort.samples is not None:
         length = -(-effort.samples // job.batches)
-        everything = np.full(len(numbers), True)
-        _lengthen(job, numbers, sums, everything, length, effort)
+        _lengthen(job, numbers, sums, active, length, effort)
         return sums, True
 
-    # The pilot takes a sliver of the progress bar, the rest is shared by expected work
-    active, length, spent, share = np.full(len(numbers), True), PILOT, 0.0, 0.02
-    while active.any():
-        if length > _LONGEST:
-            return sums, False
+    # The pilot run takes a little of the progress bar, the rest is shared by expected
+    # work
+    growth, aim = job.growth, effort.relative_error or 1.0
+    length, spent, share = min(growth.pilot, growth.longest), 0.0, 0.02
+    while True:
         part = share_of_progress(effort.progress, spent, share)
         _lengthen(job, numbers, sums, active, length, replace(effort, progress=part))
         spent += share
-        active, ratio = job.unfinished(sums, effort.relative_error or 1.0)
-        growth = np.clip(ratio**GROWTH, 2, 32)
-        share = (1 - spent) * 0.9 * min(1.0, growth / max(ratio**GROWTH, 1e-9))
-        length *= int(2 ** np.ceil(np.log2(growth)))
+        ratio = np.broadcast_to(job.error(sums) / aim, active.shape)
+        active = ratio > 1
+        if not active.any() or length >= growth.longest:
+            break
+        needed = float(ratio.max()) ** CONVERGENCE
+        factor = np.clip(needed, 2, growth.most)
+        share = (1 - spent) * 0.9 * min(1.0, factor / needed)
+        length = min(length * int(2 ** np.ceil(np.log2(factor))), growth.longest)
     if effort.progress is not None:
         effort.progress(1.0, "done")
-    return sums, True
+    return sums, not active.any()
 
 
 def _lengthen(
-    job: MatrixJob,
+    job: EstimatedJob,
     numbers: Int[np.ndarray, " row"],
     sums: Sums,
     active: Bool[np.ndarray, " row"],
@@ -195,33 +186,53 @@ def _lengthen(
 ) -> None:
     # Bring the batches of the active rows to `length` points, unit by unit
     todo = np.flatnonzero(active)
-    have, batches = int(sums.count[todo[0]]), job.batches
-    unit_size = effort.executor.unit_size(job.device)
-    units = list(_units(job, numbers[todo], have, length, unit_size))
-    work, done, start_time = len(todo) * (length - have), 0, time.perf_counter()
-    for unit, part in zip(units, effort.executor.map(job, units), strict=True):
-        sums.add(unit.rows - numbers[0], part)
-        done += len(unit.rows) * unit.count
-        rate = batches * done / (time.perf_counter() - start_time) * 1e-6
-        note = f"{batches * length:,} paths a row, {rate:.1f} million a second"
-        if effort.progress is not None:
-            effort.progress(done / work, note)
+    size = job.cut or effort.executor.unit_size(job.device)
+    units = list(job.units(numbers[todo], int(sums.count[todo[0]]), length, size))
+
+    def add(unit: Unit, part: np.ndarray) -> None:
+        sums.add(unit.rows - numbers[0], part, unit.columns)
+
+    trace_units(job, units, effort, add, f"{job.batches * length:,} paths a row")
     sums.count[todo] = length
 
 
-def _units(
-    job: MatrixJob,
-    rows: Int[np.ndarray, " row"],
-    have: int,
-    length: int,
-    unit_size: UnitSize,
-) -> Iterator[Unit]:
-    batches = job.shape[1]
-    stretch = min(_STRETCH, max(PILOT, unit_size.paths // batches))
-    for first in range(have, length, stretch):
-        count = min(length - first, stretch)
-        most = min(
-            unit_size.paths // (batches * count), unit_size.sums // row_bytes(job)
-        )
-        for start in range(0, len(rows), max(1, most)):
-            yield Unit(rows[start : start + max(1, most)], first, count)
+def trace_units(
+    job: Job,
+    units: Sequence[Unit],
+    effort: Effort,
+    add: Callable[[Unit, np.ndarray], None],
+    note: str,
+) -> None:
+    """Trace units, hand over the sums of each in order, and report progress."""
+    columns, begin, done = job.shape[2], time.perf_counter(), 0.0
+    paths = [
+        job.batches * len(unit.rows) * unit.count * _share(unit, columns)
+        for unit in units
+    ]
+    work = sum(paths)
+    traced = effort.executor.map(job, units)
+    for unit, count, part in zip(units, paths, traced, strict=True):
+        add(unit, part)
+        done += count
+        if effort.progress is not None:
+            rate = done / (time.perf_counter() - begin) * 1e-6
+            effort.progress(done / work, f"{note}, {rate:.1f} million a second")
+
+
+def _share(unit: Unit, columns: int) -> float:
+    return 1.0 if unit.columns is None else len(unit.columns) / columns
+
+
+def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
+    size = rows.stop - rows.start
+    part = share_of_progress(effort.progress, rows.start / whole, size / whole)
+    return replace(effort, progress=part)
+
+
+def _blank(job: EstimatedJob, effort: Effort) -> Estimate:
+    # The right shape, without any memory
+    rows, batches, columns, channels = job.shape
+    values = np.broadcast_to(0.0, (channels, rows, columns))
+    none = np.float32(0)
+    components = np.broadcast_to(none, (batches, channels, rows, columns))
+    return Estimate(values, components if effort.components else None, 0, True)

@@ -1,10 +1,10 @@
-"""What traces will take, known before they are done.
+"""Cost estimates of planned jobs from pilot runs.
 
-A plan is an executor that takes note of the jobs it is handed and does none of them.
-A trial of one job of each kind, about a second long, then tells how fast it is traced
-where the work is to be done, and how many paths the error aimed at will take. It does
-what the run will do: as many paths a row where their number is given, sums brought to
-means and deviations, and another job of the kind that takes over the scene.
+A plan is an executor that records the jobs it is given and traces none. One job of each
+kind is then traced for about a second, which gives the time of preparation, the rate of
+paths, and the number of paths that the relative error aimed at needs. A pilot run does
+what the run will do: as many paths a row where their number is given, means and
+deviations of its sums, and another job of the kind in the same scene.
 """
 
 import time
@@ -14,9 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from clerestory.engine.controller import GROWTH, PILOT, row_bytes
+from clerestory.engine.controller import CONVERGENCE, EstimatedJob, row_bytes
 from clerestory.engine.device import Device
-from clerestory.engine.radiance_jobs import Batches
 from clerestory.engine.sums import Sums, estimated
 from clerestory.engine.work_units import (
     Executor,
@@ -27,8 +26,8 @@ from clerestory.engine.work_units import (
     evenly_spaced,
 )
 
-# Paths of a trial on each worker, and what it returns at most [bytes]
-_TRIAL, _SUMS = 1 << 19, 1 << 27
+# Paths of a pilot run on each worker, and most bytes of its sums
+_PILOT_PATHS, _PILOT_BYTES = 1 << 19, 1 << 27
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,12 +40,12 @@ class PlannedJob:
 
 @dataclass(frozen=True)
 class JobCost:
-    """What a job will take.
+    """Estimated cost of a job.
 
     Attributes
     ----------
     paths : in all
-    seconds : from the clock
+    seconds : of wall time
     """
 
     paths: int
@@ -54,19 +53,19 @@ class JobCost:
 
 
 @dataclass(frozen=True)
-class _Trial:
-    # Time to prepare a first job and the next ones in its scene [s], paths a second,
-    # time of a receiver beside its paths [s], and the error's part: paths of a receiver
-    # that reach the relative error of 1, as if error fell with the power of GROWTH
+class _Rates:
+    # Time to prepare the first job of a kind and the next ones in its scene [s], paths
+    # a second, time of a receiver beside its paths [s], and points of a batch at which
+    # the relative error would be 1
     preparation: float
     next_preparation: float
-    rate: float
-    beside: float
-    needed: float | None
+    paths: float
+    receiver: float
+    needed: float
 
 
 class Plan:
-    """Takes note of jobs and does none.
+    """An executor that records jobs and traces none.
 
     Parameters
     ----------
@@ -75,23 +74,23 @@ class Plan:
 
     def __init__(self, place: Executor):
         self.place = place
-        self.noted: list[PlannedJob] = []
+        self.planned: list[PlannedJob] = []
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
         """Return the device that the work is to be done on."""
         return self.place.resolve(device)
 
     def accepts(self, job: Job, goal: Goal) -> bool:
-        """Return False: take note of the job, and leave it."""
-        self.noted.append(PlannedJob(job, goal))
+        """Record the job; return False."""
+        self.planned.append(PlannedJob(job, goal))
         return False
 
     def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
-        """Return how large units will be."""
+        """Return the limits of the size of units."""
         return self.place.unit_size(device)
 
     def workers(self) -> int:
-        """Return how many units will be done at once."""
+        """Return how many units will be traced at once."""
         return self.place.workers()
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
@@ -100,65 +99,60 @@ class Plan:
 
 
 def estimate_costs(plan: Plan) -> list[JobCost]:
-    """Return what each noted job will take, after a trial of each kind of job.
+    """Return the cost of each planned job, after a pilot run of each kind of job.
 
-    The largest job of a kind is tried, and the start of the next one in its scene. Jobs
-    of one kind take as long to prepare and trace as many paths a second, and need as
-    many paths for each row.
+    The largest job of a kind is run, and the start of the next one in its scene. Jobs
+    of one kind are assumed to take as long to prepare, to trace as many paths a second,
+    and to need as many paths for each row.
     """
     kinds: dict[type, list[PlannedJob]] = {}
-    for noted in sorted(plan.noted, key=lambda n: -n.job.receivers):
-        if noted.job.receivers:
-            kinds.setdefault(type(noted.job), []).append(noted)
-    trials = {kind: _try(jobs, plan.place) for kind, jobs in kinds.items()}
-    found, built = [], None
-    for noted in plan.noted:
-        place = type(noted.job), noted.job.scene
-        found.append(_foreseen(noted, trials.get(place[0]), again=place == built))
+    for planned in sorted(plan.planned, key=lambda each: -each.job.receivers):
+        if planned.job.receivers:
+            kinds.setdefault(type(planned.job), []).append(planned)
+    rates = {kind: _pilot_run(jobs, plan.place) for kind, jobs in kinds.items()}
+    costs, built = [], None
+    for planned in plan.planned:
+        place = type(planned.job), planned.job.scene
+        costs.append(_cost(planned, rates.get(place[0]), again=place == built))
         built = place
-    return found
+    return costs
 
 
-def _foreseen(noted: PlannedJob, trial: _Trial | None, *, again: bool) -> JobCost:
-    job, goal = noted.job, noted.goal
-    if trial is None:
+def _cost(planned: PlannedJob, rates: _Rates | None, *, again: bool) -> JobCost:
+    job, goal = planned.job, planned.goal
+    if rates is None:
         return JobCost(0, 0.0)
-    if goal.samples is not None:
-        length: float = _length(noted)
+    if goal.samples is not None or not isinstance(job, EstimatedJob):
+        length: float = _length(planned)
     else:
         aim = goal.relative_error or 1.0
-        length = max(PILOT, (trial.needed or 0.0) / aim**GROWTH)
+        length = max(job.growth.pilot, rates.needed / aim**CONVERGENCE)
     paths = round(length * job.batches * job.receivers)
-    seconds = trial.next_preparation if again else trial.preparation
-    seconds += paths / trial.rate + trial.beside * job.receivers
+    seconds = rates.next_preparation if again else rates.preparation
+    seconds += paths / rates.paths + rates.receiver * job.receivers
     return JobCost(paths, seconds)
 
 
-def _length(noted: PlannedJob) -> int:
+def _length(planned: PlannedJob) -> int:
     # Points of a batch, where samples are given
-    return max(1, -(-(noted.goal.samples or 1) // noted.job.batches))
+    return max(1, -(-(planned.goal.samples or 1) // planned.job.batches))
 
 
-def _try(kind: Sequence[PlannedJob], place: Executor) -> _Trial:
+def _pilot_run(kind: Sequence[PlannedJob], place: Executor) -> _Rates:
     # Twice the same: the first time builds the scene and compiles its kernels
-    noted, workers = kind[0], place.workers()
-    job, unit = noted.job, _like_all(noted)
+    planned, workers = kind[0], place.workers()
+    job, unit = planned.job, _pilot_unit(planned)
     units = [unit] * workers
     first, _ = _timed(job, units, place)
     seconds, sums = _timed(job, units, place)
     pairs = len(unit.rows) * (1 if unit.columns is None else len(unit.columns))
     paths = workers * pairs * unit.count * job.batches
     preparation = following = max(0.0, first - seconds)
-    for other in [n for n in kind[1:] if n.job.scene is job.scene][:1]:
-        taken, _ = _timed(other.job, [_like_all(other)] * workers, place)
+    for other in [each for each in kind[1:] if each.job.scene is job.scene][:1]:
+        taken, _ = _timed(other.job, [_pilot_unit(other)] * workers, place)
         following = min(preparation, max(0.0, taken - seconds))
-    return _Trial(
-        preparation,
-        following,
-        paths / seconds,
-        _beside(job, unit, sums),
-        _needed(job, unit, sums),
-    )
+    receiver, needed = _summed(job, unit, sums)
+    return _Rates(preparation, following, paths / seconds, receiver, needed)
 
 
 def _timed(
@@ -169,37 +163,30 @@ def _timed(
     return time.perf_counter() - start, sums
 
 
-def _like_all(noted: PlannedJob) -> Unit:
+def _pilot_unit(planned: PlannedJob) -> Unit:
     # A unit of as many paths a row as the run will trace, where that is known
-    job, unit = noted.job, noted.job.pilot_unit(_TRIAL)
-    shape = getattr(job, "shape", None)
-    if shape is None or noted.goal.samples is None or unit.count <= _length(noted):
+    job, unit = planned.job, planned.job.pilot_unit(_PILOT_PATHS)
+    if not isinstance(job, EstimatedJob) or unit.columns is not None:
         return unit
-    length = _length(noted)
+    length = _length(planned)
+    if job.cut or planned.goal.samples is None or unit.count <= length:
+        return unit
     if job.together:
         return Unit(unit.rows, 0, length)
-    rows = min(_TRIAL // (length * job.batches), _SUMS // row_bytes(job))
-    return Unit(evenly_spaced(shape[0], max(1, rows)), 0, length)
+    rows = min(_PILOT_PATHS // (length * job.batches), _PILOT_BYTES // row_bytes(job))
+    return Unit(evenly_spaced(job.shape[0], max(1, rows)), 0, length)
 
 
-def _beside(job: Job, unit: Unit, part: np.ndarray) -> float:
-    # Time that a row of a matrix takes to be added, and for its mean and deviations
-    if not hasattr(job, "unfinished"):
-        return 0.0
+def _summed(job: Job, unit: Unit, part: np.ndarray) -> tuple[float, float]:
+    # Time that a row takes beside its paths, to be added and for its mean and
+    # deviations [s], and points of a batch at which the relative error would be 1
+    if not isinstance(job, EstimatedJob) or unit.columns is not None:
+        return 0.0, 0.0
     start = time.perf_counter()
-    sums = Sums.none((len(unit.rows), *job.shape[1:]))
+    sums: Sums = job.empty_sums(len(unit.rows))
     sums.add(np.arange(len(unit.rows)), part)
     sums.count[:] = unit.count
     estimated(sums, reached=True, components=True)
-    return (time.perf_counter() - start) / len(unit.rows)
-
-
-def _needed(job: Job, unit: Unit, sums: np.ndarray) -> float | None:
-    # Points of a batch at which the relative error would be one
-    if hasattr(job, "error"):
-        return unit.count * job.error(Batches(sums, unit.count)) ** GROWTH
-    if hasattr(job, "unfinished"):
-        count = np.full(len(unit.rows), unit.count)
-        _, error = job.unfinished(Sums(sums, count), 1.0)
-        return unit.count * error**GROWTH
-    return None
+    seconds = (time.perf_counter() - start) / len(unit.rows)
+    error = float(np.max(job.error(sums)))
+    return seconds, unit.count * error**CONVERGENCE

@@ -91,12 +91,6 @@ def resolve(device: Device) -> Literal["cpu", "cuda"]:
     return "cpu"
 
 
-def in_use() -> Literal["cpu", "cuda"]:
-    """Return the device whose modules this thread has loaded."""
-    mitsuba = importlib.import_module("mitsuba")
-    return "cuda" if mitsuba.variant() == _VARIANT["cuda"] else "cpu"
-
-
 def free_memory() -> int | None:
     """Return the free memory of the GPU [bytes]; None if its driver does not tell.
 

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.camera_rays import CameraRays
-from clerestory.engine.direct_sun_jobs import BATCHES, PixelSunJob, SunJob
+from clerestory.engine.direct_sun_jobs import PixelSunJob, SunJob
 from clerestory.engine.path_tracer import PathTracer
 from clerestory.engine.sampler import (
     CONNECT_U,
@@ -69,11 +69,13 @@ def prepare_sun(job: SunJob) -> Tracer:
     position = vectors(mi.Point3f, job.sensors.position - origin)
     normal = vectors(mi.Vector3f, job.sensors.direction)
 
-    def trace(unit: Unit) -> Float[np.ndarray, "row sun batch 3"]:
+    _, batches, _, channels = job.shape
+
+    def trace(unit: Unit) -> Float[np.ndarray, "row batch sun channel"]:
         rows, suns = len(unit.rows), len(unit.columns)
-        lane = dr.arange(mi.UInt32, rows * suns * BATCHES)
-        row, stream, middle = _pairs(job, unit, lane // BATCHES)
-        key = mi.sample_tea_32(row * BATCHES + lane % BATCHES, stream)[0]
+        lane = dr.arange(mi.UInt32, rows * suns * batches)
+        row, stream, middle = _pairs(job, unit, lane // batches)
+        key = mi.sample_tea_32(row * batches + lane % batches, stream)[0]
         with launching():
             light = irradiance_of(
                 window,
@@ -85,7 +87,8 @@ def prepare_sun(job: SunJob) -> Tracer:
             )
             dr.eval(light)
             values = light.numpy()
-        return values.T.reshape(rows, suns, BATCHES, 3).astype(float)
+        by_pair = values.T.reshape(rows, suns, batches, 3)[..., :channels]
+        return by_pair.transpose(0, 2, 1, 3).astype(float)
 
     return trace
 

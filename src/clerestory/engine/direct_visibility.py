@@ -5,7 +5,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.direct_sun_jobs import BATCHES, UnscatteredJob
+from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.lower import lower
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.visibility import transmittance
@@ -43,7 +43,9 @@ def prepare_unscattered(job: UnscatteredJob) -> Tracer:
     origin = job.sensors.position.mean(axis=0)
     model = lower(job.scene, origin=origin)
 
-    def trace(unit: Unit) -> Float[np.ndarray, "row column batch 3"]:
+    _, batches, _, channels = job.shape
+
+    def trace(unit: Unit) -> Float[np.ndarray, "row batch column channel"]:
         rows, columns = len(unit.rows), len(unit.columns)
         normal = job.sensors.direction[unit.rows]
         flat = job.directions[unit.columns].reshape(-1, 3)
@@ -58,7 +60,7 @@ def prepare_unscattered(job: UnscatteredJob) -> Tracer:
             found = share.numpy()
         share = np.broadcast_to(found, (3, rows * len(flat))).reshape(3, rows, -1)
         light = share * np.maximum(normal @ flat.T, 0)
-        shape = 3, rows, columns, BATCHES, job.points
-        return np.moveaxis(light.reshape(shape).mean(axis=-1), 0, -1).astype(float)
+        means = light.reshape(3, rows, columns, batches, job.points).mean(axis=-1)
+        return means[:channels].transpose(1, 3, 2, 0).astype(float)
 
     return trace

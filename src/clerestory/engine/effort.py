@@ -12,11 +12,21 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Literal, TypedDict
 
 from clerestory.engine.device import Device
+from clerestory.engine.sums import BATCHES
 from clerestory.engine.work_units import Executor, Goal, Local
 from clerestory.errors import InputError
 from clerestory.progress import Progress
 
 _MOST_SAMPLES, _LEAST_ERROR, _MOST_ERROR = 1 << 26, 1e-5, 10.0
+
+
+class JobOptions(TypedDict):
+    """Fields of a job that come from an effort."""
+
+    bounces: int | None
+    seed: int
+    batches: int
+    device: Literal["cpu", "cuda"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,9 +86,19 @@ class Effort:
         """When the work is done."""
         return Goal(self.samples, self.relative_error)
 
-    def resolved_device(self) -> Literal["cpu", "cuda"]:
-        """Return the device that the executor computes on."""
-        return self.executor.resolve(self.device)
+    def job_options(self, batches: int = BATCHES) -> JobOptions:
+        """Return the part of the effort that the sums of a job depend on.
+
+        Parameters
+        ----------
+        batches : used where the effort asks for none
+        """
+        return JobOptions(
+            bounces=self.bounces,
+            seed=self.seed,
+            batches=self.batches or batches,
+            device=self.executor.resolve(self.device),
+        )
 
 
 _PLAIN = Effort()
@@ -131,7 +151,9 @@ def effort_of(
     changed = {name: value for name, value in given.items() if name != "effort"}
     if changed.get("executor", True) is None:
         del changed["executor"]
-    effort = replace(keywords.get("effort", _PLAIN), **changed)  # type: ignore[arg-type]
+    # An executor of its own for each call, unless the caller keeps one
+    base = keywords.get("effort") or Effort()
+    effort = replace(base, **changed)  # type: ignore[arg-type]
     for name in without:
         if getattr(effort, name) != getattr(_PLAIN, name):
             raise InputError(f"{function.__name__}() takes no {name}; none expected")

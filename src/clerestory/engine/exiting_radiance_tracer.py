@@ -9,10 +9,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from clerestory.engine.exiting_radiance import ExitingRadianceJob
 from clerestory.engine.illumination import Illumination
 from clerestory.engine.path_tracer import SAMPLED_AT_START, segments_of
 from clerestory.engine.portals import Portals, window_rectangles
+from clerestory.engine.radiance_jobs import ExitingRadianceJob
 from clerestory.engine.radiance_tracers import tracer_of
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers
 from clerestory.engine.sinks import RadianceSink

@@ -1,58 +1,53 @@
-"""Jobs that trace transfer matrices, and when their rows are good enough.
+"""Jobs of transfer matrices, and the relative errors they are traced to.
 
-    V  sensors or pixels × interior patches     trace_view, trace_pixel_view
-    D  exterior patches × sky                   trace_daylight
-    C  sensors × sky                            trace_coefficients
+    V  sensors or pixels × interior patches       ViewJob, PixelViewJob
+    D  exterior patches × sky                     DaylightJob
+    F  exterior patches × exterior patches of ports     FacadeJob
+    C  sensors × sky                              CoefficientsJob
 
-Nothing here needs a compute device: the jobs are plain values, and what traces them
-lies in `launches` and `view_pixels`.
+Jobs are plain values and need no compute device; `matrix_tracers` and
+ALREADY
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.channels import channels_of
-from clerestory.engine.controller import (
-    MatrixJob,
-    all_or_none,
-    estimate,
-    variance,
-)
-from clerestory.engine.effort import Effort
-from clerestory.engine.sums import BATCHES, Estimate, Sums
+from clerestory.engine.controller import EstimatedJob
+from clerestory.engine.sums import Sums, variance
 from clerestory.hemisphere.reinhart import SkyPartition
-from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Rows darker than this share of the mean row need not reach the relative error.
+# Rows darker than this share of the mean row need not reach the relative error
 _DARK = 0.01
 
 
-@dataclass(frozen=True, eq=False)
-class ViewJob(MatrixJob):
-    """From irradiance sensors to the patches of windows.
-
-    Attributes
-    ----------
-    bounces : most gathers; None: no limit
-    """
-
-    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_view")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _SensorJob(EstimatedJob):
+    # Rows of sensors; each goes on until its irradiance is as good as asked for, under
+    # windows or a sky of uniform radiance
     together: ClassVar[bool] = False
 
-    scene: Scene
-    windows: tuple[Window, ...]
     sensors: Sensors
-    bounces: int | None
-    seed: int
-    batches: int
-    device: Literal["cpu", "cuda"]
+
+    def error(self, sums: Sums) -> Float[np.ndarray, " row"]:
+        """Relative error of each sensor's irradiance from all columns."""
+        return row_errors(sums)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ViewJob(_SensorJob):
+    """From irradiance sensors to the patches of windows (columns: window by window)."""
+
+    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_view")
+
+    windows: tuple[Window, ...]
 
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
@@ -60,25 +55,14 @@ class ViewJob(MatrixJob):
         rows, columns = len(self.sensors), patches_of(self.windows)
         return rows, self.batches, columns, channels_of(self.scene)
 
-    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
-        """Judge each sensor's irradiance under windows of uniform radiance."""
-        return dim_rows(sums, aim)
 
-
-@dataclass(frozen=True, eq=False)
-class CoefficientsJob(MatrixJob):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CoefficientsJob(_SensorJob):
     """From irradiance sensors to the patches of the sky."""
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_coefficients")
-    together: ClassVar[bool] = False
 
-    scene: Scene
     sky: SkyPartition
-    sensors: Sensors
-    bounces: int | None
-    seed: int
-    batches: int
-    device: Literal["cpu", "cuda"]
 
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
@@ -86,25 +70,32 @@ class CoefficientsJob(MatrixJob):
         rows, columns = len(self.sensors), len(self.sky)
         return rows, self.batches, columns, channels_of(self.scene)
 
-    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
-        """Judge each sensor's irradiance under a uniform sky."""
-        return dim_rows(sums, aim)
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _WindowJob(EstimatedJob):
+    # Rows of a window's patches, from their outer side
+    together: ClassVar[bool] = True
+
+    window: Window
+
+    def error(self, sums: Sums) -> float:
+        """Error of the window's irradiance from one column, relative to the mean.
+
+        The root mean square over the columns: it holds for a sun that stands in any
+        patch, not only for a uniform sky.
+        """
+        projected = self.window.partition.projected_solid_angles()
+        irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
+        return mean_error(irradiance, axis=0)
 
 
-@dataclass(frozen=True, eq=False)
-class DaylightJob(MatrixJob):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DaylightJob(_WindowJob):
     """From the outer side of a window's patches to the patches of the sky."""
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_daylight")
-    together: ClassVar[bool] = True
 
-    scene: Scene
-    window: Window
     sky: SkyPartition
-    bounces: int | None
-    seed: int
-    batches: int
-    device: Literal["cpu", "cuda"]
 
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
@@ -112,13 +103,24 @@ class DaylightJob(MatrixJob):
         rows, columns = len(self.window.partition), len(self.sky)
         return rows, self.batches, columns, channels_of(self.scene)
 
-    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
-        """Judge the window's irradiance from each patch of the sky."""
-        return window_irradiance(self.window, sums, aim)
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FacadeJob(_WindowJob):
+    """From the outer side of a window's patches to those of ports before it."""
+
+    tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_facade")
+
+    ports: tuple[Window, ...]
+
+    @cached_property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Rows, batches, columns and channels."""
+        rows, columns = len(self.window.partition), patches_of(self.ports)
+        return rows, self.batches, columns, channels_of(self.scene)
 
 
-@dataclass(frozen=True, eq=False)
-class PixelViewJob(MatrixJob):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PixelViewJob(EstimatedJob):
     """From the pixels of a view to the patches of windows.
 
     Attributes
@@ -130,16 +132,11 @@ class PixelViewJob(MatrixJob):
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_pixel_view")
     together: ClassVar[bool] = False
 
-    scene: Scene
     windows: tuple[Window, ...]
     view: View
     columns: int
     rows: int
     direct: bool
-    bounces: int | None
-    seed: int
-    batches: int
-    device: Literal["cpu", "cuda"]
 
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
@@ -147,80 +144,9 @@ class PixelViewJob(MatrixJob):
         pixels, columns = self.columns * self.rows, patches_of(self.windows)
         return pixels, self.batches, columns, channels_of(self.scene)
 
-    def unfinished(self, sums: Sums, aim: float) -> tuple[np.ndarray, float]:
-        """Judge the mean pixel under windows of uniform radiance."""
-        radiance = sums.collected()
-        error = float(np.sqrt(np.mean(variance(radiance, axis=1))))
-        return all_or_none(sums, error, float(radiance.mean()), aim)
-
-
-def trace_view(
-    scene: Scene, windows: tuple[Window, ...], sensors: Sensors, effort: Effort
-) -> Estimate:
-    """Trace from sensors to the patches of all windows (columns: window by window).
-
-    The relative error of a row is that of the irradiance [W/m²] under windows of
-    uniform radiance; every row goes on until it reaches it.
-    """
-    return estimate(view_job(scene, windows, sensors, effort), effort)
-
-
-def view_job(
-    scene: Scene, windows: tuple[Window, ...], sensors: Sensors, effort: Effort
-) -> ViewJob:
-    """Return the job of `trace_view`, to be traced block by block of sensors."""
-    return ViewJob(scene, windows, sensors, *walk_of(effort))
-
-
-def trace_coefficients(
-    scene: Scene, sky: SkyPartition, sensors: Sensors, effort: Effort
-) -> Estimate:
-    """Trace from sensors to the patches of the sky.
-
-    The relative error of a row is that of the irradiance under a uniform sky.
-    """
-    job = CoefficientsJob(scene, sky, sensors, *walk_of(effort))
-    return estimate(job, effort)
-
-
-def trace_daylight(
-    scene: Scene, window: Window, sky: SkyPartition, effort: Effort
-) -> Estimate:
-    """Trace from the outer side of a window's patches to the patches of the sky.
-
-    The relative error is the root mean square, over the sky's patches, of the error
-    of the window's irradiance from one patch, relative to the mean patch: it holds
-    for a sun that stands in any patch, not only for a uniform sky.
-    """
-    job = DaylightJob(scene, window, sky, *walk_of(effort))
-    return estimate(job, effort)
-
-
-def trace_pixel_view(
-    scene: Scene,
-    windows: tuple[Window, ...],
-    view: View,
-    columns: int,
-    rows: int,
-    effort: Effort,
-    *,
-    direct: bool,
-) -> Estimate:
-    """Trace from pixels to the patches of all windows (columns: window by window).
-
-    The relative error is that of the mean pixel under windows of uniform radiance.
-    """
-    picture = view, columns, rows, direct
-    job = PixelViewJob(scene, windows, *picture, *walk_of(effort))
-    return estimate(job, effort)
-
-
-def walk_of(
-    effort: Effort,
-) -> tuple[int | None, int, int, Literal["cpu", "cuda"]]:
-    """Return what all jobs end with: bounces, seed, batches and device."""
-    batches = effort.batches or BATCHES
-    return effort.bounces, effort.seed, batches, effort.resolved_device()
+    def error(self, sums: Sums) -> float:
+        """Relative error of the mean pixel under windows of uniform radiance."""
+        return mean_error(sums.collected(), axis=1)
 
 
 def patches_of(windows: tuple[Window, ...]) -> int:
@@ -228,22 +154,26 @@ def patches_of(windows: tuple[Window, ...]) -> int:
     return sum(len(window.partition) for window in windows)
 
 
-def window_irradiance(
-    window: Window, sums: Sums, aim: float
-) -> tuple[np.ndarray, float]:
-    """Return the judgement of a window's irradiance from each column, all as one."""
-    projected = window.partition.projected_solid_angles()
-    irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
-    error = float(np.sqrt(np.mean(variance(irradiance, axis=0))))
-    return all_or_none(sums, error, float(np.mean(irradiance)), aim)
+def mean_error(values: np.ndarray, *, axis: int) -> float:
+    """Return the root mean square of standard errors, over the mean value.
+
+    Parameters
+    ----------
+    axis : of the batches
+    """
+    mean = float(values.mean())
+    error = float(np.sqrt(np.mean(variance(values, axis=axis))))
+    return error / mean if mean > 0 else 0.0
 
 
-def dim_rows(sums: Sums, aim: float) -> tuple[np.ndarray, float]:
-    """Return the judgement of rows that go on until each reaches its own error."""
-    irradiance: Float[np.ndarray, "row batch channel"] = sums.collected()
+def row_errors(sums: Sums) -> Float[np.ndarray, " row"]:
+    """Return the relative error of each row, summed over its columns.
+
+    Rows darker than 1 % of the mean are judged as if they had that much.
+    """
+    irradiance = sums.collected()
     mean = irradiance.mean(axis=1)
     error = np.sqrt(variance(irradiance, axis=1))
     floor = np.maximum(mean, _DARK * mean.mean())
-    share = np.max(error / np.where(floor > 0, floor, 1), axis=-1)
-    ratio = share / aim
-    return ratio > 1, float(ratio.max(initial=0.0))
+    share: np.ndarray = error / np.where(floor > 0, floor, 1)
+    return np.asarray(share.max(axis=-1))

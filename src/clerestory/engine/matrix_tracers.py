@@ -13,12 +13,12 @@ import numpy as np
 from jaxtyping import Float, UInt64
 
 from clerestory.engine.camera_rays import CameraRays
-from clerestory.engine.controller import MatrixJob
-from clerestory.engine.facade_jobs import FacadeJob
+from clerestory.engine.controller import EstimatedJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.matrix_jobs import (
     CoefficientsJob,
     DaylightJob,
+    FacadeJob,
     PixelViewJob,
     ViewJob,
 )
@@ -163,7 +163,7 @@ def _from_sensors(
 
 
 def matrix_tracer(
-    job: MatrixJob, launch: Launch, *, stream: int, seed: int | None = None
+    job: EstimatedJob, launch: Launch, *, stream: int, seed: int | None = None
 ) -> Tracer:
     """Return what traces units of a matrix and fetches their sums.
 

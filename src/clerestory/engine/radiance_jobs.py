@@ -1,44 +1,31 @@
-"""Jobs for pictures and sensors at one instant: rounds, batches and their errors.
+"""Jobs of radiance and irradiance at one instant: pictures, sensors, window emitters.
 
-Every pixel or sensor is estimated by independent batches, each along its own
-scrambled sequence; their spread gives the standard error. More accuracy lengthens
-the sequences. What shines has no largest radiance, so sums are floating-point; they
-are added in the order of their units, whoever traced them.
+Radiance has no upper limit, so sums are in floating point; they are added in the order
+of their units, whose size does not depend on the machine.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
-from clerestory.engine.controller import GROWTH
+from clerestory.engine.controller import EstimatedJob, Growth, sum_rows
 from clerestory.engine.effort import Effort
-from clerestory.engine.work_units import Job, Unit
-from clerestory.scene.model import Scene
+from clerestory.engine.matrix_jobs import mean_error, row_errors
+from clerestory.engine.sums import Sums
+from clerestory.engine.work_units import Unit, UnitSize
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
-# Independent batches of a picture's pixel, and of a sensor.
-PICTURE_BATCHES, SENSOR_BATCHES = 8, 16
-
-# Most paths in one unit, fewest points of a batch in it, most points of a batch.
-_PATHS = 1 << 21
-_SHORTEST = 8
-_LONGEST = 1 << 20
-
-# Sample points of a batch in the first round, when an error is aimed at.
-_PILOT = 8
-
-# Rows darker than this share of the mean need not reach the relative error.
-_DARK = 0.01
+# Independent batches of a pixel or a direction, unless the effort says otherwise
+PICTURE_BATCHES = 8
 
 
 @dataclass(frozen=True, eq=False)
 class RadianceEstimate:
-    """Light that was gathered.
+    """Estimated radiance or irradiance.
 
     Attributes
     ----------
@@ -54,197 +41,120 @@ class RadianceEstimate:
     reached: bool
 
 
-@dataclass
-class Batches:
-    """Sums over the sample points of each batch."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RadianceJob(EstimatedJob):
+    """A job whose rows are radiances or irradiances in the bands of the scene."""
 
-    total: Float[np.ndarray, "batch row band"]
-    count: int = 0
+    together: ClassVar[bool] = True
+    growth: ClassVar[Growth] = Growth(pilot=8, longest=1 << 20, most=16)
+    cut: ClassVar[UnitSize | None] = UnitSize(paths=1 << 21, sums=1 << 40)
 
-    def mean(self) -> Float[np.ndarray, "row band"]:
-        """Mean over all batches."""
-        mean: np.ndarray = self.total.mean(axis=0) / self.count
-        return mean
+    def empty_sums(self, rows: int) -> Sums:
+        """Return floating-point sums."""
+        return Sums.floating((rows, *self.shape[1:]))
 
-    def error(self) -> Float[np.ndarray, "row band"]:
-        """Standard error of the mean."""
-        spread: np.ndarray = self.total.std(axis=0, ddof=1)
-        return spread / (self.count * math.sqrt(len(self.total)))
+    def error(self, sums: Sums) -> float:
+        """Error of the mean row: root mean square of the errors, over the mean."""
+        return mean_error(sums.collected(), axis=1)
+
+    def pilot_unit(self, paths: int) -> Unit:
+        """Return a unit of consecutive rows in the middle."""
+        # A good part of them, or all with many samples
+        rows, shortest = self.shape[0], self.growth.pilot
+        block = max(1, min(rows, paths // (self.batches * shortest)))
+        first = (rows - block) // 2
+        count = paths // (self.batches * block)
+        count = int(np.clip(count, 1, self.growth.longest))
+        return Unit(np.arange(first, first + block), 0, count)
 
 
-class RadianceJob(Job, Protocol):
-    """A job whose rows are lights that are gathered.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PictureJob(RadianceJob):
+    """Radiance of a view's pixels, row by row from the top.
 
     Attributes
     ----------
-    batches : independent estimates of each row
+    columns, rows : size of the picture
+    quantity : radiance, or the irradiance of the surface that a pixel shows
     """
 
-    batches: ClassVar[int]
-
-    @property
-    def receivers(self) -> int:
-        """Number of rows."""
-
-    def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of some rows."""
-
-    def error(self, values: Batches) -> float:
-        """Return the error that is to be reached, relative."""
-
-
-@dataclass(frozen=True, eq=False)
-class PictureJob:
-    """Radiance of a view's pixels, or irradiance, row by row from the top."""
-
     tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_picture")
-    batches: ClassVar[int] = PICTURE_BATCHES
 
-    scene: Scene
     view: View
     columns: int
     rows: int
-    bounces: int | None
-    seed: int
-    device: Literal["cpu", "cuda"]
     quantity: Literal["radiance", "irradiance"] = "radiance"
 
     @property
-    def receivers(self) -> int:
-        """Pixels of the picture."""
-        return self.columns * self.rows
-
-    def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of the middle of the picture."""
-        return middle_unit(self.receivers, self.batches, paths)
-
-    def error(self, values: Batches) -> float:
-        """Return the error of the mean pixel, relative."""
-        mean, deviation = values.mean(), values.error()
-        return float(np.sqrt(np.mean(deviation**2)) / max(mean.mean(), 1e-30))
+    def shape(self) -> tuple[int, int, int, int]:
+        """Pixels, batches, one column, bands."""
+        return self.columns * self.rows, self.batches, 1, len(self.scene.bands)
 
 
-@dataclass(frozen=True, eq=False)
-class IrradianceJob:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IrradianceJob(RadianceJob):
     """Irradiance of sensors."""
 
     tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_irradiance")
-    batches: ClassVar[int] = SENSOR_BATCHES
 
-    scene: Scene
     sensors: Sensors
-    bounces: int | None
-    seed: int
-    device: Literal["cpu", "cuda"]
 
     @property
-    def receivers(self) -> int:
-        """Number of sensors."""
-        return len(self.sensors)
+    def shape(self) -> tuple[int, int, int, int]:
+        """Sensors, batches, one column, bands."""
+        return len(self.sensors), self.batches, 1, len(self.scene.bands)
 
-    def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of some sensors."""
-        return middle_unit(self.receivers, self.batches, paths)
-
-    def error(self, values: Batches) -> float:
-        """Return the relative error of the worst sensor."""
-        mean, deviation = values.mean(), values.error()
-        floor = np.maximum(mean, _DARK * mean.mean())
-        return float(np.max(deviation / np.where(floor > 0, floor, 1), initial=0.0))
+    def error(self, sums: Sums) -> float:
+        """Relative error of the worst sensor."""
+        return float(row_errors(sums).max(initial=0.0))
 
 
-def trace_picture(
-    scene: Scene,
-    view: View,
-    columns: int,
-    rows: int,
-    effort: Effort,
-    *,
-    quantity: Literal["radiance", "irradiance"],
-) -> RadianceEstimate:
-    """Return the radiance of a view's pixels, row by row from the top.
+@dataclass(frozen=True, eq=False)
+class EmitterPatches:
+    """Flat patches cut into triangles.
 
-    The relative error is that of the mean pixel: the root mean square of the standard
-    errors over the mean radiance.
-
-    Parameters
+    Attributes
     ----------
-    quantity : radiance, or the irradiance of the surface that a pixel shows
+    frame : of each patch; rows: two axes in it and its normal
+    corner : of all triangles [m]
+    first : of each patch, its first triangle; at the end the number of triangles
+    cumulative : of each triangle, the share of its patch up to and with it
     """
-    walk = effort.bounces, effort.seed, effort.resolved_device()
-    job = PictureJob(scene, view, columns, rows, *walk, quantity)
-    return estimate_radiance(job, effort)
+
+    frame: Float[np.ndarray, "patch 3 3"]
+    corner: Float[np.ndarray, "triangle 3 3"]
+    first: Int[np.ndarray, " patches_and_end"]
+    cumulative: Float[np.ndarray, " triangle"]
 
 
-def trace_irradiance(
-    scene: Scene, sensors: Sensors, effort: Effort
-) -> RadianceEstimate:
-    """Return the irradiance of sensors; every one reaches the relative error."""
-    job = IrradianceJob(
-        scene, sensors, effort.bounces, effort.seed, effort.resolved_device()
-    )
-    return estimate_radiance(job, effort)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ExitingRadianceJob(RadianceJob):
+    """Mean radiance that patches send within rings and sectors, patch by patch.
+
+    Suns seen straight through the patch are left out.
+    """
+
+    tracer: ClassVar[tuple[str, str]] = ("exiting_radiance_tracer", "prepare_outgoing")
+
+    patches: EmitterPatches
+    rings: int
+    sectors: int
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Directions of all patches, batches, one column, bands."""
+        directions = len(self.patches.frame) * self.rings * self.sectors
+        return directions, self.batches, 1, len(self.scene.bands)
 
 
 def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
-    """Trace a job until its samples are taken or its error is reached."""
-    batches, shape = job.batches, (job.receivers, len(job.scene.bands))
+    """Estimate radiance or irradiance until its samples or its error are reached."""
+    rows, _, _, bands = job.shape
     if not effort.executor.accepts(job, effort.goal):
-        return RadianceEstimate(np.zeros(shape), np.zeros(shape), 0, True)
-    sums = Batches(np.zeros((batches, *shape)))
-    length = _PILOT
-    if effort.samples is not None:
-        length = max(1, -(-effort.samples // batches))
-    start, share = 0.0, 1.0 if effort.samples is not None else 0.05
-    while True:
-        _lengthen(job, sums, length, effort, start, share)
-        if effort.samples is not None:
-            reached = True
-            break
-        ratio = job.error(sums) / (effort.relative_error or 1.0)
-        reached = ratio <= 1
-        if reached or length >= _LONGEST:
-            break
-        growth = float(np.clip(ratio**GROWTH, 2, 16))
-        start, share = start + share, (1 - start - share) * 0.8
-        length = min(int(length * 2 ** np.ceil(np.log2(growth))), _LONGEST)
-    if effort.progress:
-        effort.progress(1.0, "done")
-    return RadianceEstimate(
-        sums.mean(), sums.error(), job.receivers * batches * sums.count, reached
-    )
-
-
-def middle_unit(rows: int, batches: int, paths: int) -> Unit:
-    """Return a unit of the middle of a job."""
-    # Consecutive rows, a good part of them, or all with many samples
-    block = max(1, min(rows, paths // (batches * _SHORTEST)))
-    first = (rows - block) // 2
-    count = int(np.clip(paths // (batches * block), 1, _LONGEST))
-    return Unit(np.arange(first, first + block), 0, count)
-
-
-def _lengthen(
-    job: Job, sums: Batches, length: int, effort: Effort, start: float, share: float
-) -> None:
-    # Bring every batch to `length` sample points, unit by unit
-    batches, rows, _ = sums.total.shape
-    units = list(_units(rows, batches, sums.count, length))
-    work, done = rows * (length - sums.count), 0
-    for unit, part in zip(units, effort.executor.map(job, units), strict=True):
-        sums.total[:, unit.rows] += part
-        done += len(unit.rows) * unit.count
-        if effort.progress:
-            note = f"{length * batches} samples"
-            effort.progress(start + share * done / work, note)
-    sums.count = length
-
-
-def _units(rows: int, batches: int, have: int, length: int) -> Iterator[Unit]:
-    # Many rows or many points each; the cut must not depend on the machine
-    while have < length:
-        count = min(length - have, max(_SHORTEST, _PATHS // (batches * rows)))
-        block = max(1, _PATHS // (batches * count))
-        for first in range(0, rows, block):
-            yield Unit(np.arange(first, min(first + block, rows)), have, count)
-        have += count
+        nothing = np.zeros((rows, bands))
+        return RadianceEstimate(nothing, nothing, 0, True)
+    sums, reached = sum_rows(job, slice(0, rows), effort)
+    batches, count = sums.total[:, :, 0], sums.count[:, None]
+    error = batches.std(axis=1, ddof=1) / (count * math.sqrt(job.batches))
+    paths = int(sums.count.sum()) * job.batches
+    return RadianceEstimate(batches.mean(axis=1) / count, error, paths, reached)

@@ -142,10 +142,10 @@ def _sensor_pilots(position: mi.Point3f, normal: mi.Vector3f, count: int) -> mi.
 
 
 def tracer_of(light: Callable, seed: int, batches: int) -> Tracer:
-    """Return what traces units: consecutive rows along a stretch of the sequence."""
+    """Return what traces units: consecutive rows and a range of the sequence."""
     stretch = lru_cache(maxsize=1)(points)
 
-    def trace(unit: Unit) -> Float[np.ndarray, "batch row 3"]:
+    def trace(unit: Unit) -> Float[np.ndarray, "row batch 1 3"]:
         sequence, count = stretch(unit.first, unit.count), unit.count
         lane = dr.arange(mi.UInt32, len(unit.rows) * batches * count)
         index = lane % dr.opaque(mi.UInt32, count)
@@ -157,7 +157,6 @@ def tracer_of(light: Callable, seed: int, batches: int) -> Tracer:
             found = light(PathNumbers(sequence, key, index, mi.UInt32(0)), row)
             dr.eval(found)
             total = dr.block_reduce(dr.ReduceOp.Add, found, count).numpy()
-        sums = total.T.reshape(len(unit.rows), batches, 3).transpose(1, 0, 2)
-        return sums.astype(float)
+        return total.T.reshape(len(unit.rows), batches, 1, 3).astype(float)
 
     return trace

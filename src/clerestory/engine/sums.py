@@ -1,20 +1,22 @@
-"""Sums of what paths carry, and the means and errors that they amount to.
+"""Sums of path contributions, their means and standard errors.
 
-Every row of a matrix is estimated by sixteen independent batches. Their sums are exact
-whole numbers; their spread is the standard error.
+Every row is estimated by independent batches. The spread of the batch means is the
+standard error. Sums in fixed point are exact, whatever the order of the additions; sums
+in floating point are added in the order of their units.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int, UInt64
+from jaxtyping import Float, Int
 
+# Independent batches of a row, unless its kind of result needs fewer
 BATCHES = 16
 
-# Sums that are brought to means at a time [bytes]
+# Bytes of sums that are converted at a time, to stay in the processor's cache
 _CACHED = 1 << 20
 
-# One unit of a sum is 2⁻⁴⁰ of a weight; sums stay exact below 2²⁴.
+# A path of weight 1 adds 2⁴⁰ to a sum in fixed point; sums stay exact below 2²⁴
 FIXED_POINT = float(1 << 40)
 
 
@@ -39,48 +41,80 @@ class Estimate:
 
 @dataclass
 class Sums:
-    """Fixed-point sums of some rows, and how many points each batch has seen."""
+    """Sums of the path contributions of some rows.
 
-    total: UInt64[np.ndarray, "row batch column channel"]
+    Attributes
+    ----------
+    total : 64-bit whole numbers in fixed point, or floating-point numbers
+    count : sample points of each batch so far
+    one : what a path of weight 1 adds
+    """
+
+    total: np.ndarray
     count: Int[np.ndarray, " row"]
+    one: float = FIXED_POINT
 
     @classmethod
-    def none(cls, shape: tuple[int, int, int, int]) -> "Sums":
-        """Return sums of rows, batches, columns and channels that have seen nothing."""
+    def fixed_point(cls, shape: tuple[int, int, int, int]) -> "Sums":
+        """Return empty sums of rows, batches, columns and channels."""
         return cls(np.zeros(shape, np.uint64), np.zeros(shape[0], np.int64))
 
-    def add(self, rows: Int[np.ndarray, " some"], part: np.ndarray) -> None:
-        """Add what a unit returned to some rows; in place if they are consecutive."""
+    @classmethod
+    def floating(cls, shape: tuple[int, int, int, int], one: float = 1.0) -> "Sums":
+        """Return empty sums of rows, batches, columns and channels."""
+        return cls(np.zeros(shape), np.zeros(shape[0], np.int64), one)
+
+    def add(
+        self,
+        rows: Int[np.ndarray, " some"],
+        part: np.ndarray,
+        columns: Int[np.ndarray, " some_columns"] | None = None,
+    ) -> None:
+        """Add the sums of a unit; in place where its rows are consecutive.
+
+        Parameters
+        ----------
+        columns : consecutive ones; None for all
+        """
+        chosen: slice | np.ndarray = rows
         if rows[-1] - rows[0] == len(rows) - 1:
-            self.total[rows[0] : rows[-1] + 1] += part
+            chosen = slice(rows[0], rows[-1] + 1)
+        if columns is None:
+            self.total[chosen] += part
         else:
-            self.total[rows] += part
+            self.total[chosen, :, columns[0] : columns[-1] + 1] += part
 
     def means(self) -> Float[np.ndarray, "row batch column channel"]:
         """Mean weight of each batch's paths."""
-        means: np.ndarray = self.total / (FIXED_POINT * self.count[:, None, None, None])
+        means: np.ndarray = self.total / (self.one * self.count[:, None, None, None])
         return means
 
     def collected(self) -> Float[np.ndarray, "row batch channel"]:
         """Mean weight of each batch's paths, all columns together."""
-        sums: np.ndarray = self.total.sum(axis=2)
-        return sums / (FIXED_POINT * self.count[:, None, None])
+        means: np.ndarray = self.total.sum(axis=2)
+        return means / (self.one * self.count[:, None, None])
+
+
+def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
+    """Variance of the mean of independent batches."""
+    of_batches: np.ndarray = np.var(values, axis=axis, ddof=1)
+    of_mean: np.ndarray = of_batches / values.shape[axis]
+    return of_mean
 
 
 def estimated(sums: Sums, *, reached: bool, components: bool) -> Estimate:
-    """Return means of what was summed, and error components if they are asked for."""
+    """Return the means of sums, and error components if they are asked for."""
     rows, batches, columns, channels = sums.total.shape
     values = np.empty((channels, rows, columns))
     shape = batches, channels, rows, columns
-    spread = np.empty(shape, np.float32) if components else None
-    # A few rows at a time, which stay in the cache
-    few = max(1, _CACHED // sums.total[:1].nbytes)
+    deviations = np.empty(shape, np.float32) if components else None
+    few = max(1, _CACHED // max(1, sums.total[:1].nbytes))
     for part in (slice(n, n + few) for n in range(0, rows, few)):
-        means = Sums(sums.total[part], sums.count[part]).means()
+        means = Sums(sums.total[part], sums.count[part], sums.one).means()
         mean = means.mean(axis=1)
         values[:, part] = np.moveaxis(mean, -1, 0)
-        if spread is not None:
+        if deviations is not None:
             means -= mean[:, None]
             means /= np.sqrt(batches * (batches - 1))
-            spread[:, :, part] = np.moveaxis(means, (1, 3), (0, 1))
-    return Estimate(values, spread, int(sums.count.sum()) * batches, reached)
+            deviations[:, :, part] = np.moveaxis(means, (1, 3), (0, 1))
+    return Estimate(values, deviations, int(sums.count.sum()) * batches, reached)

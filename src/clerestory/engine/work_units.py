@@ -1,16 +1,16 @@
-"""Units of work: every trace is cut into pure pieces that any process may do.
+"""Work units: independent, pure parts of an estimate that any process can trace.
 
 A *job* is plain values: a scene, what receives its light, a seed. A *unit* is a part
-of a job: some rows of its matrix, some columns, a stretch of the sample sequence.
-What a unit adds depends on the job and the unit alone, never on the process that
-traced it or on what was traced before. So results do not depend on how many
-processes share the work, and a unit that is lost is simply done again.
+of a job: some rows of its matrix, some columns, a range of the sample sequence. The
+sums of a unit depend on the job and the unit alone, so that results do not depend on
+how many processes share the work, and a lost unit is traced again.
 
-An *executor* decides where units are done: `Local` in this process, a cluster in
-processes elsewhere. There is no other way to trace. A plan of the work is an executor
-as well, which takes note of every job and does none (`engine.cost_estimate`).
+An *executor* decides where units are traced: `Local` in this process, a cluster in
+processes elsewhere. A plan is an executor that records jobs and traces none
+(`engine.cost_estimate`).
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Protocol
@@ -23,10 +23,10 @@ from clerestory.engine.device import Device, free_memory, load, resolve
 from clerestory.engine.scene_cache import SceneCache
 from clerestory.scene.model import Scene
 
-# What a unit may cost on a CPU: more paths a launch do not trace faster.
+# Limits of a unit on a CPU, where larger launches are not faster: paths, bytes of sums
 _PATHS, _SUMS = 1 << 22, 1 << 29
 
-# On a GPU, a path takes this much memory while it is traced, with all it holds [bytes]
+# Memory of a path while it is traced on a GPU [bytes]
 _PATH_BYTES = 256
 
 # Most paths of a launch: their numbers stay below 2³², sums below 2³¹ entries
@@ -40,8 +40,8 @@ class Unit:
     Attributes
     ----------
     rows : their numbers in the whole matrix
-    first, count : the stretch of the sequence of sample points
-    columns : numbers of those asked for, such as suns; None for all
+    first, count : range of the sequence of sample points
+    columns : numbers of the columns, such as suns; None for all
     """
 
     rows: Int[np.ndarray, " row"]
@@ -63,34 +63,40 @@ def evenly_spaced(count: int, most: int) -> Int[np.ndarray, " number"]:
     return np.unique(np.linspace(0, count - 1, few).round().astype(int))
 
 
-class Job(Protocol):
-    """Plain values that a trace depends on; a frozen dataclass.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Job(ABC):
+    """Plain values that an estimate depends on.
 
     Attributes
     ----------
+    tracer : module of the engine, and its function that takes the job and returns what
+        traces its units
     scene : that light goes through
-    device : that it runs on
-    tracer : module of the engine, and its function that takes the job and returns
-        what traces its units
-    batches : of each receiver
+    batches : independent estimates of each row
+    bounces : most diffuse reflections or gathers; None: no limit
     """
 
     tracer: ClassVar[tuple[str, str]]
 
-    @property
-    def scene(self) -> Scene:
-        """Scene that light goes through."""
+    scene: Scene
+    batches: int
+    bounces: int | None = None
+    seed: int
+    device: Literal["cpu", "cuda"]
 
     @property
-    def device(self) -> Literal["cpu", "cuda"]:
-        """Device that it runs on."""
+    @abstractmethod
+    def shape(self) -> tuple[int, int, int, int]:
+        """Rows, batches, columns and channels of the whole result."""
 
     @property
     def receivers(self) -> int:
-        """How many things the samples of a goal are counted by."""
+        """How many things the samples of a goal are counted by: rows."""
+        return self.shape[0]
 
+    @abstractmethod
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of about so many paths that is like all of them."""
+        """Return a unit of about so many paths, for a pilot run."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +115,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class UnitSize:
-    """How large a unit may be.
+    """Limits of the size of a unit.
 
     Attributes
     ----------
@@ -122,22 +128,22 @@ class UnitSize:
 
 
 class Executor(Protocol):
-    """Does units of work, wherever that is."""
+    """Where units are traced."""
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
         """Return the device that a request leads to."""
 
     def accepts(self, job: Job, goal: Goal) -> bool:
-        """Return whether a job is to be done; what is declined stays blank."""
+        """Return whether to trace a job; the result of another one stays blank."""
 
     def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
-        """Return how large units may be."""
+        """Return the limits of the size of units."""
 
     def workers(self) -> int:
-        """Return how many units are done at once."""
+        """Return how many units are traced at once."""
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
-        """Yield what each unit adds, in the order of the units."""
+        """Yield the sums of each unit, in the order of the units."""
 
 
 def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
@@ -161,14 +167,13 @@ def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
 
 
 def _with_scene(job: Job, scene: Scene) -> Job:
-    return job if scene is job.scene else replace(job, scene=scene)  # type: ignore[type-var]
+    return job if scene is job.scene else replace(job, scene=scene)
 
 
 class Local:
-    """Does units one after the other in this process; keeps the last job prepared.
+    """The executor that traces units in this process, one after the other.
 
-    The next job takes over the scenes that were built for the last one, where it asks
-    for the same.
+    The last job stays prepared; the next one takes over the scenes built for it.
     """
 
     def __init__(self) -> None:
@@ -189,10 +194,7 @@ class Local:
         return 1
 
     def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
-        """Return units as large as a launch: on a GPU, what its free memory holds.
-
-        Sums of whole numbers are the same however the work is cut.
-        """
+        """Return units as large as a launch: on a GPU, what its free memory holds."""
         if device == "cpu":
             return UnitSize(_PATHS, _SUMS)
         free = free_memory() or 0
@@ -200,16 +202,16 @@ class Local:
         return UnitSize(max(_PATHS, paths), max(_SUMS, min(_MOST_SUMS, free // 4)))
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
-        """Yield what each unit adds, in the order of the units."""
+        """Yield the sums of each unit, in the order of the units."""
         for unit in units:
             yield self.run(job, unit)
 
     def run(self, job: Job, unit: Unit) -> np.ndarray:
-        """Return what a unit adds."""
+        """Return the sums of a unit."""
         name, prepare = job.tracer
         module = load(job.device, name)  # each thread has a variant of its own
         if job is not self._job or self._tracer is None:
-            # Let go of the former tables before the next ones are built
+            # Free the former tables before the next ones are built
             self._job = self._tracer = None
             with self._cache.preparing():
                 self._tracer = tracer_of_bands(job, getattr(module, prepare))

@@ -1,7 +1,7 @@
-"""Glare over a year: pictures through one view, reduced one by one, never stored.
+"""Annual glare from pictures of one view, without storing the pictures.
 
-What depends on the view alone is worked out once. Illuminances are products with the
-view's weights; only pictures that hold a glare pixel are searched for sources.
+Quantities of the view alone, such as solid angles and position indices, are computed
+once; only pictures with pixels above the threshold are searched for glare sources.
 """
 
 import importlib
@@ -40,26 +40,25 @@ def annual_glare(
     coefficients: DgpCoefficients = EVALGLARE,
     progress: Callable[[int], None] | None = None,
 ) -> "xr.Dataset":
-    """Return all indices of glare for a stack of pictures.
+    """Return all indices of glare for a sequence of pictures.
 
     Parameters
     ----------
-    luminance : of the pixels [cd/m²], step by step: an array (step, row, column), or
-        anything that yields one picture after the other, as a generator over the
-        products of a five-phase study does
+    luminance : of the pixels [cd/m²]: an array (step, row, column), or an iterable of
+        pictures, such as a generator over the products of a five-phase study
     view : of all pictures
     times : of the steps, which name the axis "time"; without them it is "step"
-    illuminance : on the eye, step by step, in place of the pictures' own for DGP [lux]
+    illuminance : vertical illuminance of each step in place of the pictures' own [lux]
     rules, background, low_light, coefficients : as for `evaluate_glare`
     progress : called with the number of steps done
 
     Returns
     -------
-    dataset of one variable an index over the steps
+    dataset of one variable per index over the steps
 
     Raises
     ------
-    InputError : pictures of different size, numbers of steps that differ, a pixel that
+    InputError : pictures of different sizes, different numbers of steps, a pixel that
         is negative or not finite
 
     Examples
@@ -94,7 +93,7 @@ def annual_glare(
 def _checked(
     luminance: Iterable[np.ndarray], view: View
 ) -> Iterator[tuple[np.ndarray, GlareView]]:
-    # Pictures one by one, with the pixels of their common view
+    # Pictures with the pixels of their common view
     eye = None
     for step, picture in enumerate(luminance):
         if eye is None:
@@ -108,8 +107,8 @@ def _checked(
         lowest = float(picture.min())
         if not (lowest >= 0 and np.isfinite(picture.max())):
             raise InputError(
-                f"picture {step} holds negative or infinite luminances; finite ones of"
-                " 0 or more expected"
+                f"picture {step} has negative or infinite luminances; finite ones of 0"
+                " or more expected"
             )
         yield picture, eye
 
@@ -117,7 +116,7 @@ def _checked(
 def _at(illuminance: np.ndarray, step: int) -> float:
     if step >= len(illuminance):
         raise InputError(
-            f"{len(illuminance)} illuminances for more pictures; one each expected"
+            f"{len(illuminance)} illuminances for more pictures; one for each expected"
         )
     return float(illuminance[step])
 
@@ -142,7 +141,7 @@ def _dataset(
     }
     steps = np.arange(count) if times is None else times
 
-    # xarray takes longer to load than a picture to evaluate
+    # Import xarray here: it takes longer than the evaluation of a picture
     labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
         variables, coords={axis: steps}
     )
@@ -155,7 +154,7 @@ def glare_of_steps(
     *,
     rules: SourceRules | None = None,
 ) -> Iterator[Glare]:
-    """Yield the glare of each picture with its table of sources.
+    """Yield the glare of each picture, with its sources.
 
     Examples
     --------

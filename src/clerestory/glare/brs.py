@@ -15,10 +15,8 @@ def brs_glare_index(sources: GlareSources, *, background: float) -> float:
     ----------
     background : mean luminance outside of the sources [cd/m²]
 
-    References
-    ----------
-    Petherbridge, P., Hopkinson, R. G. (1950): Discomfort glare and the lighting of
-    buildings. Transactions of the Illuminating Engineering Society 15(2).
+    Reference: Petherbridge, P., Hopkinson, R. G. (1950): Discomfort glare and the
+    lighting of buildings. Transactions of the Illuminating Engineering Society 15(2).
 
     Examples
     --------

@@ -14,10 +14,8 @@ def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
     illuminance : vertical illuminance at the eye [lux]
     direct : its part from the sources [lux]
 
-    References
-    ----------
-    Einhorn, H. D. (1979): Discomfort glare: a formula to bridge differences. Lighting
-    Research and Technology 11(2).
+    Reference: Einhorn, H. D. (1979): Discomfort glare: a formula to bridge differences.
+    Lighting Research and Technology 11(2).
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""The check picture: what was taken for a glare source, in colours.
+"""Check picture: a picture with its glare sources coloured, as evalglare -c.
 
-Luminances stay as they are; colours only tell the sources apart.
+Luminances are preserved.
 """
 
 from dataclasses import replace
@@ -16,7 +16,7 @@ from clerestory.image.picture import Picture
 
 Colour = tuple[float, float, float]
 
-# Shares of red, green and blue in the luminance of sources, in turn
+# Fractions of red, green and blue in the luminance of successive sources
 PALETTE: tuple[Colour, ...] = (
     (0.1, 0.85, 0.05),
     (0.15, 0.15, 0.7),
@@ -36,16 +36,6 @@ def check_picture(
     task: Bool[np.ndarray, "row column"] | None = None,
 ) -> Picture:
     """Return the picture in grey with its glare sources in colours.
-
-    Parameters
-    ----------
-    members : pixels of the sources
-    colour : shares of red, green and blue for all sources alike
-    task : pixels to be shown in blue
-
-    Raises
-    ------
-    InputError : a colour without light
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Glare over a year in one number, and the classes of standards."""
+"""Annual figures of glare, and glare classes of EN 17037 and EN 14501."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ from clerestory.glare.dgp import DGP
 # DGP at which glare becomes perceptible, disturbing and intolerable
 LIMITS = DGP.thresholds
 
-# Share of the time of use in which a limit may be exceeded
+# Fraction of the time of use in which a limit may be exceeded
 EXCEEDANCE = 0.05
 
 Protection = Literal["high", "medium", "minimum", "none"]
@@ -26,15 +26,7 @@ _DIFFUSE = (0.02, 0.04, 0.08)
 def exceeded_dgp(
     dgp: Float[np.ndarray, "*shape time"], share: float = EXCEEDANCE
 ) -> Float[np.ndarray, "*shape"]:
-    """DGP that is exceeded in no more than a share of the steps.
-
-    Parameters
-    ----------
-    dgp : in the steps of use only
-
-    Raises
-    ------
-    InputError : no steps, a share out of 0 to 1
+    """DGP that is exceeded in at most a given fraction of the steps.
 
     Examples
     --------
@@ -43,7 +35,7 @@ def exceeded_dgp(
     """
     steps = dgp.shape[-1]
     if not steps:
-        raise InputError("no steps of use; at least one expected")
+        raise InputError("no occupied steps; at least one expected")
     if not 0 <= share < 1:
         raise InputError(f"share {share:g}; 0 to 1 expected")
     above = int(np.floor(share * steps + 1e-9))
@@ -69,11 +61,9 @@ def protection_level(exceeded: float) -> Protection:
 def glare_autonomy(
     dgp: Float[np.ndarray, "*shape time"], limit: float = LIMITS[1]
 ) -> Float[np.ndarray, "*shape"]:
-    """Share of the steps of use that are free of disturbing glare.
+    """Fraction of the occupied steps without disturbing glare.
 
-    References
-    ----------
-    Jones, N. L. (2019), as in `imageless`.
+    Reference: Jones, N. L. (2019), as in `imageless`.
 
     Examples
     --------
@@ -86,18 +76,8 @@ def glare_autonomy(
 def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
     """Class of glare control of a shading fabric after EN 14501:2005, 0 to 4.
 
-    The table is quoted as makers of fabrics print it; the text of the standard is not
-    public and was not compared. The edition of 2021 has a finer table and lets fabrics
-    with a cut-off angle gain a class, which is not in here.
-
-    Parameters
-    ----------
-    normal_normal : light transmittance without change of direction
-    normal_diffuse : light transmittance from normal incidence to all other directions
-
-    Raises
-    ------
-    InputError : a transmittance out of 0 to 1
+    The table is that printed by manufacturers of fabrics; it was not compared with the
+    standard. The finer table of the edition of 2021 is not implemented.
 
     Examples
     --------

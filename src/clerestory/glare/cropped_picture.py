@@ -1,4 +1,4 @@
-"""Pictures that are cut above and below, filled with the last rows that were seen."""
+"""Cropped pictures, extrapolated from their first and last rows as by evalglare -I."""
 
 from dataclasses import dataclass
 
@@ -11,15 +11,11 @@ from clerestory.glare.glare_view import GlareView
 
 @dataclass(frozen=True)
 class SeenRows:
-    """Rows of a picture that the camera saw.
+    """Rows of a picture that were captured.
 
     Attributes
     ----------
     first, last : numbers of the rows, counted from the top
-
-    Raises
-    ------
-    InputError : no rows between them
     """
 
     first: int
@@ -28,21 +24,17 @@ class SeenRows:
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
             raise InputError(
-                f"rows {self.first} to {self.last} seen; growing numbers expected"
+                f"rows {self.first} to {self.last} seen; increasing numbers expected"
             )
 
 
 def fill_cut(
     luminance: Float[np.ndarray, "row column"], eye: GlareView, seen: SeenRows
 ) -> Float[np.ndarray, "row column"]:
-    """Return luminances in which rows that were not seen are as the nearest that was.
+    """Return luminances with the other rows equal to the nearest captured row.
 
-    As option -I of evalglare: upwards, only columns in which the last row seen lies
-    within the field of view are filled.
-
-    Raises
-    ------
-    InputError : the picture has fewer rows
+    As by option -I of evalglare, columns are extrapolated upwards only where the first
+    captured row lies within the field of view.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What counts as a glare source, and which pixels make one."""
+"""Criteria of glare source detection, in the terms of evalglare."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from clerestory.glare.field_of_view import FieldOfView
 
 Threshold = Literal["luminance", "times_mean", "times_task"]
 
-# Smallest factor that evalglare takes for a luminance [cd/m²]
+# Largest threshold that evalglare takes for a multiple, not a luminance
 LARGEST_FACTOR = 100.0
 
 
@@ -34,24 +34,20 @@ class Zone:
 
 @dataclass(frozen=True, kw_only=True)
 class SourceRules:
-    """How glare sources are found in a picture.
+    """Criteria of glare source detection.
 
     Attributes
     ----------
     threshold : glare pixels are brighter than this; a luminance [cd/m²], or a multiple
-    threshold_kind : "luminance", or a multiple of the average luminance of the picture
+    threshold_kind : "luminance", or a multiple of the mean luminance of the picture
         ("times_mean") or of the task ("times_task")
-    task : the task's place in the picture
-    merge_angle : sources nearer than half this opening angle are one [rad]
-    peak_luminance : brighter pixels become sources of their own [cd/m²]; None keeps
-        them where they are
-    smooth : count dark pixels to the source that surrounds them
-    smallest : sources of less solid angle are left out [sr]
-    field_of_view : leave out sources that Guth's field of view does not hold
-
-    Raises
-    ------
-    InputError : a number out of range, a threshold by the task without a task
+    task : task zone
+    merge_angle : sources within half this opening angle are merged [rad]
+    peak_luminance : brighter pixels are extracted as sources of their own [cd/m²]; None
+        for no peak extraction
+    smooth : add dark pixels within a source to it
+    smallest : sources of a smaller solid angle are ignored [sr]
+    field_of_view : ignore sources outside of Guth's field of view
 
     Examples
     --------
@@ -81,5 +77,5 @@ class SourceRules:
             raise InputError(f"smallest source {self.smallest} sr; 0 or more expected")
         if self.threshold_kind == "times_task" and self.task is None:
             raise InputError(
-                "a threshold by the task's luminance needs the task's place"
+                "a threshold relative to the task without a task zone; one expected"
             )

@@ -25,9 +25,7 @@ def dgi(
     weighted : solid angle of each source weighted by position over its extent [sr];
         ω/P² if not given
 
-    References
-    ----------
-    Hopkinson, R. G. (1972): Glare from daylighting in buildings. Applied
+    Reference: Hopkinson, R. G. (1972): Glare from daylighting in buildings. Applied
     Ergonomics 3(4). Chauvel, P. et al. (1982): Glare from windows: current views of
     the problem. Lighting Research and Technology 14(1).
 
@@ -47,10 +45,8 @@ def modified_dgi(sources: GlareSources, *, average: float) -> float:
     ----------
     average : mean luminance of the whole field of view, Ev/π [cd/m²]
 
-    References
-    ----------
-    Fisekis, K. et al. (2003): Prediction of discomfort glare from windows. Lighting
-    Research and Technology 35(4), equation 11.
+    Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
+    Lighting Research and Technology 35(4), equation 11.
 
     Examples
     --------

@@ -51,11 +51,9 @@ def dgp(
     ----------
     illuminance : vertical illuminance at the eye [lux]
 
-    References
-    ----------
-    Wienold, J. and Christoffersen, J. (2006): Evaluation methods and development of a
-    new glare prediction model for daylight environments with the use of CCD cameras.
-    Energy and Buildings 38(7), equation 4.
+    Reference: Wienold, J. and Christoffersen, J. (2006): Evaluation methods and
+    development of a new glare prediction model for daylight environments with the use
+    of CCD cameras. Energy and Buildings 38(7), equation 4.
 
     Examples
     --------
@@ -82,10 +80,8 @@ def simplified_dgp(illuminance: _Values) -> _Values:
 
     Valid only where neither the sun nor its specular reflection is in view.
 
-    References
-    ----------
-    Wienold, J. (2007): Dynamic simulation of blind control strategies for visual
-    comfort and energy balance analysis. Building Simulation, Beijing.
+    Reference: Wienold, J. (2007): Dynamic simulation of blind control strategies for
+    visual comfort and energy balance analysis. Building Simulation, Beijing.
 
     Examples
     --------
@@ -99,10 +95,8 @@ def simplified_dgp(illuminance: _Values) -> _Values:
 def low_light_correction(illuminance: _Values) -> _Values:
     """Factor on DGP at low vertical illuminance, 1 from 1000 lux.
 
-    References
-    ----------
-    Wienold, J. (2012): New features of evalglare. 11th International Radiance
-    Workshop, Copenhagen.
+    Reference: Wienold, J. (2012): New features of evalglare. 11th International
+    Radiance Workshop, Copenhagen.
 
     Examples
     --------
@@ -119,9 +113,7 @@ def age_correction(age: float) -> float:
 
     Later studies found the effect not significant; evalglare no longer applies it.
 
-    References
-    ----------
-    Wienold, J. (2012), as above.
+    Reference: Wienold, J. (2012), as above.
 
     Examples
     --------

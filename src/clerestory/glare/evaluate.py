@@ -1,4 +1,4 @@
-"""Glare of a picture: checks, sources, indices."""
+"""Glare evaluation of a picture, as by evalglare."""
 
 import numpy as np
 from jaxtyping import Float
@@ -9,11 +9,15 @@ from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.glare_view import GlareView, glare_view
 from clerestory.glare.index import Background
-from clerestory.glare.picture_checks import check_picture
+from clerestory.glare.picture_checks import check_photometry
 from clerestory.glare.position_index import PositionModel
 from clerestory.glare.result import Glare
-from clerestory.glare.source_sums import tabulate
-from clerestory.glare.sources import Members, find_sources, reference_luminance
+from clerestory.glare.sources import (
+    Members,
+    find_sources,
+    reference_luminance,
+    tabulate,
+)
 from clerestory.glare.zones import Zones, cut_along
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
@@ -40,19 +44,19 @@ def evaluate_glare(
 
     Parameters
     ----------
-    rules : what counts as a source
+    rules : criteria of source detection
     view : in place of the picture's own
-    given_illuminance : on the eye, measured; DGP is made with it [lux]
-    background : see `Glare.background_kind`
-    zones : cut sources along the borders of zones
-    low_light, age, coefficients : see `Glare`
+    given_illuminance : measured vertical illuminance, used for DGP [lux]
+    background : kind of background luminance, see `EyePhotometry`
+    zones : zones along whose borders sources are divided
+    low_light, age, coefficients : of DGP, see `Glare`
     position_model : of the position index
-    seen : rows that a picture cut above and below holds; the others are filled
-    trust : evaluate even what cannot be a photometric picture
+    seen : captured rows of a cropped picture; the others are extrapolated
+    trust : omit the checks of projection and scale
 
     Raises
     ------
-    InputError : no view, a wrong projection, pixels that are no luminances
+    InputError : no view, a wrong projection, pixels that are not luminances
 
     Examples
     --------
@@ -90,20 +94,15 @@ def eye_of(
     position_model: PositionModel = "guth",
     trust: bool = False,
 ) -> GlareView:
-    """Return the pixels of a picture's view, after checking that both fit.
-
-    Raises
-    ------
-    InputError : as `evaluate_glare` does
-    """
+    """Return the pixels of a picture's view, after a check of the picture."""
     seen = view or picture.view
     if seen is None:
         raise InputError(
-            "the picture says nothing of its view; a VIEW= line in its header, or a"
-            " view given beside it, expected"
+            "the picture has no view; a VIEW= line in its header, or a view as an"
+            " argument, expected"
         )
     eye = glare_view(seen, picture.columns, picture.rows, model=position_model)
-    check_picture(picture, seen, trust=trust)
+    check_photometry(picture, seen, trust=trust)
     return eye
 
 

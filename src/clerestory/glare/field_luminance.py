@@ -1,4 +1,4 @@
-"""Average and median luminances of a picture, plain and weighted by position index."""
+"""Mean and median luminance of the field of view, with position index weights."""
 
 from typing import NamedTuple
 
@@ -28,10 +28,9 @@ class FieldLuminances(NamedTuple):
 def field_luminances(
     luminance: Float[np.ndarray, "row column"], eye: GlareView
 ) -> FieldLuminances:
-    """Return averages and medians of what is in view.
+    """Return means and medians of the pixels in view.
 
-    evalglare divides the average by the square of the position index (av_lum_pos2) by
-    the solid angle of the view twice; here it is divided once.
+    evalglare divides av_lum_pos2 twice by the solid angle of the view, this once.
 
     Examples
     --------

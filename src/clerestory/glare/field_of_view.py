@@ -1,4 +1,4 @@
-"""Field of view after Guth: what both eyes see together, and what each of them sees.
+"""Guth's field of view, total and binocular.
 
 The limits are curves of the angle from the line of sight over the angle around it.
 """
@@ -12,9 +12,9 @@ FieldOfView = Literal["total", "binocular"]
 
 _Angles = Float[np.ndarray, "*shape"]
 
-# Limit of the brow for both eyes together [rad]
+# Upper limit of the binocular field [rad]
 _BROW = np.radians(60)
-# Sides of the lower limit of the total field [rad]
+# Angle from which the total field has a lower limit [rad]
 _CHEEK = np.radians(135)
 
 
@@ -33,10 +33,8 @@ def in_field(
     below : whether the direction lies below the line of sight
     field : "total" is seen by either eye, "binocular" by both
 
-    References
-    ----------
-    Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery 27. The
-    fits are those of evalglare 3.06 (options -g and -G).
+    Reference: Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery
+    27. The fits are those of evalglare 3.06 (options -g and -G).
 
     Examples
     --------
@@ -65,7 +63,7 @@ def _upper_total(tau: np.ndarray) -> np.ndarray:
 
 
 def _lower_total(tau: np.ndarray) -> np.ndarray:
-    # Meant for τ up to 45° from below only, where it has no pole
+    # Valid for τ up to 45° from below, where it has no pole
     tau = np.minimum(tau, 45)
     inverse = np.polyval([5.1539687e-8, -4.6898068e-6, 1.5541106e-5, 0.014699242], tau)
     result: np.ndarray = 1 / inverse

@@ -1,8 +1,7 @@
-"""What glare needs to know of a view, once for all pictures taken through it.
+"""Pixels of a view: direction, solid angle, cosine, position index.
 
-Per pixel: direction, solid angle, cosine to the line of sight and position index.
-Only what lies in front of the eye counts: light from behind adds nothing to the
-illuminance on it.
+They are computed once for all pictures of a view. Only pixels in the hemisphere in
+front of the eye count.
 """
 
 from dataclasses import dataclass
@@ -14,7 +13,6 @@ from jaxtyping import Bool, Float
 
 from clerestory.errors import InputError
 from clerestory.glare.field_of_view import FieldOfView, in_field
-from clerestory.glare.pixel_pitch import Pitch, pixel_pitch
 from clerestory.glare.pixel_rays import pixel_rays
 from clerestory.glare.pixel_solid_angle import quadrilaterals
 from clerestory.glare.position_index import PositionModel, position_index
@@ -22,13 +20,20 @@ from clerestory.glare.row_blocks import by_rows
 from clerestory.scene.projection import Kind
 from clerestory.scene.view import View
 
-# Sides of a picture from which an angle per pixel can be told
+# Smallest side of a picture for the angle per pixel
 _SMALLEST = 21
+
+
+class Pitch(NamedTuple):
+    """Angle between neighbouring pixels over all directions in the picture [rad]."""
+
+    least: Float[np.ndarray, "row column"]
+    most: Float[np.ndarray, "row column"]
 
 
 @dataclass(frozen=True, eq=False)
 class GlareView:
-    """Pixels of a view as the eye sees them.
+    """Pixels of a view.
 
     Attributes
     ----------
@@ -36,7 +41,7 @@ class GlareView:
     direction : unit vectors of the pixel centres
     solid_angle : of the pixels that count, else zero [sr]
     cosine : to the line of sight, at least zero
-    position_index : 1 in the middle, up to 16
+    position_index : 1 on the line of sight, up to 16
     sigma, tau : angles from the line of sight and from the vertical around it [rad]
     """
 
@@ -66,7 +71,7 @@ class GlareView:
 
     @cached_property
     def eye_weight(self) -> Float[np.ndarray, "row column"]:
-        """Illuminance on the eye by each pixel per unit of its luminance [sr]."""
+        """Vertical illuminance from each pixel per unit of its luminance [sr]."""
         weight: np.ndarray = self.solid_angle * self.cosine
         return weight
 
@@ -93,24 +98,24 @@ class GlareView:
         return float(least[least > 0].min(initial=np.inf))
 
     def farthest_within(self, angle: float) -> int:
-        """Most rows or columns between two pixels that count, an angle [rad] apart."""
-        # Pixels shrink a little within the angle
+        """Largest number of rows or columns between pixels at most an angle apart."""
+        # The pitch varies within the angle
         reach = 1.25 * angle / self._least_pitch
         return int(min(np.ceil(reach) + 1, max(self.shape)))
 
     def surely_within(self, angle: float) -> Float[np.ndarray, "row column"]:
-        """Pixels to go from each pixel in any way and stay within an angle [rad]."""
+        """Number of pixels from each pixel, in any direction, within an angle."""
         with np.errstate(divide="ignore"):
             reach: np.ndarray = angle / self._pitch.most
         return reach
 
     def pixel_angle(self) -> float:
-        """A tenth of the angle of ten pixels along the diagonal from the middle [rad].
+        """A tenth of the angle of ten pixels along the diagonal from the centre [rad].
 
-        The scale on which evalglare decides whether pixels are small enough to merge.
+        evalglare compares it with the merging angle.
         """
         rows, columns = self.shape
-        # The middle as evalglare counts it, rows from below
+        # The central pixel of evalglare, rows counted from below
         row, column = rows - 1 - rows // 2, columns // 2
         cosine = self.direction[row, column] @ self.direction[row - 10, column + 10]
         return float(np.arccos(min(cosine, 1.0))) / 10
@@ -123,19 +128,14 @@ def glare_view(
     *,
     model: PositionModel = "guth",
 ) -> GlareView:
-    """Return the pixels of a view as the eye sees them.
+    """Return the pixels of a view.
 
-    The last few results are kept: pictures through one view share them.
+    The last few results are cached.
 
     Parameters
     ----------
     columns, rows : size of the pictures
     model : of the position index
-
-    Raises
-    ------
-    InputError : a parallel view, which sees one direction only; a picture of fewer
-        than 21 pixels a side
 
     Examples
     --------
@@ -145,12 +145,13 @@ def glare_view(
     """
     if view.kind == "parallel":
         raise InputError(
-            "a parallel view has no solid angles; a fisheye view (-vta, -vth) expected"
+            "pixels of a parallel view have no solid angles; a fisheye view (-vta,"
+            " -vth) expected"
         )
     if min(columns, rows) < _SMALLEST:
         raise InputError(
-            f"a picture of {columns} × {rows} pixels; {_SMALLEST} a side or more"
-            " expected for glare"
+            f"a picture of {columns} × {rows} pixels; at least {_SMALLEST} pixels a"
+            " side expected"
         )
     key = _Key(
         view.kind,
@@ -162,7 +163,7 @@ def glare_view(
 
 
 class _Key(NamedTuple):
-    # What directions depend on, as something that can be looked up
+    # Parameters of the directions as a hashable value
     kind: Kind
     direction: tuple[float, ...]
     up: tuple[float, ...]
@@ -199,10 +200,41 @@ def _glare_view(key: _Key, columns: int, rows: int, model: PositionModel) -> Gla
 
 
 def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    # Angle from the view's up vector, as evalglare takes it: in a tilted view the up
-    # vector is not turned into the picture's plane
+    # Angle from the view's up vector; as in evalglare, the up vector of a tilted view
+    # is not projected to the picture's plane
     ahead = float(view.direction @ view.up)
     with np.errstate(divide="ignore", invalid="ignore"):
         across = (direction @ view.up - cosine * ahead) / np.sqrt(1 - cosine * cosine)
         angle: np.ndarray = np.arccos(np.clip(across, -1, 1))
     return np.where(np.isfinite(angle), angle, np.pi / 2)
+
+
+def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:
+    """Return the angles between neighbouring pixels, from the gradient of directions.
+
+    >>> x = np.arange(5.0) * 0.01
+    >>> level = np.stack(np.broadcast_arrays(x, 2 * x[:, None], 0 * x), axis=-1)
+    >>> pitch = pixel_pitch(level)
+    >>> float(pitch.least[2, 2].round(6)), float(pitch.most[2, 2].round(6))
+    (0.01, 0.02)
+    """
+    rows, columns = direction.shape[:2]
+    pitch = Pitch(np.empty((rows, columns)), np.empty((rows, columns)))
+
+    def fill(some: slice) -> None:
+        # With one row more on either side, for the gradient
+        wide = slice(max(some.start - 1, 0), min(some.stop + 1, rows))
+        inner = slice(some.start - wide.start, some.stop - wide.start)
+        part = direction[wide]
+        down = np.gradient(part, axis=0)[inner] if len(part) > 1 else 0 * part
+        across = np.gradient(part[inner], axis=1)
+        e, g, f = (
+            np.einsum("ijk,ijk->ij", a, b)
+            for a, b in ((down, down), (across, across), (down, across))
+        )
+        middle, spread = (e + g) / 2, np.hypot((e - g) / 2, f)
+        pitch.least[some] = np.sqrt(np.maximum(middle - spread, 0))
+        pitch.most[some] = np.sqrt(middle + spread)
+
+    by_rows(fill, rows, columns)
+    return pitch

@@ -1,8 +1,8 @@
-"""Solid angles of sources weighted by position, only for comparisons with glarendx.
+"""Position-weighted solid angles of Radiance's glarendx, for comparisons with it.
 
-Radiance's glarendx takes the weight 1/P² at the middle of a source and at six points
-on the rim of a disc of the same solid angle. What it makes of them is near the integral
-for small sources off the line of sight; on it, 0.5 sr comes out twice too large.
+glarendx evaluates the weight 1/P² at the centre of a source and at six points on the
+rim of a disc of the same solid angle. The result is close to the integral for small
+sources off the line of sight; on it, for 0.5 sr, it is twice too large.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from clerestory.glare.imageless import position_of
 from clerestory.glare.position_index import PositionModel
 from clerestory.scene.view import View
 
-# The rim, sixths of a turn from the right
+# Points on the rim, from the right
 _RIM = np.radians([0, 60, 180, 240, 300, 120])
 
 
@@ -24,20 +24,14 @@ def weighted_solid_angle(
     *,
     model: PositionModel = "levin",
 ) -> Float[np.ndarray, " source"]:
-    """Return solid angles weighted by 1/P² as glarendx does [sr].
-
-    Zero for what lies behind the eye.
+    """Return solid angles weighted by 1/P² as glarendx does, 0 behind the eye [sr].
 
     Parameters
     ----------
-    direction : unit vectors to the middle of the sources
+    direction : unit vectors to the centres of the sources
     solid_angle : of the sources, less than a hemisphere [sr]
-    view : where the eye looks; its up vector stands across the line of sight
+    view : its direction and up vector are perpendicular
     model : of the position index
-
-    Raises
-    ------
-    InputError : a source larger than a hemisphere
 
     Examples
     --------
@@ -56,7 +50,7 @@ def weighted_solid_angle(
     length = np.linalg.norm(across, axis=1, keepdims=True)
     across = across / np.where(length > 0, length, 1)
 
-    # Weight at the middle and on the rim
+    # Weight at the centre and on the rim
     aside = np.cos(_RIM)[:, None, None] * across + np.sin(_RIM)[:, None, None] * view.up
     rim = direction + sine[:, None] * aside
     rim /= np.linalg.norm(rim, axis=-1, keepdims=True)
@@ -65,7 +59,7 @@ def weighted_solid_angle(
         position_of(rim, view, model=model) ** -2.0
     )
 
-    # Bend of the weight over the disc; glarendx takes two neighbours for its level part
+    # Second derivatives of the weight over the disc, as in glarendx
     spread = np.pi * (cosine + 1 / cosine) - 2 * np.pi
     diagonal = upper_right + upper_left + lower_right + lower_left
     level = (right + upper_right) / 2 - middle

@@ -1,9 +1,9 @@
-"""DGP without pictures: from the illuminance of the eye and what the windows show.
+"""Imageless daylight glare probability.
 
-The field of view is a set of directions, such as the patches of a sky seen through the
-windows, and the sun where it is seen. Each direction brighter than the threshold is a
-source of its own. What is lost: the shape of sources, their merging, bright reflections
-within the room.
+DGP is computed from the vertical illuminance and the luminance of a set of directions,
+such as the sky patches seen through the windows, and the sun. Each direction above the
+threshold is a source of its own. The shape of sources, their merging and reflections in
+the room are neglected.
 """
 
 import numpy as np
@@ -28,19 +28,17 @@ def imageless_dgp(
 
     Parameters
     ----------
-    illuminance : on the eye, from everything [lux]
-    luminance : of each direction [cd/m²]; rows of the sun hold its luminance through
-        the window while it is seen, else 0
+    illuminance : vertical illuminance at the eye [lux]
+    luminance : of each direction [cd/m²]; rows of the sun are its luminance through the
+        window, 0 where it is not visible
     solid_angle : of each direction as seen through the windows [sr]; one column, or
-        one a step
+        one per step
     index : position index of each direction, likewise; infinite behind the eye
-    threshold : directions glare if they are brighter [cd/m²]
+    threshold : smallest luminance of a glare source [cd/m²]
 
-    References
-    ----------
-    Jones, N. L. (2019): Fast climate-based glare analysis and spatial mapping.
-    Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient simulation for
-    visual comfort evaluations. Energy and Buildings 267.
+    Reference: Jones, N. L. (2019): Fast climate-based glare analysis and spatial
+    mapping. Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient
+    simulation for visual comfort evaluations. Energy and Buildings 267.
 
     Examples
     --------
@@ -78,12 +76,8 @@ def position_of(
 ) -> Float[np.ndarray, "*shape"]:
     """Position index of unit vectors from the eye, infinite behind it.
 
-    The vertical is the view's up vector turned into the plane across the line of
+    The vertical is the view's up vector projected to the plane across the line of
     sight.
-
-    Parameters
-    ----------
-    model : of the index, see `position_index`
 
     Examples
     --------

@@ -1,10 +1,9 @@
-"""Looking around a pixel for a glare source, in evalglare's order.
+"""Search for a glare source around a pixel, in the order of evalglare.
 
-Which of several sources near a pixel is found depends on the way in which pixels are
-visited: row by row downwards from the pixel, then row by row upwards; in each row to
-the left and then to the right of the middle of the row before, until a pixel is too
-far. A few pixels under and over the first are never visited. The number of sources
-depends on all this, so it is followed exactly.
+The source found, and so the number of sources, depends on the order of the search: row
+by row downwards from the pixel, then upwards; in each row to the left and then to the
+right of the middle of the previous row, up to the first pixel beyond the angle. A few
+pixels below and above the first one are never visited.
 """
 
 from collections.abc import Iterable
@@ -24,8 +23,8 @@ class Window(NamedTuple):
     Attributes
     ----------
     top, left : row and column of the window's first pixel in the picture
-    near : whether a pixel is near enough
-    blind : whether the pixel in the middle is too far from itself
+    near : whether a pixel is within the angle
+    blind : whether rounding excludes the row of the central pixel
     """
 
     top: int
@@ -35,20 +34,15 @@ class Window(NamedTuple):
 
 
 class Neighbourhood:
-    """Finds the pixels within an angle of a pixel.
-
-    Parameters
-    ----------
-    eye : pixels of the view
-    angle : farthest angle [rad]
+    """Pixels within an angle of a pixel.
 
     Attributes
     ----------
     direction : unit vectors of all pixels
-    angle : farthest angle [rad]
-    chord : distance of unit vectors that are the angle apart
-    reach : most rows or columns between two pixels that are near
-    sure_reach : pixels to go from each pixel, in any way, and still be near
+    angle : largest angle [rad]
+    chord : distance of unit vectors at this angle
+    reach : largest number of rows or columns between two pixels within the angle
+    sure_reach : number of pixels from each pixel, in any direction, within the angle
     """
 
     def __init__(self, eye: GlareView, angle: float) -> None:
@@ -60,7 +54,7 @@ class Neighbourhood:
         self.sure_reach = eye.surely_within(angle)
 
     def window(self, row: int, column: int) -> Window:
-        """Return the pixels around one pixel, and those of them that are near."""
+        """Return the pixels around one pixel, and whether they are within the angle."""
         rows, columns, _ = self.direction.shape
         top, left = max(row - self.reach, 0), max(column - self.reach, 0)
         bottom = min(row + self.reach + 1, rows)
@@ -74,10 +68,9 @@ class Neighbourhood:
     def blind(
         self, row: Int[np.ndarray, "*shape"], column: Int[np.ndarray, "*shape"]
     ) -> Bool[np.ndarray, "*shape"]:
-        """Whether rounding makes the cosine of a pixel to itself exceed one.
+        """Whether the cosine of a pixel with itself exceeds one by rounding.
 
-        Its angle to itself is then no number for evalglare, which takes the pixel for
-        too far from itself and does not search the row it stands in.
+        Its angle is then NaN in evalglare, which does not search the row of the pixel.
         """
         x, y, z = np.moveaxis(self.direction[row, column], -1, 0)
         over: np.ndarray = x * x + y * y + z * z > 1
@@ -94,15 +87,15 @@ def first_found(
     upwards: bool,
     last_column: int,
 ) -> int:
-    """Return the first wanted label met in half of the search, 0 if there is none.
+    """Return the first wanted label in half of the search, 0 if there is none.
 
     Parameters
     ----------
     labels : label of each pixel of the picture, 0 for none
-    wanted : which labels end the search, by label
-    row, column : where the search begins
+    wanted : whether a label ends the search, by label
+    row, column : first pixel
     upwards : search the rows above, else this row and those below
-    last_column : the search ends here
+    last_column : limit of the search
     """
     top, left, near, blind = window
     height, width = near.shape
@@ -124,7 +117,7 @@ def first_found(
             break
         begin, end = begins[step], begins[step] + counts[step] - 1
 
-        # To the left, from the middle of the row before
+        # To the left, from the middle of the previous row
         start = (west + east) // 2
         if begin <= start <= end:
             if hits[step]:
@@ -135,7 +128,7 @@ def first_found(
         else:
             west = start + 1
 
-        # To the right, from a middle that has moved with the left end
+        # To the right, from the middle with the new left end
         start = (west + east) // 2
         if start > last_column:
             continue

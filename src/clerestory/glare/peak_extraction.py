@@ -1,17 +1,16 @@
-"""Peaks: very bright pixels leave their glare source and form sources of their own.
+"""Peak extraction: sources of their own for the brightest pixels of a glare source.
 
-The sun or its mirror image within a bright sky would else vanish in the average.
+Without it, the sun or its specular reflection would be averaged with a bright sky.
 """
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.glare.connected_regions import islands
 from clerestory.glare.neighbour_search import Neighbourhood
-from clerestory.glare.pixel_scan import ScannedPixels
+from clerestory.glare.pixel_scan import ScannedPixels, islands
 from clerestory.glare.source_merging import merge_sources
 
-# A pixel scanned before at one of these places is the nearest there can be
+# Offsets of the neighbours scanned before
 _BEFORE = ((1, 0), (1, -1), (0, -1), (-1, -1))
 
 
@@ -21,15 +20,7 @@ def split_peaks(
     near: Neighbourhood,
     nearer: Neighbourhood,
 ) -> Int[np.ndarray, " pixel"]:
-    """Group the peak pixels of one source, labels from 1 in the order of creation.
-
-    Parameters
-    ----------
-    peaks : in the order of the scan
-    solid_angle : of all pixels of the picture [sr]
-    near : of the merging angle, within which peaks become one in the end
-    nearer : of half that angle, within which a pixel joins an earlier one
-    """
+    """Group the peak pixels of one source, labels from 1 in the order of creation."""
     place = np.full(solid_angle.shape, -1, dtype=np.int64)
     row, column = peaks.row, peaks.column
     place[row, column] = np.arange(row.size)
@@ -56,7 +47,7 @@ def split_peaks(
 def _is_alone(
     row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
 ) -> np.ndarray:
-    # Whether no earlier peak stands beside a peak, where it is found for certain
+    # Whether no earlier peak is a neighbour that the search always finds
     rows, _ = place.shape
     alone = np.ones(row.size, dtype=bool)
     close = nearer.sure_reach[row, column] >= np.sqrt(2)
@@ -72,7 +63,7 @@ def _is_alone(
 def _last_found(
     picture: np.ndarray, row: int, column: int, nearer: Neighbourhood
 ) -> int:
-    # The last label met in rows downwards, then upwards, each to its ends
+    # The last label in rows downwards, then upwards, each to its ends
     window = nearer.window(row, column)
     height, width = window.near.shape
     part = picture[window.top : window.top + height, window.left : window.left + width]

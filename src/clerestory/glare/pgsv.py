@@ -1,4 +1,4 @@
-"""Predicted glare sensation vote, for a window seen as a whole."""
+"""Predicted glare sensation vote (PGSV), for a window as a whole."""
 
 import math
 
@@ -6,7 +6,7 @@ from clerestory.errors import InputError
 
 
 def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -> float:
-    """Vote by the contrast of a window to the room around it.
+    """PGSV by the contrast of a window to its surround.
 
     Parameters
     ----------
@@ -14,18 +14,15 @@ def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -
     window_solid_angle : [sr]
     average : luminance of the whole field of view of 2π sr [cd/m²]
 
-    References
-    ----------
-    Tokura, M., Iwata, T. and Shukuya, M. (1996): Experimental study on discomfort
-    glare caused by windows. Journal of Architecture, Planning and Environmental
-    Engineering 489. Iwata, T. and Tokura, M. (1998): Examination of the limitations
-    of predicted glare sensation vote (PGSV). Lighting Research and Technology 30(2).
+    Reference: Tokura, M., Iwata, T. and Shukuya, M. (1996): Experimental study on
+    discomfort glare caused by windows. Journal of Architecture, Planning and
+    Environmental Engineering 489. Iwata, T. and Tokura, M. (1998): Examination of the
+    limitations of predicted glare sensation vote (PGSV). Lighting Research and
+    Technology 30(2).
 
     Examples
     --------
-    >>> round(
-    ...     contrast_pgsv(window=3000.0, window_solid_angle=0.5, average=600.0), 2
-    ... )
+    >>> round(contrast_pgsv(window=3e3, window_solid_angle=0.5, average=600), 2)
     0.92
     """
     rest = surround_luminance(
@@ -43,26 +40,21 @@ def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -
 def surround_luminance(
     *, window: float, window_solid_angle: float, average: float
 ) -> float:
-    """Luminance of the field of view around a window [cd/m²].
-
-    Raises
-    ------
-    InputError : the window gives all the light there is
-    """
+    """Luminance of the field of view around a window [cd/m²]."""
     sphere = 2 * math.pi
     rest = (sphere * average - window * window_solid_angle) / (
         sphere - window_solid_angle
     )
     if not rest > 0:
         raise InputError(
-            f"a window of {window:g} cd/m² leaves no light around it; one darker than"
+            f"a window of {window:g} cd/m² without light in its surround; less than"
             f" {sphere * average / window_solid_angle:g} cd/m² expected"
         )
     return rest
 
 
 def saturation_pgsv(illuminance: float) -> float:
-    """Vote by the illuminance of the eye [lux] when the window fills the view.
+    """PGSV by saturation: a window that fills the view, at an illuminance [lux].
 
     >>> round(saturation_pgsv(5000.0), 2)
     1.76
@@ -78,26 +70,18 @@ def pgsv(
     illuminance: float,
     task: float,
 ) -> float:
-    """Vote by contrast where the window stands out more than the task, else saturation.
+    """PGSV by contrast if that of the window exceeds that of the task, else saturation.
 
     Parameters
     ----------
     window, window_solid_angle, average : as for `contrast_pgsv`
-    illuminance : on the eye [lux]
+    illuminance : vertical illuminance at the eye [lux]
     task : luminance of the task [cd/m²]
 
     Examples
     --------
-    >>> round(
-    ...     pgsv(
-    ...         window=3000.0,
-    ...         window_solid_angle=0.5,
-    ...         average=600.0,
-    ...         illuminance=1900.0,
-    ...         task=200.0,
-    ...     ),
-    ...     2,
-    ... )
+    >>> window = {"window": 3000.0, "window_solid_angle": 0.5, "average": 600.0}
+    >>> round(pgsv(**window, illuminance=1900.0, task=200.0), 2)
     0.92
     """
     rest = surround_luminance(

@@ -1,4 +1,4 @@
-"""Pictures that cannot be what the eye sees: wrong projection, clipped, unscaled."""
+"""Quality checks of pictures: projection, clipping, photometric scale."""
 
 import numpy as np
 
@@ -7,34 +7,23 @@ from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
-# Corners darker than this are black [cd/m²]; such a share of black corners betrays
-# a fisheye picture, as evalglare has it
+# Corners darker than this are black [cd/m²]; a fisheye picture has at least this
+# fraction of black corners (evalglare)
 _BLACK, _BLACK_CORNERS = 7.0, 0.70
 
-# Share by which the sides of a picture may miss those of its view
+# Tolerance of the aspect ratio of a picture
 _ASPECT = 0.02
 
-# Radiances beyond this cannot be added up [W/(m²·sr)]; the sun has 10⁷
+# Largest radiance that can be summed [W/(m²·sr)]; the sun has 10⁷
 _LARGEST = 1e30
 
-# Such a share of pixels at one greatest value, this near to a radiance of one, betrays
-# an ordinary photograph
+# A photograph without photometric scale has at least this fraction of pixels at its
+# largest value, and that within this relative distance of a radiance of one
 _CLIPPED, _WHITE = 1e-3, 5e-3
 
 
-def check_picture(picture: Picture, view: View, *, trust: bool) -> None:
-    """Refuse pictures that cannot be evaluated.
-
-    Parameters
-    ----------
-    trust : evaluate in spite of a doubtful projection or scale
-
-    Raises
-    ------
-    InputError : irradiances, negative or boundless values, pixels that are not square,
-        sides that do not fit the view, a fisheye picture with another projection in
-        its header, values of an ordinary photograph
-    """
+def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
+    """Raise `InputError` for pictures that cannot be evaluated."""
     if picture.quantity != "radiance":
         raise InputError(f"a picture of {picture.quantity}; radiances expected")
     lowest = float(picture.radiance.min())
@@ -49,7 +38,7 @@ def check_picture(picture: Picture, view: View, *, trust: bool) -> None:
         row, column = np.argwhere(picture.radiance == highest)[0][:2]
         raise InputError(
             f"the pixel in row {row}, column {column} has the radiance {highest:g};"
-            " the sun has 1e7"
+            f" less than {_LARGEST:g} expected (the sun has 1e7)"
         )
     if trust:
         return
@@ -90,12 +79,12 @@ def _check_corners(luminance: np.ndarray, view: View) -> None:
 
 
 def _check_scale(luminance: np.ndarray) -> None:
-    # White of an ordinary photograph becomes a radiance of one
+    # White of a photograph without photometric scale is a radiance of one
     top = float(luminance.max())
     clipped = float((luminance >= top * (1 - 1e-6)).mean())
     white = abs(top / LUMINOUS_EFFICACY - 1) < _WHITE
     if white and _CLIPPED < clipped < 1 - _CLIPPED:
         raise InputError(
-            f"{clipped:.1%} of the pixels stand at the greatest value of {top:.4g}"
-            " cd/m²: an ordinary photograph without scale; luminances expected"
+            f"{clipped:.1%} of the pixels have the largest value of {top:.4g} cd/m²: a"
+            " photograph without photometric scale; luminances expected"
         )

@@ -1,9 +1,9 @@
-"""Directions of pixels to the last bit as Radiance computes them.
+"""Pixel directions with the rounding of Radiance.
 
-`View.rays` gives the same directions but for rounding. Rounding decides whether the
-cosine of a pixel to itself exceeds one, and that decides whether evalglare searches
-the row it stands in. The maps are those of image.c, the order of their operations
-that of the programs as they are distributed.
+`View.rays` gives the same directions except for rounding. By rounding, the cosine of a
+pixel with itself may exceed one, in which case evalglare does not search the row of the
+pixel. Projections are those of image.c, the order of operations that of the distributed
+programs.
 """
 
 import math
@@ -17,13 +17,13 @@ from clerestory.scene.view import View
 
 
 class PixelRays(NamedTuple):
-    """Where the centres of the pixels look.
+    """Directions of pixel centres.
 
     Attributes
     ----------
-    direction : unit vectors; zero where the projection does not reach
-    covered : where it does
-    up : parts of the pixels above the line of sight are positive
+    direction : unit vectors; zero outside of the projection
+    covered : whether pixels lie within the projection
+    up : positive for pixels above the line of sight
     """
 
     direction: Float[np.ndarray, "row column 3"]
@@ -102,7 +102,7 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _screen(view: View) -> tuple[np.ndarray, np.ndarray]:
-    # Right and up on the picture, as long as the picture is wide and high
+    # Vectors across the width and the height of the picture
     right = _cross(view.direction, view.up)
     right = right * _inverse_length(_square(right))
     up = _cross(right, view.direction)
@@ -122,7 +122,7 @@ def _sizes(kind: Kind, horizontal: float, vertical: float) -> tuple[float, float
 
 
 def _sine(angle: float) -> float:
-    # The vector sine that Radiance is compiled with falls short of 1 by the last bit
+    # The vectorised sine of Radiance's compiler is below 1 by the last bit
     return min(math.sin(angle), math.nextafter(1.0, 0.0))
 
 

@@ -1,20 +1,26 @@
-"""The first scan for glare sources: bright pixels near earlier ones join them.
+"""First scan of glare source detection: grouping of bright pixels.
 
-The picture is scanned column by column from the left, each from the bottom up. A run
-of bright pixels up a column belongs together; its first pixel looks for a source
-within the merging angle among the pixels scanned before.
+The picture is scanned column by column from the left, each from the bottom up. A run of
+bright pixels in a column belongs to one source; from its first pixel, a source within
+the merging angle is searched for among the pixels scanned before.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Int
+from scipy import ndimage
 
-from clerestory.glare.connected_regions import islands
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
 
-# Share of the merging angle within which an earlier pixel is found for certain
+# Fraction of the merging angle within which an earlier pixel is always found
 _SURE = 0.6
+
+
+_AROUND = np.ones((3, 3), dtype=bool)
+
+# Cells of the coarse grid of islands per reach of a search
+_CELLS = 4
 
 
 class ScannedPixels(NamedTuple):
@@ -22,8 +28,8 @@ class ScannedPixels(NamedTuple):
 
     Attributes
     ----------
-    row, column : where they are
-    island : pixels of other islands are out of reach
+    row, column : of each pixel
+    island : number of its island, see `islands`
     """
 
     row: Int[np.ndarray, " pixel"]
@@ -36,13 +42,8 @@ class ScannedPixels(NamedTuple):
 
 
 def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixels:
-    """Return the pixels of a mask column by column, each column from the bottom up.
-
-    Parameters
-    ----------
-    reach : pixels farther apart than this, in row or column, may be in two islands
-    """
-    # Work on the part of the picture that has any
+    """Return the pixels of a mask column by column, each column from the bottom up."""
+    # Restrict the work to the part of the picture with bright pixels
     used_rows = np.flatnonzero(mask.any(axis=1))
     if not used_rows.size:
         none = np.zeros(0, dtype=np.int64)
@@ -55,6 +56,33 @@ def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixel
     return ScannedPixels(bottom - 1 - up, across + left, islands(turned, reach))
 
 
+def islands(
+    mask: Bool[np.ndarray, "row column"], reach: int
+) -> Int[np.ndarray, " pixel"]:
+    """Island of each pixel of the mask in row-major order, from 0.
+
+    Pixels of different islands are more than `reach` apart in row or column. Islands
+    are separated on a coarse grid, on which close ones may be joined.
+
+    >>> mask = np.zeros((40, 40), bool)
+    >>> mask[2, [2, 5, 38]] = True
+    >>> islands(mask, 8).tolist()
+    [0, 0, 1]
+    """
+    size = max(reach // _CELLS, 1)
+    row, column = np.nonzero(mask)
+    row, column = row // size, column // size
+    cells = np.zeros((row.max(initial=0) + 1, column.max(initial=0) + 1), dtype=bool)
+    cells[row, column] = True
+    # Dilate cells by half of the distance at which pixels may be within reach
+    grow = (reach // size + 2) // 2
+    grown = np.pad(cells, grow)
+    grown = ndimage.maximum_filter(grown, size=2 * grow + 1)
+    labels, _ = ndimage.label(grown, structure=_AROUND)
+    island: np.ndarray = labels[row + grow, column + grow] - 1
+    return island
+
+
 def first_scan(
     pixels: ScannedPixels,
     mask: Bool[np.ndarray, "row column"],
@@ -62,15 +90,7 @@ def first_scan(
     *,
     single: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Label of each pixel after the first scan, from 1 in the order of creation.
-
-    Parameters
-    ----------
-    mask : the pixels as a picture
-    near : of the merging angle
-    single : whether each pixel looks for itself, as it must where pixels are wider
-        than the merging angle
-    """
+    """Label of each pixel after the first scan, from 1 in the order of creation."""
     row, column, island = pixels
     begins = np.ones(row.size, dtype=bool)
     if not single:
@@ -79,7 +99,7 @@ def first_scan(
     start = np.flatnonzero(begins)
     alone = _may_be_first(row[start], column[start], mask, near)
 
-    # One pixel may begin a source: the island is one
+    # An island with at most one pixel that begins a source is one source
     labels = np.zeros((mask.shape[0], mask.shape[1]), dtype=np.int64)
     tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
     birth = np.zeros(start.size, dtype=np.int64)  # run at which each run's source began
@@ -101,8 +121,8 @@ def first_scan(
 def _may_be_first(
     row: np.ndarray, column: np.ndarray, mask: np.ndarray, near: Neighbourhood
 ) -> np.ndarray:
-    # Whether no earlier pixel lies where the search is certain to find it: in a
-    # rectangle to the left but for the pixel's own row, and below in its own column
+    # Whether no earlier pixel lies where the search always finds it: in a rectangle to
+    # the left without the pixel's own row, and below in its own column
     side = np.floor(_SURE * near.sure_reach[row, column]).astype(np.int64)
     total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int32)
     np.cumsum(mask, axis=0, out=total[1:, 1:])
@@ -135,8 +155,8 @@ def _scan_runs(
     labels: np.ndarray,
     alone: np.ndarray,
 ) -> np.ndarray:
-    # The run at which the source of each run began, found by searching as evalglare
-    only = 0  # the one label there is so far, −1 for several
+    # The run at which the source of each run began, by the search of evalglare
+    only = 0  # the only label so far, −1 if there are several
     ends = np.append(np.flatnonzero(begins)[1:], begins.size)
     birth = np.zeros(members.size, dtype=np.int64)
     wanted = np.ones(start.size + 2, dtype=bool)
@@ -165,13 +185,12 @@ def _find(
     *,
     alone: bool,
 ) -> int:
-    # What is met upwards counts before what is met downwards; straight up to the left
-    # comes first of all
+    # Upward results precede downward ones; the upper left neighbour precedes all
     if row > 0 and column > 0 and near.sure_reach[row, column] >= 2:
         label = int(labels[row - 1, column - 1])
         if label:
             return label
-    # Where all labels around are one, something is found for certain
+    # Where all labels around are equal, this label is always found
     if not alone:
         reach = near.reach
         around = labels[

@@ -1,9 +1,8 @@
-"""Solid angles of pixels as spherical quadrilaterals through their corners.
+"""Solid angles of pixels as spherical quadrilaterals, as in evalglare.
 
-`scene.view.solid_angles` is exact for all projections. Here great circles join the
-corners, and a pixel with a corner outside of the projection has none: so counts
-evalglare, and the order of operations is its own, since a source joins another only
-if the other is larger, be it by the last bit.
+Corners are joined by great circles, and a pixel with a corner outside of the projection
+has no solid angle; `scene.view.solid_angles` is exact. The order of operations is that
+of evalglare, whose merging of sources compares solid angles to the last bit.
 """
 
 import numpy as np
@@ -21,11 +20,6 @@ def quadrilaterals(
 ) -> Float[np.ndarray, "row column"]:
     """Return the solid angles of the pixels of a picture [sr].
 
-    Parameters
-    ----------
-    columns, rows : size of the picture
-    some : rows wanted, counted from the top; all if not given
-
     Examples
     --------
     >>> view = View(kind="angular", horizontal=180, vertical=180)
@@ -34,7 +28,7 @@ def quadrilaterals(
     """
     left, right = _sides(columns)
     under, over = _sides(rows)
-    # evalglare mirrors the picture here, which only rounding tells in a level view
+    # evalglare mirrors the picture here, which changes rounding only
     mirrored = view.lift == 0
     low, high = (under, over) if mirrored else (under[::-1], over[::-1])
     some = some or slice(None)
@@ -76,7 +70,7 @@ def _plane(a: _Vectors, b: _Vectors) -> _Vectors:
     with np.errstate(divide="ignore"):
         scale = 1 / np.sqrt(square)
 
-    # To first order where the length is almost one; corners may fall together
+    # To first order where the length is almost one; corners may coincide
     near = np.abs(square - 1) <= TINY
     if near.any():
         scale[near] = 2 - (0.5 + 0.5 * square[near])

@@ -1,8 +1,8 @@
-"""Position index: how much less a source disturbs away from the line of sight.
+"""Position index of glare sources after Guth, Iwata and Kim.
 
-Above the line of sight Guth's index in Levin's fit; below it the same index along
-an angle widened after Iwata. Kim's index depends on both angles everywhere. Levin's
-fit alone, mirrored below, without a largest value, is what older programs take.
+Above the line of sight it is Guth's index in Levin's fit, below it that of Iwata and
+Osterhaus. Kim's index applies everywhere. Older programs use Levin's fit alone,
+mirrored below the line of sight and without a largest value.
 """
 
 from typing import Literal
@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float
 
 PositionModel = Literal["guth", "kim", "levin"]
 
-# No source counts less than a sixteenth of what it does in the middle (evalglare)
+# Largest index (evalglare)
 LARGEST = 16.0
 
 _Angles = Float[np.ndarray, "*shape"]
@@ -34,15 +34,14 @@ def position_index(
     below : whether the source lies below the line of sight
     model : "guth" as evalglare takes it, "kim", or "levin" as Radiance's glarendx
 
-    References
-    ----------
-    Guth, S. K. (1963): A method for the evaluation of discomfort glare. Illuminating
-    Engineering 57. Levin, R. E. (1975): Position index in VCP calculations. Journal
-    of the IES 4(2). Below the line of sight: Iwata, T. and Osterhaus, W. (2010):
-    Assessment of discomfort glare in daylit offices using luminance distribution
-    images. CIE Lighting Quality and Energy Efficiency. Kim, W. et al. (2009): The
-    position index of a glare source at the borderline between comfort and discomfort
-    (BCD) in the whole visual field. Building and Environment 44(5).
+    Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
+    Illuminating Engineering 57. Levin, R. E. (1975): Position index in VCP
+    calculations. Journal of the IES 4(2). Below the line of sight: Iwata, T. and
+    Osterhaus, W. (2010): Assessment of discomfort glare in daylit offices using
+    luminance distribution images. CIE Lighting Quality and Energy Efficiency. Kim, W.
+    et al. (2009): The position index of a glare source at the borderline between
+    comfort and discomfort (BCD) in the whole visual field. Building and Environment
+    44(5).
 
     Examples
     --------
@@ -70,7 +69,7 @@ def _guth(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
 
 
 def _iwata(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
-    # Guth's index at τ = 90°, at an angle widened by 1 + 0.3225 cos² τ
+    # Guth's index at τ = 90°, at an angle increased by 1 + 0.3225 cos² τ
     wide = np.sqrt(1 + 0.3225 * np.cos(tau) ** 2)
     beta = np.degrees(np.arctan(np.tan(sigma) * wide))
     result: np.ndarray = np.exp(6.49e-3 * beta + 21e-5 * beta * beta)

@@ -1,4 +1,4 @@
-"""Statistics of the luminance in a part of a picture: zones, masks, bands."""
+"""Luminance statistics of a region of a picture: a zone, a mask or a band."""
 
 from dataclasses import dataclass
 
@@ -14,15 +14,15 @@ MASK_LUMINANCE = 0.1
 
 @dataclass(frozen=True)
 class RegionStatistics:
-    """Luminance of a part of a picture.
+    """Luminance of a region of a picture.
 
     Attributes
     ----------
-    pixels : how many
+    pixels : their number
     solid_angle : [sr]
     average : by solid angle [cd/m²]
     median, deviation, percentile_75, percentile_95, least, most : over pixels [cd/m²]
-    illuminance : on the eye [lux]
+    illuminance : vertical illuminance at the eye from the region [lux]
     """
 
     pixels: int
@@ -44,10 +44,6 @@ def region_statistics(
 ) -> RegionStatistics:
     """Return the statistics of the pixels of a region that are in view.
 
-    Raises
-    ------
-    InputError : the region holds no pixel
-
     Examples
     --------
     >>> from clerestory.glare.glare_view import glare_view
@@ -60,7 +56,7 @@ def region_statistics(
     inside = region & eye.valid
     values = np.sort(luminance[inside].astype(float))
     if not values.size:
-        raise InputError("the region holds no pixel in view; a larger one expected")
+        raise InputError("the region has no pixel in view; a larger one expected")
     omega = eye.solid_angle[inside]
     flux = luminance[inside] * omega
     return RegionStatistics(

@@ -1,7 +1,4 @@
-"""Work on a picture in blocks of rows, which fit in the cache, on all cores.
-
-NumPy lets go of the interpreter while it computes, so threads do.
-"""
+"""Parallel evaluation of pictures in blocks of rows that fit in the cache."""
 
 import os
 from collections.abc import Callable

@@ -1,10 +1,10 @@
-"""Smoothing: dark pixels that a glare source surrounds are counted to it."""
+"""Smoothing of glare sources: addition of the dark pixels that they surround."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import fft
 
-# Share of the solid angle around a pixel that must belong to a source
+# Fraction of the solid angle around a pixel that must belong to a source
 _SHARE = 0.2
 
 
@@ -13,25 +13,19 @@ def surrounded(
     solid_angle: Float[np.ndarray, "row column"],
     radius: float,
 ) -> Bool[np.ndarray, "row column"]:
-    """Whether a source holds more than a fifth of what lies around each pixel.
+    """Whether more than a fifth of a disc around each pixel belongs to a source.
 
-    Around is a disc in the picture, by solid angle. Discs that reach over the right or
-    upper edge of the picture leave its last column or row out, as evalglare's do.
-
-    Parameters
-    ----------
-    mine : pixels of the source
-    radius : of the disc [pixels]
+    Discs are weighted by solid angle. Those beyond the right or upper edge of the
+    picture omit its last column or row, as in evalglare.
     """
     rows, columns = mine.shape
-    # The disc reaches this far from the source's own pixels
     reach = int(np.ceil(radius)) + 1
     top, bottom, left, right = _box(mine, reach)
     wide_top, wide_bottom = max(top - reach, 0), min(bottom + reach, rows)
     wide_left, wide_right = max(left - reach, 0), min(right + reach, columns)
     wide = np.s_[wide_top:wide_bottom, wide_left:wide_right]
 
-    # Discs over an edge leave out its last line of pixels
+    # Discs beyond an edge omit its last line of pixels
     over_right = np.arange(columns) + np.floor(radius) > columns - 1
     over_top = np.arange(rows) - np.floor(radius) < 0
     inside = np.zeros(mine.shape, dtype=bool)
@@ -53,8 +47,7 @@ def surrounded(
 
 
 def _around(weight: np.ndarray, disc: np.ndarray) -> np.ndarray:
-    # Sum of the weights within the disc around each pixel. scipy.signal does the same,
-    # but takes a second to import
+    # Convolution with the disc; scipy.signal has it, but takes a second to import
     rows, columns = weight.shape
     reach = disc.shape[0] // 2
     size = [fft.next_fast_len(n + 2 * reach, real=True) for n in weight.shape]

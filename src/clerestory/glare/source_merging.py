@@ -1,8 +1,8 @@
-"""The second scan for glare sources: sources that come near larger ones join them.
+"""Second scan of glare source detection: merging of sources.
 
-Pixels are visited as in the first scan. One that meets a source of larger solid angle
-than its own within the merging angle takes its whole source over to it. Scans follow
-each other until one changes nothing; sources of equal size do not join.
+Pixels are visited as in the first scan. If a source of larger solid angle is within the
+merging angle of a pixel, the source of the pixel is merged into it. Scans are repeated
+until there is no change; sources of equal solid angle are not merged.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from clerestory.glare.pixel_scan import ScannedPixels
 
 _EIGHT = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
 
-# Pixels this near to the picture's edge are never taken for inner ones
+# Distance from the picture's edge within which no pixel is an inner one
 _EDGE = 2
 
 
@@ -28,19 +28,10 @@ def merge_sources(
     *,
     skip_inner: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Label of each pixel after all sources that come near each other are one.
-
-    Parameters
-    ----------
-    pixels : in the order of the scan
-    labels : of the pixels, from 1
-    solid_angle : of all pixels of the picture [sr]
-    near : of the merging angle
-    skip_inner : pixels between eight others of their source do not search
-    """
+    """Label of each pixel after the merging of sources."""
     merged = labels.copy()
     picture = np.zeros(solid_angle.shape, dtype=np.int64)
-    # Islands of one source have nothing to merge
+    # Only islands of several sources are merged
     lowest = np.full(pixels.island.max(initial=-1) + 1, labels.max(initial=0) + 1)
     highest = np.zeros(lowest.size, dtype=np.int64)
     np.minimum.at(lowest, pixels.island, labels)
@@ -57,7 +48,7 @@ def merge_sources(
 
 @dataclass
 class _Merging:
-    # The sources of one island while they merge
+    # Sources of one island during merging
     pixels: ScannedPixels
     labels: np.ndarray
     picture: np.ndarray
@@ -68,7 +59,7 @@ class _Merging:
     def __post_init__(self) -> None:
         row, column, _ = self.pixels
         self.omega = self.solid_angle[row, column]
-        # Added up in the order of the scan: ties are decided by the last bit
+        # Summed in the order of the scan: comparisons depend on the last bit
         self.size = np.bincount(self.labels, weights=self.omega)
         self.pixel, self.neighbour = self._meetings()
         # The label that each first label has become
@@ -82,7 +73,6 @@ class _Merging:
         found = []
         for label in np.unique(self.labels):
             mine = self.labels[outer] == label
-            # Only pixels about the source can meet it
             about = ~mine & self._in_box(row, column, row[mine], column[mine])
             distance, _ = cKDTree(direction[mine]).query(
                 direction[about], distance_upper_bound=self.near.chord
@@ -102,7 +92,7 @@ class _Merging:
         return inside
 
     def _is_outer(self, index: np.ndarray) -> np.ndarray:
-        # Whether pixels have an unlike neighbour or lie at the edge of the picture
+        # Whether pixels have a neighbour of another label or lie at the edge
         row, column = self.pixels.row[index], self.pixels.column[index]
         rows, columns = self.picture.shape
         outer: np.ndarray = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)
@@ -116,7 +106,7 @@ class _Merging:
         return outer
 
     def run(self) -> None:
-        """Merge until a whole scan changes nothing."""
+        """Repeat scans until there is no change."""
         while self._scan():
             pass
 
@@ -135,7 +125,7 @@ class _Merging:
             changed |= self._search(last)
 
     def _search(self, index: int) -> bool:
-        # Join the larger source that the search from a pixel finds
+        # Merge into the larger source found from a pixel
         row, column = int(self.pixels.row[index]), int(self.pixels.column[index])
         old = new = int(self.picture[row, column])
         window = self.near.window(row, column)

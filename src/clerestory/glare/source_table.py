@@ -1,4 +1,4 @@
-"""Glare sources as numbers: one row a source, all that the indices are made of."""
+"""Table of glare sources: the quantities from which indices are computed."""
 
 from dataclasses import dataclass, fields
 
@@ -11,23 +11,19 @@ from clerestory.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class GlareSources:
-    """Bright regions as the eye sees them.
+    """Glare sources of a field of view.
 
     Attributes
     ----------
-    luminance : average over the source [cd/m²]
+    luminance : mean over the source [cd/m²]
     solid_angle : [sr]
-    position_index : of the source's middle
-    sigma : angle of the source's middle from the line of sight [rad]
-    direction : of the source's middle, unit vectors
-    illuminance : on the eye [lux]
+    position_index : of the source's centre
+    sigma : angle of the source's centre from the line of sight [rad]
+    direction : of the source's centre, unit vectors
+    illuminance : vertical illuminance at the eye [lux]
     pixels : number of pixels
-    row, column : of the source's middle, weighted by luminance
+    row, column : of the source's centre, weighted by luminance
     zone : 0 outside of all zones, 1 in the inner zone, 2 in the outer
-
-    Raises
-    ------
-    InputError : attributes of different lengths
 
     Examples
     --------
@@ -51,7 +47,7 @@ class GlareSources:
         lengths = {len(getattr(self, field.name)) for field in fields(self)}
         if len(lengths) > 1:
             raise InputError(
-                f"glare sources with {sorted(lengths)} values; as many of each expected"
+                f"glare sources with {sorted(lengths)} values; equal numbers expected"
             )
 
     @classmethod
@@ -63,10 +59,10 @@ class GlareSources:
         position_index: ArrayLike,
         sigma: ArrayLike | None = None,
     ) -> "GlareSources":
-        """Sources known by what the indices need, such as luminaires of a plan.
+        """Return sources of given luminance, such as luminaires of a plan.
 
-        The illuminance of each is that of a small source at its angle `sigma`, on the
-        line of sight if not given.
+        The illuminance of each is that of a small source at its angle `sigma`, by
+        default on the line of sight.
         """
         bright, omega, index = (
             np.asarray(values, dtype=float)
@@ -93,19 +89,19 @@ class GlareSources:
         return int(self.luminance.size)
 
     def weight(self) -> Float[np.ndarray, " source"]:
-        """L²ω/P² of each source: what DGP, UGR, CGI and UGP add up [cd²/m⁴·sr]."""
+        """L²ω/P² of each source, the summand of UGR, CGI and UGP [cd²/m⁴·sr]."""
         weight: np.ndarray = (
             self.luminance / self.position_index
         ) ** 2 * self.solid_angle
         return weight
 
     def guth_solid_angle(self) -> Float[np.ndarray, " source"]:
-        """Solid angles seen through the position index, ω/P² [sr]."""
+        """Solid angles weighted by the position index, ω/P² [sr]."""
         angle: np.ndarray = self.solid_angle / self.position_index**2
         return angle
 
     def average_luminance(self) -> float:
-        """Average luminance of all sources by solid angle, 0 without any [cd/m²]."""
+        """Mean luminance of all sources by solid angle, 0 without any [cd/m²]."""
         if not self.count:
             return 0.0
         return float(self.luminance @ self.solid_angle / self.solid_angle.sum())
@@ -113,7 +109,7 @@ class GlareSources:
     def larger_than(self, solid_angle: float) -> "GlareSources":
         """Return the sources of at least a solid angle [sr].
 
-        Wienold and Christoffersen (2006) left out sources below 0.002 sr.
+        Wienold and Christoffersen (2006) ignored sources below 0.002 sr.
         """
         keep = self.solid_angle >= solid_angle
         return GlareSources(*(getattr(self, item.name)[keep] for item in fields(self)))

@@ -1,7 +1,7 @@
-"""Glare sources of a picture, found as evalglare finds them.
+"""Glare source detection, as in evalglare.
 
-Pixels above a threshold are scanned for sources, near sources merge, dark pixels may
-be smoothed over, peaks are split off. What is left is one table row a source.
+Pixels above a threshold are scanned for sources, close sources are merged, dark pixels
+optionally smoothed over, peaks extracted. The sources are then summed up in a table.
 """
 
 import warnings
@@ -18,20 +18,21 @@ from clerestory.glare.peak_extraction import split_peaks
 from clerestory.glare.pixel_scan import ScannedPixels, first_scan, scan_order
 from clerestory.glare.smoothing import surrounded
 from clerestory.glare.source_merging import merge_sources
+from clerestory.glare.source_table import GlareSources
 
 _Luminance = Float[np.ndarray, "row column"]
 
-# Diameter of the disc of smoothing, in search radii (evalglare)
+# Search radii per smoothing radius (evalglare)
 _SMOOTHING = 1.75
 
-# Fewer pixels than this in a merging angle are worth a warning (evalglare)
+# Pixels in a merging angle below which evalglare warns
 _FEW_PIXELS = 3.0
 
 
 class Members(NamedTuple):
-    """Which pixels belong to which source.
+    """Pixels of glare sources.
 
-    A pixel that smoothing gives to several sources appears once for each.
+    A pixel that smoothing adds to several sources appears once for each.
 
     Attributes
     ----------
@@ -51,7 +52,7 @@ class Members(NamedTuple):
 def threshold_luminance(
     luminance: _Luminance, eye: GlareView, rules: SourceRules
 ) -> float:
-    """Luminance above which a pixel glares [cd/m²]."""
+    """Threshold luminance of glare pixels [cd/m²]."""
     if rules.threshold_kind == "luminance":
         return rules.threshold
     return rules.threshold * reference_luminance(luminance, eye, rules.task)
@@ -60,28 +61,23 @@ def threshold_luminance(
 def reference_luminance(
     luminance: _Luminance, eye: GlareView, task: Zone | None
 ) -> float:
-    """Average luminance of the task, or of the picture without one [cd/m²]."""
+    """Mean luminance of the task, or of the picture without a task [cd/m²]."""
     weight = eye.solid_angle
     if task is not None:
         weight = weight * in_zone(eye, task)
     total = float(weight.sum())
     if not total > 0:
-        raise InputError("the task holds no pixel in view; a larger opening expected")
+        raise InputError("the task has no pixel in view; a larger opening expected")
     return float(np.vdot(weight, luminance)) / total
 
 
 def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
-    """Whether pixels lie in a zone.
-
-    Raises
-    ------
-    InputError : the middle of the zone lies outside of the picture
-    """
+    """Whether pixels lie in a zone."""
     rows, columns = eye.shape
     if not (0 <= zone.row < rows and 0 <= zone.column < columns):
         raise InputError(
             f"a zone around row {zone.row}, column {zone.column} of a picture of"
-            f" {columns} × {rows} pixels; a place inside expected"
+            f" {columns} × {rows} pixels; a pixel of the picture expected"
         )
     inside: np.ndarray = 2 * eye.angle_from(zone.row, zone.column) <= zone.opening
     return inside
@@ -93,11 +89,6 @@ def find_sources(
     rules: SourceRules | None = None,
 ) -> Members:
     """Return the pixels of the glare sources of a picture.
-
-    Parameters
-    ----------
-    luminance : of the pixels [cd/m²]
-    eye : pixels of the view
 
     Examples
     --------
@@ -161,7 +152,7 @@ def _split(
     limit: float,
     near: Neighbourhood,
 ) -> Members:
-    # Peaks of each source in turn become sources behind all others
+    # Peaks of each source become sources after all others
     peak = luminance[members.row, members.column] >= limit
     if not peak.any():
         return members
@@ -177,3 +168,49 @@ def _split(
         label[index] = following + number - 1
         following += int(number.max())
     return Members(label, members.row, members.column)
+
+
+def tabulate(
+    members: Members,
+    luminance: Float[np.ndarray, "row column"],
+    eye: GlareView,
+    *,
+    zone: Int[np.ndarray, " label"] | None = None,
+) -> GlareSources:
+    """Return the sources of a picture, one row each, in the order of their labels."""
+    label, row, column = members
+    bright = luminance[row, column].astype(float)
+    omega = eye.solid_angle[row, column]
+    flux = bright * omega
+
+    pixels = np.bincount(label, minlength=1)
+    used = np.flatnonzero(pixels)
+
+    def total(values: np.ndarray) -> np.ndarray:
+        sums: np.ndarray = np.bincount(label, weights=values)[used].astype(float)
+        return sums
+
+    solid_angle, power = total(omega), total(flux)
+    # The centre is weighted by luminance; its index and direction are those of its
+    # pixel. evalglare counts rows from below, and truncates coordinates
+    rows, _ = eye.shape
+    up = total(flux * (rows - 1 - row)) / power
+    across = total(flux * column) / power
+    at = (
+        rows - 1 - up.astype(np.float32).astype(int),
+        across.astype(np.float32).astype(int),
+    )
+
+    lit = total(bright * eye.eye_weight[row, column])
+    return GlareSources(
+        luminance=power / solid_angle,
+        solid_angle=solid_angle,
+        position_index=eye.position_index[at],
+        sigma=eye.sigma[at],
+        direction=eye.direction[at],
+        illuminance=lit,
+        pixels=pixels[used],
+        row=rows - 1 - up,
+        column=across,
+        zone=np.zeros(used.size, dtype=np.int64) if zone is None else zone[used],
+    )

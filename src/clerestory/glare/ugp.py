@@ -13,10 +13,8 @@ def ugp(sources: GlareSources, *, background: float) -> float:
     ----------
     background : mean luminance outside of the sources [cd/m²]
 
-    References
-    ----------
-    Hirning, M. B., Isoardi, G. L. and Cowling, I. (2014): Discomfort glare in open
-    plan green buildings. Energy and Buildings 70.
+    Reference: Hirning, M. B., Isoardi, G. L. and Cowling, I. (2014): Discomfort glare
+    in open plan green buildings. Energy and Buildings 70.
 
     Examples
     --------
@@ -33,9 +31,7 @@ def ugp(sources: GlareSources, *, background: float) -> float:
 def logistic_ugp(sources: GlareSources, *, background: float) -> float:
     """Unified glare probability in logistic form, between 0 and 1.
 
-    References
-    ----------
-    Hirning, M. B. et al. (2016), as UGP2 of evalglare.
+    Reference: Hirning, M. B. et al. (2016), as UGP2 of evalglare.
 
     Examples
     --------

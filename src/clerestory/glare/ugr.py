@@ -15,9 +15,7 @@ def ugr(sources: GlareSources, *, background: float) -> float:
     ----------
     background : mean luminance outside of the sources [cd/m²]
 
-    References
-    ----------
-    CIE 117-1995: Discomfort glare in interior lighting.
+    Reference: CIE 117-1995: Discomfort glare in interior lighting.
 
     Examples
     --------
@@ -41,10 +39,8 @@ def experimental_ugr(
     average : mean luminance of the whole field of view, Ev/π [cd/m²]
     background : mean luminance outside of the sources [cd/m²]
 
-    References
-    ----------
-    Fisekis, K. et al. (2003): Prediction of discomfort glare from windows. Lighting
-    Research and Technology 35(4).
+    Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
+    Lighting Research and Technology 35(4).
 
     Examples
     --------

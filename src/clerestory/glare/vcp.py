@@ -16,10 +16,8 @@ def dgr(sources: GlareSources, *, average: float) -> float:
     ----------
     average : mean luminance of the whole field of view [cd/m²]
 
-    References
-    ----------
-    Guth, S. K. (1963): A method for the evaluation of discomfort glare. Illuminating
-    Engineering 57. IESNA Lighting Handbook, 9th edition, chapter 9.
+    Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
+    Illuminating Engineering 57. IESNA Lighting Handbook, 9th edition, chapter 9.
 
     Examples
     --------

@@ -16,10 +16,8 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
     With the illuminance E at the eye and the angle θ in degrees; valid for young
     observers and angles from 1° to 30°.
 
-    References
-    ----------
-    Vos, J. J. (2003): On the cause of disability glare and its dependence on glare
-    angle, age and ocular pigmentation. Clinical and Experimental Optometry 86(6).
+    Reference: Vos, J. J. (2003): On the cause of disability glare and its dependence on
+    glare angle, age and ocular pigmentation. Clinical and Experimental Optometry 86(6).
     CIE 146:2002.
 
     Examples

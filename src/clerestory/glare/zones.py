@@ -1,4 +1,4 @@
-"""Zones: sources that cross the border of a zone are cut along it."""
+"""Zones of a picture, along whose borders glare sources are divided."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from clerestory.glare.sources import Members, in_zone
 
 @dataclass(frozen=True)
 class Zones:
-    """One circle, or two around one middle.
+    """One circle, or two concentric circles.
 
     Attributes
     ----------
@@ -45,13 +45,9 @@ class Zones:
 def cut_along(
     members: Members, zone: Int[np.ndarray, "row column"]
 ) -> tuple[Members, Int[np.ndarray, " label"]]:
-    """Cut sources along the borders of zones.
+    """Divide sources along the borders of zones.
 
-    Parts within a zone become sources behind all others, in the order of the scan.
-
-    Parameters
-    ----------
-    zone : of each pixel
+    Parts within a zone become sources after all others, in the order of the scan.
 
     Returns
     -------

@@ -13,6 +13,11 @@ Documentation of Calculation Procedures, LBL-33943, 1993 (coated glass).
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Values
+
+# Arrays that are broadcast against each other
+_Broadcast = Float[np.ndarray, "*#batch"]
+
 # Polynomials in the cosine, lowest power first (LBL-33943): transmittance over that at
 # normal incidence, and reflectance likewise.
 _CLEAR_T = (-0.0015, 3.355, -3.84, 1.46, 0.0288)
@@ -25,11 +30,8 @@ _CLEAR_ABOVE = 0.645
 
 
 def uncoated(
-    cosine: Float[np.ndarray, "*#batch"],
-    *,
-    transmittance: Float[np.ndarray, "*#batch"],
-    reflectance: Float[np.ndarray, "*#batch"],
-) -> tuple[Float[np.ndarray, "*both"], Float[np.ndarray, "*both"]]:
+    cosine: _Broadcast, *, transmittance: _Broadcast, reflectance: _Broadcast
+) -> tuple[Values, Values]:
     """Transmittance and reflectance of a homogeneous pane for unpolarised light.
 
     Parameters
@@ -71,11 +73,8 @@ def uncoated(
 
 
 def coated(
-    cosine: Float[np.ndarray, "*#batch"],
-    *,
-    transmittance: Float[np.ndarray, "*#batch"],
-    reflectance: Float[np.ndarray, "*#batch"],
-) -> tuple[Float[np.ndarray, "*both"], Float[np.ndarray, "*both"]]:
+    cosine: _Broadcast, *, transmittance: _Broadcast, reflectance: _Broadcast
+) -> tuple[Values, Values]:
     """Transmittance and reflectance of a coated pane.
 
     Parameters
@@ -99,24 +98,18 @@ def coated(
     return _bounded(t, r)
 
 
-def _slab(
-    rho: Float[np.ndarray, "*#batch"], left: Float[np.ndarray, "*#batch"]
-) -> tuple[Float[np.ndarray, "*both"], Float[np.ndarray, "*both"]]:
+def _slab(rho: _Broadcast, left: _Broadcast) -> tuple[Values, Values]:
     # Geometric series of interreflections between the faces of a slab
     series = 1 - (left * rho) ** 2
     t = np.where(series > 0, left * (1 - rho) ** 2 / np.where(series > 0, series, 1), 0)
     return t, np.asarray((1 + left * t) * rho)
 
 
-def _polynomial(
-    coefficients: tuple[float, ...], x: Float[np.ndarray, "*#batch"]
-) -> Float[np.ndarray, "*#batch"]:
+def _polynomial(coefficients: tuple[float, ...], x: _Broadcast) -> _Broadcast:
     return np.asarray(np.polynomial.polynomial.polyval(x, coefficients))
 
 
-def _bounded(
-    t: Float[np.ndarray, "*#batch"], r: Float[np.ndarray, "*#batch"]
-) -> tuple[Float[np.ndarray, "*both"], Float[np.ndarray, "*both"]]:
+def _bounded(t: _Broadcast, r: _Broadcast) -> tuple[Values, Values]:
     # Conserve energy: the larger value is reduced
     excess = np.maximum(t + r - 1, 0)
     return np.where(t >= r, t - excess, t), np.where(t >= r, r, r - excess)

@@ -24,7 +24,6 @@ from clerestory.glazing.pane import (
     two_band_wavelengths,
 )
 from clerestory.glazing.standard import Channel
-from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 
 _UNKNOWN_THICKNESS = 1e-3
@@ -65,8 +64,8 @@ class BsdfLayer(Layer):
         for lacking, used in (("solar", "visible"), ("visible", "solar")):
             if not self.bsdf.has("transmission_front", channel=lacking):
                 warnings.warn(
-                    f"BSDF {self.bsdf.product.name!r} has no {lacking} data; the"
-                    f" {used} ones are taken",
+                    f"BSDF {self.bsdf.product.name!r} has no {lacking} data; its"
+                    f" {used} data are used",
                     ClerestoryWarning,
                     stacklevel=3,
                 )
@@ -74,7 +73,7 @@ class BsdfLayer(Layer):
             if not self.bsdf.has(part, channel=self.channel("visible")):
                 warnings.warn(
                     f"BSDF {self.bsdf.product.name!r} has no"
-                    f" {part.replace('_', ' ')}; that side counts as black",
+                    f" {part.replace('_', ' ')}; it is taken as zero",
                     ClerestoryWarning,
                     stacklevel=3,
                 )
@@ -144,14 +143,6 @@ class BsdfLayer(Layer):
         return replace(
             self, bsdf=replace(self.bsdf, functions=functions, product=turned)
         )
-
-    def own_partition(self) -> RingPartition:
-        """Patches of the data; Klems full for trees."""
-        part = self.bsdf.scattering(
-            "transmission_front", channel=self.channel("visible")
-        )
-        own = part.own_partitions()
-        return own[0] if own else klems("full")
 
     def channel(self, wanted: Channel) -> Channel:
         """Return the channel that is used for the wanted one."""

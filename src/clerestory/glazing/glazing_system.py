@@ -24,7 +24,8 @@ Layers and gaps run from the sky to the room. Files stand beside the description
 
 import math
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal, final
 
@@ -32,14 +33,59 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from clerestory.errors import InputError
 from clerestory.files import read_text
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.gap import ATMOSPHERE, Gap
-from clerestory.glazing.layer import Layer
+from clerestory.glazing.layer import Diffuser, Layer
 from clerestory.glazing.layer_files import read_layer, read_pane
 from clerestory.glazing.pane import Pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade
 from clerestory.glazing.slat_cell import SlatGeometry
 from clerestory.glazing.venetian import VenetianBlind
+
+GASES = ("air", "argon", "krypton", "xenon")
+
+# Standard atmosphere [Pa].
+ATMOSPHERE = 101_325.0
+
+
+@final
+@dataclass(frozen=True)
+class Gap:
+    """The space between two layers.
+
+    Attributes
+    ----------
+    thickness : [m]
+    gases : fractions of the gases, with a sum of 1
+    pressure : [Pa]
+
+    Raises
+    ------
+    InputError : no thickness, unknown gases, or another sum
+
+    Examples
+    --------
+    >>> Gap(0.016, {"argon": 0.9, "air": 0.1}).thickness
+    0.016
+    """
+
+    thickness: float
+    gases: Mapping[str, float] = field(default_factory=lambda: {"air": 1.0})
+    pressure: float = ATMOSPHERE
+
+    def __post_init__(self) -> None:
+        if not (self.thickness > 0 and self.pressure > 0):
+            raise InputError(
+                f"a gap of {self.thickness:g} m at {self.pressure:g} Pa; both above 0"
+                " expected"
+            )
+        unknown = [name for name in self.gases if name not in GASES]
+        if unknown:
+            raise InputError(
+                f"unknown gas {unknown[0]!r}; one of {', '.join(GASES)} expected"
+            )
+        total = sum(self.gases.values())
+        if min(self.gases.values(), default=0) < 0 or abs(total - 1) > 1e-6:
+            raise InputError(f"shares of gases sum to {total:g}; 1 expected")
+
 
 _MILLIMETRE = 1e-3
 _DEFAULT_GAP = 0.0127
@@ -75,7 +121,7 @@ class GlazingSystem:
             )
 
 
-def system_of(
+def system_with_equal_gaps(
     layers: list[Layer], *, gap: Gap | None = None, name: str = ""
 ) -> GlazingSystem:
     """Return a system with equal gaps, 12.7 mm of air by default."""

@@ -97,8 +97,8 @@ def warn_of_excess(pane: Pane) -> None:
     if most.max() > 1.01:
         at = pane.wavelength_nm[int(np.argmax(most))]
         warnings.warn(
-            f"{pane.source}: {pane.name!r} passes on {most.max():.3f} of the light at"
-            f" {at:g} nm; 1 at most expected",
+            f"{pane.source}: {pane.name!r} scatters {most.max():.3f} times the"
+            f" incident flux at {at:g} nm; 1 at most expected",
             ClerestoryWarning,
             stacklevel=4,
         )

@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.glazing.optics import Optics, Side
+from clerestory.bsdf.scattering_function import Side
+from clerestory.glazing.optics import Optics
 
 
-class Passage(NamedTuple):
+class StackProperties(NamedTuple):
     """Optical properties of a stack of layers.
 
     Attributes
@@ -32,17 +33,13 @@ class Passage(NamedTuple):
     absorbed_back: Float[np.ndarray, "layer *batch n"]
 
 
-def pass_through(layers: Sequence[Optics]) -> Passage:
+def stack_properties(layers: Sequence[Optics]) -> StackProperties:
     """Return the optical properties of a stack from flux matrices of its layers.
 
-    Parameters
-    ----------
-    layers : from the sky to the room, each of (…, n, n)
+    `layers`: from the sky to the room, each of (…, n, n).
 
-    Examples
-    --------
     >>> half = Optics.alike(0.5, 0.2).map(lambda share: share.reshape(1, 1))
-    >>> passage = pass_through([half, half])
+    >>> passage = stack_properties([half, half])
     >>> round(passage.system.transmission_front.item(), 6)  # 0.25 / (1 - 0.04)
     0.260417
     """
@@ -50,7 +47,7 @@ def pass_through(layers: Sequence[Optics]) -> Passage:
     outer, inner = _accumulate(layers), _accumulate(reverse)
     front = _absorbed(layers, outer, inner)
     back = _absorbed(reverse, inner, outer)
-    return Passage(outer[-1], np.stack(front), np.stack(back[::-1]))
+    return StackProperties(outer[-1], np.stack(front), np.stack(back[::-1]))
 
 
 def combine(outer: Optics, inner: Optics) -> Optics:

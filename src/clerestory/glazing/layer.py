@@ -2,7 +2,7 @@
 
 A matrix holds BSDF values from incident patches (columns) to exit patches (rows).
 Undeviated and specularly reflected light keep their patch number, so that matrices of
-successive layers multiply.
+successive layers multiply. Glass and Lambertian sheets are defined here.
 
 Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994, 1065–1072 and 1073–1086.
 """
@@ -14,7 +14,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Directions, Indices, Values
+from clerestory.array_types import Directions, Indices, PerWavelength, Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
@@ -53,9 +53,7 @@ class Layer(ABC):
         """Return the layer turned about its vertical axis, inside out."""
 
     def specular(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        cosine: Float[np.ndarray, " angle"],
+        self, wavelength_nm: PerWavelength, cosine: Float[np.ndarray, " angle"]
     ) -> Optics | None:
         """Transmittances and reflectances over (wavelength, angle); None
         if scattering.
@@ -65,16 +63,45 @@ class Layer(ABC):
     def openness(self, direction: Directions) -> Values:
         """Fraction of light along each direction that passes without scattering.
 
-        Parameters
-        ----------
-        direction : of travel, into the room; opposite directions are equal
+        `direction`: of travel, into the room; opposite directions are equal.
         """
         return np.zeros(len(direction))
 
 
+class MaterialLayer(Layer):
+    """A layer made of one sheet material.
+
+    Attributes
+    ----------
+    material : the sheet, whose properties describe the layer
+    """
+
+    material: Pane
+
+    @property
+    def name(self) -> str:
+        """Name of the material."""
+        return self.material.name
+
+    @property
+    def wavelength_nm(self) -> PerWavelength:
+        """Wavelengths of the material."""
+        return self.material.wavelength_nm
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the material [m]."""
+        return self.material.thickness
+
+    @property
+    def emissivities(self) -> tuple[float, float]:
+        """Emissivities of the material."""
+        return self.material.emissivity_front, self.material.emissivity_back
+
+
 @final
 @dataclass(frozen=True, eq=False)
-class Glass(Layer):
+class Glass(MaterialLayer):
     """A pane of glass in the system.
 
     Scattered light is distributed uniformly over all patches but the undeviated one, as
@@ -88,35 +115,15 @@ class Glass(Layer):
     [1.0, 1.0, 1.0]
     """
 
-    pane: Pane
-
-    @property
-    def name(self) -> str:
-        """Name of the product."""
-        return self.pane.name
-
-    @property
-    def wavelength_nm(self) -> Values:
-        """Where the pane was measured."""
-        return self.pane.wavelength_nm
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of the pane [m]."""
-        return self.pane.thickness
-
-    @property
-    def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the pane."""
-        return self.pane.emissivity_front, self.pane.emissivity_back
+    material: Pane
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         measure = partition.projected_solid_angles()
-        total = self.pane.angular(wavelength_nm, partition.centres()[:, 2])
-        if self.pane.diffuse is None:
+        total = self.material.angular(wavelength_nm, partition.centres()[:, 2])
+        if self.material.diffuse is None:
             return total.map(lambda share: diagonal(share / measure))
-        haze = self.pane.haze(wavelength_nm).map(lambda share: share[:, None])
+        haze = self.material.haze(wavelength_nm).map(lambda share: share[:, None])
 
         elsewhere = 1 - np.eye(len(measure))
 
@@ -129,20 +136,18 @@ class Glass(Layer):
         return Optics.gather(scattered)
 
     def specular(
-        self,
-        wavelength_nm: Float[np.ndarray, " wavelength"],
-        cosine: Float[np.ndarray, " angle"],
+        self, wavelength_nm: PerWavelength, cosine: Float[np.ndarray, " angle"]
     ) -> Optics | None:
         """Transmittances and reflectances over (wavelength, angle); None
         if scattering.
         """
-        if self.pane.diffuse is not None:
+        if self.material.diffuse is not None:
             return None
-        return self.pane.angular(wavelength_nm, cosine)
+        return self.material.angular(wavelength_nm, cosine)
 
     def flipped(self) -> "Glass":
         """Return the pane reversed."""
-        return Glass(self.pane.flipped())
+        return Glass(self.material.flipped())
 
 
 def diagonal(
@@ -159,3 +164,37 @@ def diagonal(
 def mirrored_patches(partition: RingPartition) -> Indices:
     """Patch at the left–right mirror image of each one."""
     return partition.find(partition.centres() * [-1, 1, 1])
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Diffuser(MaterialLayer):
+    """A Lambertian sheet.
+
+    Attributes
+    ----------
+    material : transmittances and reflectances at every angle
+    """
+
+    material: Pane
+
+    def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
+        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        covered = np.ones(len(partition))
+        return lambertian_matrices(self.material.at(wavelength_nm), covered)
+
+    def flipped(self) -> "Diffuser":
+        """Return the layer turned round."""
+        return Diffuser(self.material.flipped())
+
+
+def lambertian_matrices(shares: Optics, covered: Values) -> Optics:
+    """BSDFs [1/sr] of a Lambertian material that covers part of the area.
+
+    Parameters
+    ----------
+    shares : of the material, over wavelength
+    covered : covered area fraction, seen from each incident patch
+    """
+    even = covered / np.pi * np.ones((len(covered), 1))
+    return shares.map(lambda share: share[:, None, None] * even)

@@ -113,7 +113,7 @@ def _entry(path: Path) -> Entry:
         layer = read_layer(path)
     except InputError as error:
         return Entry(path.stem, None, path, str(error))
-    number = layer.pane.nfrc_id if isinstance(layer, Glass) else None
+    number = layer.material.nfrc_id if isinstance(layer, Glass) else None
     return Entry(layer.name, number, path)
 
 

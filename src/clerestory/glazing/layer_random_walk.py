@@ -19,13 +19,13 @@ from clerestory.array_types import Directions, Indices, Mask, Values
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import full_tree
-from clerestory.bsdf.scattering_function import Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import OF_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.errors import InputError
 from clerestory.glazing.layer import Layer
 from clerestory.glazing.scatterer import Scatterer, scatterer
 from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
-from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
+from clerestory.hemisphere.shirley_chiu import directions_from_square, square_from_disc
 
 # Most halvings: 17 million cells before reduction.
 _FINEST = 6
@@ -86,7 +86,7 @@ def walk_layers(
 
     Examples
     --------
-    >>> from clerestory.glazing.diffuser import Diffuser
+    >>> from clerestory.glazing.layer import Diffuser
     >>> from clerestory.glazing.pane import grey_pane
     >>> cloth = Diffuser(grey_pane(0.5, 0.2))
     >>> pair = walk_layers([cloth, cloth], halvings=1, walkers=4096, seed=3)
@@ -113,8 +113,9 @@ def walk_layers(
                 _Tally.of(plan, np.random.default_rng(child))
                 for child in seeds[part].spawn(batches)
             ]
-            for passed, function in _NAMES[back].items():
-                counts = [tally.passed if passed else tally.sent for tally in tallies]
+            passed, sent = OF_SIDE["back" if back else "front"]
+            for function in (passed, sent):
+                counts = [t.passed if function == passed else t.sent for t in tallies]
                 functions[channel, function] = _tree(counts, halvings)
                 diffuse[channel, function] = _diffuse(counts, halvings)
             report((part + 1) / (2 * len(channels)), f"{channel}")
@@ -125,12 +126,6 @@ def walk_layers(
         thickness=sum(layer.thickness for layer in layers),
     )
     return WalkedLayers(Bsdf(functions, product), diffuse)
-
-
-_NAMES: dict[bool, dict[bool, Function]] = {
-    False: {True: "transmission_front", False: "reflection_front"},
-    True: {True: "transmission_back", False: "reflection_back"},
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,11 +169,11 @@ def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
     # Directions of travel, uniform in projected solid angle over the cell
     wide = 1 << plan.halvings
     inside = rng.random((2, len(cell)))
-    x, y = disc_from_square(
+    travel = directions_from_square(
         (cell // wide + inside[0]) / wide, (cell % wide + inside[1]) / wide
     )
-    z = np.sqrt(np.maximum(1 - x * x - y * y, 1e-12))
-    return np.stack([x, y, -z if plan.back else z], axis=1)
+    travel[:, 2] = np.maximum(travel[:, 2], 1e-6)
+    return travel * [1, 1, -1 if plan.back else 1]
 
 
 def _walk(

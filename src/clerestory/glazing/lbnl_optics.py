@@ -35,7 +35,9 @@ def read_optics_file(path: str | Path) -> Pane:
         elif line.strip():
             rows.append(_row(line, number, path, rows))
     if not rows:
-        raise InputError("no rows of wavelength and shares found", file=path)
+        raise InputError(
+            "no rows of wavelength and optical properties; some expected", file=path
+        )
     table = np.array(rows)
     try:
         pane = _pane(table, header, path)

@@ -2,16 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.scattering_function import FUNCTIONS, Function
-
-Side = Literal["front", "back"]
-SIDES: tuple[Side, ...] = ("front", "back")
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function, Side
 
 
 @final
@@ -48,8 +45,7 @@ class Optics:
 
     def of(self, name: Function) -> Values:
         """Return one of the four by its name."""
-        value: Float[np.ndarray, "*batch"] = getattr(self, name)
-        return value
+        return np.asarray(getattr(self, name))
 
     def map(
         self, change: Callable[[Float[np.ndarray, "*batch"]], Float[np.ndarray, "*new"]]

@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Values
+from clerestory.array_types import PerWavelength, Values
 from clerestory.errors import InputError
 from clerestory.glazing.angular_dependence import coated, uncoated
 from clerestory.glazing.optics import Optics
@@ -56,7 +56,7 @@ class Pane:
     """
 
     name: str
-    wavelength_nm: Float[np.ndarray, " wavelength"]
+    wavelength_nm: PerWavelength
     direct: Optics
     diffuse: Optics | None = None
     coated: bool = False
@@ -81,12 +81,12 @@ class Pane:
             part = np.stack(np.broadcast_arrays(*vars(optics).values()))
             if part.shape[1:] != self.wavelength_nm.shape:
                 raise InputError(
-                    f"pane {self.name!r} has {part.shape[1:]} shares at"
+                    f"pane {self.name!r} has {part.shape[1:]} values at"
                     f" {len(self.wavelength_nm)} wavelengths; one each expected"
                 )
             if not np.all(np.isfinite(part) & (part >= 0)):
                 raise InputError(
-                    f"pane {self.name!r} has a share of {np.nanmin(part):g}; numbers of"
+                    f"pane {self.name!r} has a value of {np.nanmin(part):g}; numbers of"
                     " 0 or more expected"
                 )
         if not (self.thickness > 0 and self.conductivity > 0):
@@ -122,9 +122,7 @@ class Pane:
     ) -> Optics:
         """Total values at other angles over (wavelength, angle).
 
-        Parameters
-        ----------
-        cosine : of the angle of incidence
+        `cosine`: of the angle of incidence.
         """
         course = coated if self.coated else uncoated
         normal = self.at(wavelength_nm).map(lambda share: share[:, None])
@@ -154,9 +152,7 @@ class Pane:
         )
 
     def _at(
-        self,
-        share: Float[np.ndarray, " wavelength"],
-        wavelength_nm: Float[np.ndarray, " wanted"],
+        self, share: PerWavelength, wavelength_nm: Float[np.ndarray, " wanted"]
     ) -> Float[np.ndarray, " wanted"]:
         return np.asarray(np.interp(wavelength_nm, self.wavelength_nm, share))
 

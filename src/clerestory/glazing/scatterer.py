@@ -12,7 +12,12 @@ from jaxtyping import Float
 
 from clerestory.array_types import Mask, Values
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import (
+    FUNCTIONS,
+    OF_SIDE,
+    Function,
+    ScatteringFunction,
+)
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.layer import Layer, diagonal
@@ -51,18 +56,15 @@ class Scatterer:
     def shares(self, travel: _Directions) -> tuple[Values, Values]:
         """Transmittance and reflectance for each direction.
 
-        Parameters
-        ----------
-        travel : directions of travel, all with the same sign of z
+        `travel`: directions of travel, all with the same sign of z.
         """
-        side = _side(travel)
         if self.mirror is not None:
             cosine, grid = np.abs(travel[:, 2]), np.linspace(0, 1, _TABLE)
             on, back = (
-                np.interp(cosine, grid, self.mirror.of(name)) for name in _names(side)
+                np.interp(cosine, grid, self.mirror.of(name)) for name in _names(travel)
             )
             return np.asarray(on), np.asarray(back)
-        on, back = (self._scattered(travel, name) for name in _names(side))
+        on, back = (self._scattered(travel, name) for name in _names(travel))
         return on + self._open(travel), back
 
     def leave(
@@ -79,7 +81,7 @@ class Scatterer:
         if self.mirror is not None:
             return leaving
         free = self._open(travel)
-        on, back = _names(_side(travel))
+        on, back = _names(travel)
         total = free + self._scattered(travel, on)
         untouched = passed & (rng.random(len(travel)) * total < free)
         for name, some in ((on, passed & ~untouched), (back, ~passed)):
@@ -133,11 +135,6 @@ def scatterer(layer: Layer, band: Band, channel: Channel) -> Scatterer:
     return Scatterer(layer, None, Bsdf(functions))
 
 
-def _side(travel: _Directions) -> str:
-    return "front" if travel[0, 2] > 0 else "back"
-
-
-def _names(side: str) -> tuple[Function, Function]:
-    if side == "front":
-        return "transmission_front", "reflection_front"
-    return "transmission_back", "reflection_back"
+def _names(travel: _Directions) -> tuple[Function, Function]:
+    # Transmission and reflection of the incident side
+    return OF_SIDE["front" if travel[0, 2] > 0 else "back"]

@@ -14,11 +14,10 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Directions, Values
+from clerestory.array_types import Directions, PerWavelength, Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
-from clerestory.glazing.diffuser import scattered_evenly
-from clerestory.glazing.layer import Layer, diagonal
+from clerestory.glazing.layer import MaterialLayer, diagonal, lambertian_matrices
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.hemisphere.partition import RingPartition
@@ -28,7 +27,7 @@ Opening = Literal["circular", "rectangular"]
 
 @final
 @dataclass(frozen=True, eq=False)
-class PerforatedScreen(Layer):
+class PerforatedScreen(MaterialLayer):
     """A sheet with holes in a regular grid.
 
     Attributes
@@ -70,26 +69,6 @@ class PerforatedScreen(Layer):
                 f" {self.spacing} m, which overlap; smaller ones expected"
             )
 
-    @property
-    def name(self) -> str:
-        """Name of the material."""
-        return self.material.name
-
-    @property
-    def wavelength_nm(self) -> Values:
-        """Where the material was measured."""
-        return self.material.wavelength_nm
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of the material [m]."""
-        return self.material.thickness
-
-    @property
-    def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the material."""
-        return self.material.emissivity_front, self.material.emissivity_back
-
     def openness(self, direction: Directions) -> Values:
         """Fraction of light along each direction that passes through the holes."""
         x, y, z = direction.T
@@ -110,7 +89,7 @@ class PerforatedScreen(Layer):
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         free = self.openness(partition.centres())
-        even = scattered_evenly(self.material.at(wavelength_nm), 1 - free)
+        even = lambertian_matrices(self.material.at(wavelength_nm), 1 - free)
         return _with_openings(even, free, partition)
 
     def flipped(self) -> "PerforatedScreen":
@@ -120,7 +99,7 @@ class PerforatedScreen(Layer):
 
 @final
 @dataclass(frozen=True, eq=False)
-class WovenShade(Layer):
+class WovenShade(MaterialLayer):
     """A fabric of threads that cross at right angles.
 
     Attributes
@@ -153,26 +132,6 @@ class WovenShade(Layer):
                 f" {self.thread_spacing:g} m; thinner threads expected"
             )
 
-    @property
-    def name(self) -> str:
-        """Name of the material."""
-        return self.material.name
-
-    @property
-    def wavelength_nm(self) -> Values:
-        """Where the material was measured."""
-        return self.material.wavelength_nm
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of the material [m]."""
-        return self.material.thickness
-
-    @property
-    def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the material."""
-        return self.material.emissivity_front, self.material.emissivity_back
-
     def openness(self, direction: Directions) -> Values:
         """Fraction of light along each direction that passes between the threads."""
         altitude, azimuth = _altitude_azimuth(direction)
@@ -185,7 +144,7 @@ class WovenShade(Layer):
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         shares = self.material.at(wavelength_nm)
         free = self.openness(partition.centres())
-        even = scattered_evenly(shares, 1 - free)
+        even = lambertian_matrices(shares, 1 - free)
         forwards = {
             side: self._scattered_forwards(back, partition.centres())[:, None] / np.pi
             for side, back in (
@@ -207,9 +166,7 @@ class WovenShade(Layer):
         return replace(self, material=self.material.flipped())
 
     def _scattered_forwards(
-        self,
-        reflectance: Float[np.ndarray, " wavelength"],
-        direction: Float[np.ndarray, "direction 3"],
+        self, reflectance: PerWavelength, direction: Float[np.ndarray, "direction 3"]
     ) -> Float[np.ndarray, "wavelength direction"]:
         # Regression over measured fabrics; angles in degrees
         gamma = self.thread_diameter / self.thread_spacing

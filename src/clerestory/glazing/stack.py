@@ -15,13 +15,19 @@ from jaxtyping import Float
 from clerestory.array_types import ExitIncident, Values
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdf.scattering_function import FUNCTIONS, Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import (
+    FUNCTIONS,
+    SIDES,
+    Function,
+    ScatteringFunction,
+    Side,
+)
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.interreflection import Passage, pass_through
+from clerestory.glazing.interreflection import StackProperties, stack_properties
 from clerestory.glazing.layer import Layer, diagonal
-from clerestory.glazing.optics import SIDES, Optics, Side
+from clerestory.glazing.optics import Optics
 from clerestory.glazing.standard import CHANNELS, Band, Channel, Standard, nfrc
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
@@ -102,7 +108,7 @@ def stack_layers(
 
     Examples
     --------
-    >>> from clerestory.glazing.diffuser import Diffuser
+    >>> from clerestory.glazing.layer import Diffuser
     >>> from clerestory.glazing.pane import grey_pane
     >>> cloth = Diffuser(grey_pane(0.5, 0.2))
     >>> pair = stack_layers([cloth, cloth], partition=klems("quarter"))
@@ -154,11 +160,11 @@ def _by_wavelength(
     standard: Standard,
     partition: RingPartition,
     report: Report,
-) -> dict[Channel, Passage]:
+) -> dict[Channel, StackProperties]:
     grid = common_wavelengths([layer.wavelength_nm for layer in layers])
     weights = {channel: standard.band(channel).weights(grid) for channel in CHANNELS}
     counts = np.flatnonzero(sum(weights.values()))
-    total: dict[Channel, Passage] = {}
+    total: dict[Channel, StackProperties] = {}
     chunk = max(1, _TOGETHER // len(partition) ** 2)
     for start in range(0, len(counts), chunk):
         part = counts[start : start + chunk]
@@ -172,13 +178,13 @@ def _by_wavelength(
 
 def _band_by_band(
     layers: Sequence[Layer], band: Band, channel: Channel, partition: RingPartition
-) -> Passage:
+) -> StackProperties:
     measure = partition.projected_solid_angles()[:, None]
     averages = [
         _layer_band(layer, band, channel, partition).map(lambda f: measure * f)
         for layer in layers
     ]
-    return pass_through(averages)
+    return stack_properties(averages)
 
 
 def _layer_band(
@@ -198,13 +204,13 @@ def _layer_band(
         )
         total = shares if total is None else _add(total, shares)
     if total is None:
-        raise InputError(f"layer {layer.name!r} is not known in the {channel} band")
+        raise InputError(f"layer {layer.name!r} has no data in the {channel} band")
     return total
 
 
 def _passage(
     layers: Sequence[Layer], wavelength_nm: Values, partition: RingPartition
-) -> Passage:
+) -> StackProperties:
     measure = partition.projected_solid_angles()
     cosine = partition.centres()[:, 2]
     clear = [layer.specular(wavelength_nm, cosine) for layer in layers]
@@ -214,19 +220,21 @@ def _passage(
             layer.matrices(wavelength_nm, partition).map(lambda f: measure[:, None] * f)
             for layer in layers
         ]
-        return pass_through(flux)
+        return stack_properties(flux)
 
     # Specular panes: patches are independent, with 1 × 1 matrices
-    single = pass_through([p.map(lambda share: share[..., None, None]) for p in panes])
-    return Passage(
+    single = stack_properties(
+        [p.map(lambda share: share[..., None, None]) for p in panes]
+    )
+    return StackProperties(
         single.system.map(lambda share: diagonal(share[..., 0, 0])),
         single.absorbed_front[..., 0],
         single.absorbed_back[..., 0],
     )
 
 
-def _weighted(passage: Passage, weight: Values) -> Passage:
-    return Passage(
+def _weighted(passage: StackProperties, weight: Values) -> StackProperties:
+    return StackProperties(
         _mean(passage.system, weight),
         np.tensordot(passage.absorbed_front, weight, axes=(1, 0)),
         np.tensordot(passage.absorbed_back, weight, axes=(1, 0)),
@@ -237,8 +245,8 @@ def _mean(optics: Optics, weight: Values) -> Optics:
     return optics.map(lambda share: np.asarray(np.tensordot(weight, share, axes=1)))
 
 
-def _sum(one: Passage, other: Passage) -> Passage:
-    return Passage(
+def _sum(one: StackProperties, other: StackProperties) -> StackProperties:
+    return StackProperties(
         _add(one.system, other.system),
         one.absorbed_front + other.absorbed_front,
         one.absorbed_back + other.absorbed_back,

@@ -14,9 +14,8 @@ from importlib import resources
 from typing import Literal, final
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.array_types import Values
+from clerestory.array_types import PerWavelength, Values
 from clerestory.errors import InputError
 from clerestory.spectra import Spectrum, interpolation_matrix
 
@@ -44,8 +43,8 @@ class Band:
     0.5
     """
 
-    wavelength_nm: Float[np.ndarray, " wavelength"]
-    weight: Float[np.ndarray, " wavelength"]
+    wavelength_nm: PerWavelength
+    weight: PerWavelength
 
     def __post_init__(self) -> None:
         if abs(float(self.weight.sum()) - 1) > 1e-9:

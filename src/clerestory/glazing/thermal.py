@@ -3,13 +3,14 @@
 Optical properties are computed by this package, thermal ones by pywincalc (extra
 `thermal`), LBNL's binding of the engine of WINDOW (ISO 15099). Panes are passed with
 their spectra, venetian, woven and perforated shades with their geometry, BSDFs as
-two-band matrices.
+two-band matrices. `light_and_heat` replaces the procedure of genBSDF followed by
+WINDOW.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Literal, final
+from typing import Literal, NamedTuple, final
 
 import numpy as np
 from jaxtyping import Float
@@ -17,9 +18,10 @@ from jaxtyping import Float
 from clerestory.array_types import Points2
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.gap import Gap
-from clerestory.glazing.layer import Glass, Layer
+from clerestory.glazing.glazing_system import Gap, GlazingSystem
+from clerestory.glazing.layer import Diffuser, Glass, Layer
+from clerestory.glazing.stack import StackedLayers, stack_layers
+from clerestory.glazing.standard import Standard
 from clerestory.glazing.wincalc import (
     Basis,
     engine_gap,
@@ -107,7 +109,7 @@ def _calculate(
     tilt_deg: float,
 ) -> ThermalFigures:
     scattering = any(
-        not isinstance(layer, Glass) or layer.pane.diffuse for layer in layers
+        not isinstance(layer, Glass) or layer.material.diffuse for layer in layers
     )
     full = any(isinstance(layer, (BsdfLayer, Diffuser)) for layer in layers)
     partition = klems("full" if full else basis)
@@ -152,3 +154,42 @@ def _calculate(
 
 def _pairs(temperatures: list[float]) -> Points2:
     return np.array(temperatures).reshape(-1, 2)
+
+
+class LightAndHeat(NamedTuple):
+    """Optical and thermal properties of a glazing system.
+
+    Attributes
+    ----------
+    light : BSDF, and absorptances of the layers
+    heat : U, SHGC and temperatures
+    """
+
+    light: StackedLayers
+    heat: ThermalFigures
+
+
+def light_and_heat(
+    system: GlazingSystem,
+    *,
+    basis: Basis = "full",
+    standard: Standard | None = None,
+    wavelengths: Wavelengths = "condensed",
+) -> LightAndHeat:
+    """Return the BSDF of a glazing system and its thermal properties.
+
+    Parameters
+    ----------
+    basis : Klems basis of the BSDF
+    standard : spectral averages of the BSDF; None for NFRC's
+    wavelengths : of the thermal calculation, see `thermal_figures`
+    """
+    light = stack_layers(
+        system.layers,
+        partition=klems(basis),
+        standard=standard,
+        name=system.name,
+        gap_thickness=sum(gap.thickness for gap in system.gaps),
+    )
+    heat = thermal_figures(system.layers, system.gaps, wavelengths=wavelengths)
+    return LightAndHeat(light, heat)

@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple, final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Directions, Points2, Values
+from clerestory.array_types import Directions, PerWavelength, Points2, Values
 from clerestory.glazing.layer import Layer, diagonal
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
@@ -162,7 +162,7 @@ class VenetianBlind(Layer):
     def _sent(
         self,
         entering: Float[np.ndarray, "direction face"],
-        wavelength_nm: Float[np.ndarray, " wavelength"],
+        wavelength_nm: PerWavelength,
     ) -> Float[np.ndarray, "wavelength face direction"]:
         # Radiosity of each face per irradiance of the blind, after all reflections
         count = self.slats.segments
@@ -174,7 +174,7 @@ class VenetianBlind(Layer):
         return np.asarray(np.linalg.solve(balance, passes @ fall))
 
     def _material_matrix(
-        self, wavelength_nm: Float[np.ndarray, " wavelength"]
+        self, wavelength_nm: PerWavelength
     ) -> Float[np.ndarray, "wavelength face face"]:
         # Each face reflects, and transmits from the other face
         shares = self.material.at(wavelength_nm)

@@ -9,9 +9,8 @@ import numpy as np
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.errors import ClerestoryError, InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.gap import Gap
-from clerestory.glazing.layer import Glass, Layer
+from clerestory.glazing.glazing_system import Gap
+from clerestory.glazing.layer import Diffuser, Glass, Layer
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade
@@ -27,7 +26,7 @@ def load_engine() -> ModuleType:
         return importlib.import_module("pywincalc")
     except ImportError as error:
         raise ClerestoryError(
-            "heat needs pywincalc, which is not installed; pip install"
+            "thermal properties need pywincalc, which is not installed; pip install"
             " 'clerestory[thermal]' where it has a wheel"
         ) from error
 
@@ -55,19 +54,17 @@ def engine_gap(engine: ModuleType, gap: Gap) -> Any:
 def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> Any:
     """Return a layer for the engine.
 
-    Parameters
-    ----------
-    partition : Klems full for layers that are passed as matrices
+    `partition`: Klems full for layers that are passed as matrices.
     """
     if isinstance(layer, Glass):
-        return _sheet(engine, layer.pane)
+        return _sheet(engine, layer.material)
     if isinstance(layer, (VenetianBlind, WovenShade, PerforatedScreen)):
         return _shade(engine, layer)
     if isinstance(layer, BsdfLayer):
         return _matrices(engine, layer, partition)
     if isinstance(layer, Diffuser):
         return _even(engine, layer, partition)
-    raise InputError(f"pywincalc knows no layers like {layer.name!r}")
+    raise InputError(f"pywincalc has no model for the layer {layer.name!r}")
 
 
 def _sheet(engine: ModuleType, pane: Pane) -> Any:

@@ -25,7 +25,7 @@ def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directio
     )
 
 
-def upright(direction: Directions) -> Directions:
+def upper_hemisphere(direction: Directions) -> Directions:
     """Directions mirrored to z ≥ 0."""
     return np.concatenate([direction[..., :2], np.abs(direction[..., 2:])], axis=-1)
 
@@ -51,11 +51,11 @@ def angle_table(
     return np.asarray(2 * np.arcsin(np.minimum(np.sqrt(squared_chord) / 2, 1)))
 
 
-def above(disc: Points2) -> Directions:
+def directions_over_disc(disc: Points2) -> Directions:
     """Unit vectors over points of the unit disc; points beyond the rim are moved
     inside.
 
-    >>> above(np.array([[0.6, 0.0], [0.0, 3.0]])).round(2).tolist()
+    >>> directions_over_disc(np.array([[0.6, 0.0], [0.0, 3.0]])).round(2).tolist()
     [[0.6, 0.0, 0.8], [0.0, 1.0, 0.01]]
     """
     length = np.linalg.norm(disc, axis=-1, keepdims=True)
@@ -64,6 +64,6 @@ def above(disc: Points2) -> Directions:
     return np.concatenate([flat, height], axis=-1)
 
 
-def straight_on(incident: Directions) -> Directions:
+def undeviated(incident: Directions) -> Directions:
     """Direction of undeviated transmission or of mirror reflection, equal in x, y."""
     return np.asarray(incident * [-1.0, -1.0, 1.0])

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from clerestory.array_types import Vector
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.lobe_fitting import condense, total_flux
+from clerestory.gonio.lobe_fitting import condensed_points, total_flux
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
@@ -88,7 +88,7 @@ class Coverage:
         for report in self.scans:
             place = f"(θ {report.theta_deg:.1f}°, φ {report.phi_deg:.1f}°)"
             if report.in_plane:
-                lines.append(f"{place}: only the plane of incidence is measured")
+                lines.append(f"{place}: only the plane of incidence was measured")
             elif report.gap > 0.02:
                 lines.append(
                     f"{place}: {report.gap:.0%} of the hemisphere has no data,"
@@ -97,22 +97,24 @@ class Coverage:
             if report.negative > 0.01:
                 lines.append(f"{place}: {report.negative:.0%} of values are negative")
             if report.flux > 1:
-                lines.append(f"{place}: {report.flux:.3f} of the light is scattered")
+                lines.append(
+                    f"{place}: a total flux of {report.flux:.3f}; at most 1 expected"
+                )
         symmetry = self.claimed or self.implied
         found = None if symmetry is None else self.asymmetry.get(symmetry)
         if symmetry == "isotropic" and self.asymmetry:
             found = max(self.asymmetry.values())
         if found is not None and found > _ALIKE:
             lines.append(
-                f"{symmetry} by its incident directions, but {found:.0%} of the light"
-                " differs between images"
+                f"{symmetry} by its incident directions, but {found:.0%} of the flux"
+                " differs between mirror images"
             )
         if len(self.scans) < 2:
             lines.append("one incident direction; two or more are needed for a fit")
         return tuple(lines)
 
 
-def survey(measurement: Measurement) -> Coverage:
+def measure_coverage(measurement: Measurement) -> Coverage:
     """Return the coverage of a measurement."""
     try:
         implied: Symmetry | None = deduce_symmetry(measurement.incidents)
@@ -200,7 +202,7 @@ def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
 
 def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
     # Flux on a coarse grid of the unit square, on which images are flips
-    points = condense(scan)
+    points = condensed_points(scan)
     flux = np.maximum(points.value * points.weight, 0)
     spread = np.full(len(flux), np.sqrt(2 * np.pi) / (1 << _HALVINGS))
     cells = Raster.of(_HALVINGS).cells(Lobes(points.direction, spread, flux))

@@ -14,16 +14,15 @@ from jaxtyping import Float
 from clerestory.array_types import Indices
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.beam_direction import beam_direction
-from clerestory.gonio.earth_movers_distance import earth_mover
+from clerestory.gonio.distribution_metrics import beam_direction, earth_movers_distance
 from clerestory.gonio.incident_mesh import locate
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_fitting import (
     DEFAULT,
     FitOptions,
-    condense,
+    condensed_points,
     fit_scans,
-    misplaced_light,
+    misplaced_flux,
     total_flux,
 )
 from clerestory.gonio.lobes import Lobes
@@ -32,7 +31,7 @@ from clerestory.gonio.parallel import Report, silent
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.transport_network import Network
-from clerestory.gonio.transport_refinement import replan
+from clerestory.gonio.transport_refinement import refine_some_plans
 
 # Fewest scans for cross-validation.
 _FEWEST = 3
@@ -166,12 +165,12 @@ def _left_out(
     symmetry: Symmetry,
     network: Network,
 ) -> LeftOut:
-    scan, fit, points = scans[k], fits[k], condense(scans[k])
+    scan, fit, points = scans[k], fits[k], condensed_points(scans[k])
     others = [n for n in range(len(scans)) if n != k]
     incidents = np.array([scans[n].incident for n in others])
     known = network.known_plans()
     rest = join(incidents, [fits[n] for n in others], symmetry, known=known)
-    rest = replan(rest, _about(rest, symmetry, scan))
+    rest = refine_some_plans(rest, _about(rest, symmetry, scan))
     lobes = Interpolant(rest, symmetry).lobes(scan.incident)
     return LeftOut(
         scan.theta_deg,
@@ -180,9 +179,9 @@ def _left_out(
         total_flux(scan),
         lobes.total,
         float(np.degrees(angle_between(beam_direction(lobes), beam_direction(fit)))),
-        float(np.degrees(earth_mover(lobes, fit))),
-        misplaced_light(points, lobes.evaluate(points.direction)),
-        misplaced_light(points, fit.evaluate(points.direction)),
+        float(np.degrees(earth_movers_distance(lobes, fit))),
+        misplaced_flux(points, lobes.evaluate(points.direction)),
+        misplaced_flux(points, fit.evaluate(points.direction)),
     )
 
 

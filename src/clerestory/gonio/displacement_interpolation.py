@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.array_types import Values, Vector
-from clerestory.gonio.angles import above
+from clerestory.gonio.angles import directions_over_disc
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.particles import Particles
 
@@ -77,7 +77,7 @@ def displace(
         at = np.where(present[:, k], number[:, k], 0)
         disc += place[:, k, None] * lobes.centre[at, :2]
         square += way[:, k] * lobes.radius[at] ** 2
-    return Lobes(above(disc), np.sqrt(square), flux)
+    return Lobes(directions_over_disc(disc), np.sqrt(square), flux)
 
 
 def with_total(flux: Values, change: Values, total: float) -> Values:
@@ -86,12 +86,8 @@ def with_total(flux: Values, change: Values, total: float) -> Values:
     Each flux is multiplied by exp(power · change), with a common power found by
     Newton's method, so that none becomes negative.
 
-    Parameters
-    ----------
-    change : mean relative deviation of the corner fluxes from the interpolated one
+    `change`: mean relative deviation of the corner fluxes from the interpolated one.
 
-    Examples
-    --------
     >>> with_total(np.array([0.3, 0.2]), np.array([1.0, 0.0]), 0.4).round(6).tolist()
     [0.2, 0.2]
     >>> with_total(np.array([0.3, 0.2]), np.ones(2), 0.25).round(6).tolist()

@@ -7,17 +7,12 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import OF_SIDE, Function
 from clerestory.gonio.fitted_measurement import Fitted
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.optimal_transport import Plan
 from clerestory.gonio.transport_network import Network
-
-_SIDES: tuple[tuple[Function, Function], ...] = (
-    ("transmission_front", "reflection_front"),
-    ("transmission_back", "reflection_back"),
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +56,7 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
 def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
     # Transmittance plus reflectance at each vertex
     vertices = fit.interpolant.network.mesh.vertices
-    side = next(pair for pair in _SIDES if fit.function in pair)
+    side = next(pair for pair in OF_SIDE.values() if fit.function in pair)
     known = [visible[name] for name in side if name in visible]
     total: Float[np.ndarray, " vertices"] = np.zeros(len(vertices))
     for interpolant in known:

@@ -29,26 +29,6 @@ from clerestory.matrix.netcdf import SEAL_LENGTH, seal
 
 _FORMAT = "Clerestory scattering interpolant 1"
 
-# Arrays of a group with their dimensions.
-_ARRAYS: dict[str, tuple[str, ...]] = {
-    "vertices": ("vertex", "axis"),
-    "triangles": ("triangle", "corner"),
-    "edges": ("edge", "end"),
-    "rim": ("edge",),
-    "quadrant": ("plane",),
-    "lobe_centre": ("lobe", "axis"),
-    "lobe_radius_rad": ("lobe",),
-    "lobe_flux": ("lobe",),
-    "lobes_of_vertex": ("vertex",),
-    "move_source": ("move",),
-    "move_target": ("move",),
-    "move_sent": ("move",),
-    "move_received": ("move",),
-    "moves_of_edge": ("edge",),
-    "fading": ("edge_start_lobe",),
-    "rising": ("edge_end_lobe",),
-}
-
 
 def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
     """Write fitted functions to a file."""
@@ -63,7 +43,7 @@ def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
             group.attrs["symmetry"] = fit.interpolant.symmetry
             group.attrs["most_lobes"] = fit.options.lobes
             group.attrs["smoothing"] = fit.options.smoothing
-            _write(group, _arrays(fit.interpolant.network))
+            _write(group, fit.interpolant.network)
     with replace_file(path) as stream:
         stream.write(buffer.getvalue())
         stream.write(seal(buffer.getbuffer()))
@@ -92,31 +72,28 @@ def read_fits(path: str | Path) -> tuple[Fitted, ...]:
         ) from error
 
 
-def _arrays(network: Network) -> dict[str, np.ndarray]:
+def _write(group: Any, network: Network) -> None:
+    # Arrays of a group with their dimensions; those of lobes and plans are concatenated
     mesh, lobes, plans = network.mesh, network.lobes, network.plans
-    return {
-        "vertices": mesh.vertices,
-        "triangles": mesh.triangles,
-        "edges": mesh.edges,
-        "rim": mesh.rim.astype(np.int8),
-        "quadrant": network.quadrant,
-        "lobe_centre": np.concatenate([part.centre for part in lobes]),
-        "lobe_radius_rad": np.concatenate([part.radius for part in lobes]),
-        "lobe_flux": np.concatenate([part.flux for part in lobes]),
-        "lobes_of_vertex": np.array([len(part) for part in lobes]),
-        "move_source": np.concatenate([plan.source for plan in plans]),
-        "move_target": np.concatenate([plan.target for plan in plans]),
-        "move_sent": np.concatenate([plan.sent for plan in plans]),
-        "move_received": np.concatenate([plan.received for plan in plans]),
-        "moves_of_edge": np.array([len(plan.sent) for plan in plans]),
-        "fading": np.concatenate([plan.fading for plan in plans]),
-        "rising": np.concatenate([plan.rising for plan in plans]),
-    }
-
-
-def _write(group: Any, arrays: dict[str, np.ndarray]) -> None:
-    for name, dimensions in _ARRAYS.items():
-        array = np.ascontiguousarray(arrays[name])
+    for name, dimensions, parts in (
+        ("vertices", ("vertex", "axis"), [mesh.vertices]),
+        ("triangles", ("triangle", "corner"), [mesh.triangles]),
+        ("edges", ("edge", "end"), [mesh.edges]),
+        ("rim", ("edge",), [mesh.rim.astype(np.int8)]),
+        ("quadrant", ("plane",), [network.quadrant]),
+        ("lobe_centre", ("lobe", "axis"), [part.centre for part in lobes]),
+        ("lobe_radius_rad", ("lobe",), [part.radius for part in lobes]),
+        ("lobe_flux", ("lobe",), [part.flux for part in lobes]),
+        ("lobes_of_vertex", ("vertex",), [np.array([len(part) for part in lobes])]),
+        ("move_source", ("move",), [plan.source for plan in plans]),
+        ("move_target", ("move",), [plan.target for plan in plans]),
+        ("move_sent", ("move",), [plan.sent for plan in plans]),
+        ("move_received", ("move",), [plan.received for plan in plans]),
+        ("moves_of_edge", ("edge",), [np.array([len(plan.sent) for plan in plans])]),
+        ("fading", ("edge_start_lobe",), [plan.fading for plan in plans]),
+        ("rising", ("edge_end_lobe",), [plan.rising for plan in plans]),
+    ):
+        array = np.ascontiguousarray(np.concatenate(parts))
         for dimension, size in zip(dimensions, array.shape, strict=True):
             if dimension not in group.dimensions:
                 group.dimensions[dimension] = size
@@ -143,8 +120,7 @@ def _fitted(group: h5py.Group) -> Fitted:
 
 def _network(group: h5py.Group) -> Network:
     def array(name: str) -> np.ndarray:
-        data: np.ndarray = group[name][...]
-        return data
+        return np.asarray(group[name][...])
 
     triangles = array("triangles") if "triangles" in group else np.zeros((0, 3), int)
     edges = array("edges")

@@ -72,8 +72,8 @@ class FluxCurve:
 
     Examples
     --------
-    >>> from clerestory.gonio.incident_mesh import string
-    >>> curve = flux_surface(string(np.array([0.0, 0.5, 1.0])), np.full(3, 0.25),
+    >>> from clerestory.gonio.incident_mesh import arc_mesh
+    >>> curve = flux_surface(arc_mesh(np.array([0.0, 0.5, 1.0])), np.full(3, 0.25),
     ...                      symmetry="isotropic", quadrant=np.ones(2))
     >>> float(curve.at(np.array([[0.6, 0, 0.8]]))[0])
     0.25
@@ -123,9 +123,7 @@ def flux_surface(
 ) -> Flux:
     """Return the interpolation of the values at the vertices of a mesh.
 
-    Parameters
-    ----------
-    quadrant : signs of x and y of the measured part
+    `quadrant`: signs of x and y of the measured part.
     """
     if mesh.arc:
         return _curve(mesh.vertices, totals)

@@ -91,10 +91,10 @@ def triangulate(vertices: Directions) -> Mesh:
     return Mesh(vertices, corners, edges, sides == 1)
 
 
-def string(theta: Values) -> Mesh:
+def arc_mesh(theta: Values) -> Mesh:
     """Return the mesh of an isotropic layer: an arc of ascending polar angles [rad].
 
-    >>> string(np.radians([0.0, 30.0, 60.0])).edges.tolist()
+    >>> arc_mesh(np.radians([0.0, 30.0, 60.0])).edges.tolist()
     [[0, 1], [1, 2]]
     """
     vertices = from_degrees(np.degrees(theta), 0.0)

@@ -19,23 +19,23 @@ from clerestory.array_types import (
     Vector,
     Vector2,
 )
+from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import patches_in_cells
-from clerestory.bsdf.reciprocal_function import ReversedFunction
+from clerestory.bsdf.reciprocal_function import ReciprocalFunction
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.gonio.angles import above, straight_on, upright
+from clerestory.gonio.angles import directions_over_disc, undeviated, upper_hemisphere
 from clerestory.gonio.displacement_interpolation import displace
 from clerestory.gonio.flux_interpolation import Flux, flux_surface
 from clerestory.gonio.incident_mesh import Place, flat_weights, locate
-from clerestory.gonio.lobe_motion import followed
+from clerestory.gonio.lobe_motion import mean_motion, with_unmatched_lobes
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import about_normal, turned
+from clerestory.gonio.network_assembly import rotation_about_normal, transformed
 from clerestory.gonio.particles import Particles, edge_particles, triangle_particles
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.transport_network import Network
 from clerestory.gonio.tree_export import to_tree
-from clerestory.gonio.unmatched_lobes import with_continuations
 from clerestory.hemisphere.partition import RingPartition
 
 # Halvings of the grid for sampling and patch averages; the smallest Klems patch has
@@ -83,11 +83,11 @@ class Interpolant(ScatteringFunction):
         Used for extrapolation beyond the outermost directions: 1 for a clear pane, 0
         for a diffuser.
         """
-        return followed(self.network)
+        return mean_motion(self.network)
 
     @cached_property
     def _moving(self) -> Network:
-        return with_continuations(self.network, follow=self.follow)
+        return with_unmatched_lobes(self.network, follow=self.follow)
 
     @cached_property
     def _flux(self) -> Flux:
@@ -116,26 +116,29 @@ class Interpolant(ScatteringFunction):
 
     def lobes_of(self, incident: Directions) -> Iterator[Lobes]:
         """Yield the lobes of the light from each direction."""
-        source = upright(np.asarray(incident, dtype=float))
+        source = upper_hemisphere(np.asarray(incident, dtype=float))
         source = source / np.linalg.norm(source, axis=1, keepdims=True)
         if self.symmetry == "isotropic":
             azimuth = np.arctan2(source[:, 1], source[:, 0])
             height = np.hypot(source[:, 0], source[:, 1])
             folded = np.stack([height, 0 * height, source[:, 2]], axis=-1)
-            matrices = np.array([about_normal(a) for a in azimuth])
+            matrices = np.array([rotation_about_normal(a) for a in azimuth])
         else:
             folded, factor = fold(source, self.symmetry, self.network.quadrant)
             matrices = factor[:, None, :] * np.eye(3)
         place = locate(self.network.mesh, folded)
         total = self._flux.at(folded)
         for k, matrix in enumerate(matrices):
-            yield turned(self._at(place, k, folded[k], float(total[k])), matrix)
+            yield transformed(self._at(place, k, folded[k], float(total[k])), matrix)
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
         incident, leaving = np.broadcast_arrays(incident, leaving)
         shape = incident.shape[:-1]
-        source, exits = incident.reshape(-1, 3), upright(leaving.reshape(-1, 3))
+        source, exits = (
+            incident.reshape(-1, 3),
+            upper_hemisphere(leaving.reshape(-1, 3)),
+        )
         value = np.empty(len(source))
         for group, lobes in self._grouped(source):
             value[group] = lobes.evaluate(exits[group])
@@ -156,7 +159,7 @@ class Interpolant(ScatteringFunction):
         raster = Raster.of(_GATHER)
         for group, lobes in self._grouped(source):
             grid = raster.cells(lobes)
-            leaving[group], density[group] = raster.sample(grid, u[group])
+            leaving[group], density[group] = sample_square(grid, u[group])
         shape = np.shape(incident)[:-1]
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
@@ -173,7 +176,7 @@ class Interpolant(ScatteringFunction):
         patch = np.repeat(np.arange(len(incidents)), len(u))
         source = incidents.sample(patch, np.tile(u, (len(incidents), 1)))
         table = np.zeros((len(exits), len(incidents)))
-        for k, lobes in enumerate(self.lobes_of(straight_on(source))):
+        for k, lobes in enumerate(self.lobes_of(undeviated(source))):
             table[:, patch[k]] += into @ raster.cells(lobes)
         measure = exits.projected_solid_angles()[:, None] * len(u)
         return np.asarray(table / measure)
@@ -188,7 +191,7 @@ class Interpolant(ScatteringFunction):
 
     def reciprocal(self) -> ScatteringFunction:
         """Return the function with incident and leaving directions exchanged."""
-        return ReversedFunction(self, halvings=_HALVINGS)
+        return ReciprocalFunction(self, halvings=_HALVINGS)
 
     def tabulated(self) -> ScatteringTree:
         """Return a cached tree of 2^6 cells along each axis."""
@@ -247,4 +250,6 @@ def _shifted(lobes: Lobes, found: Vector2, wanted: Vector, follow: float) -> Lob
     turn = (found - wanted[:2]) * follow
     if np.hypot(*turn) < 1e-9:
         return lobes
-    return Lobes(above(lobes.centre[:, :2] + turn), lobes.radius, lobes.flux)
+    return Lobes(
+        directions_over_disc(lobes.centre[:, :2] + turn), lobes.radius, lobes.flux
+    )

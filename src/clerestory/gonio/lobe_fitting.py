@@ -102,7 +102,7 @@ class Points:
         return float(self.value @ self.weight)
 
 
-def condense(scan: Scan, *, most: int = _MOST_BINS) -> Points:
+def condensed_points(scan: Scan, *, most: int = _MOST_BINS) -> Points:
     """Return a scan as at most `most` points, each the mean of its neighbours.
 
     Values are weighted by projected solid angle, so that flux is conserved.
@@ -154,20 +154,20 @@ def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
 
 def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
     """Return the lobes of a scan; their flux is that of the scan."""
-    points = condense(scan)
+    points = condensed_points(scan)
     if points.flux <= 0:
         raise InputError(
-            f"{points.flux:.3g} of the light from {scan.words} is scattered; more than"
-            " zero expected: is the blank reading too large?",
+            f"a total flux of {points.flux:.3g} from {scan.words}; more than zero"
+            " expected: is the blank reading too large?",
             file=scan.source,
         )
     lobes = _fitted(points, options, options.lobes)
-    if misplaced_light(points, lobes.evaluate(points.direction)) > _MISPLACED:
+    if misplaced_flux(points, lobes.evaluate(points.direction)) > _MISPLACED:
         lobes = _fitted(points, options, 2 * options.lobes)
     return lobes
 
 
-def misplaced_light(points: Points, predicted: Values) -> float:
+def misplaced_flux(points: Points, predicted: Values) -> float:
     """Fraction of the measured flux that a prediction puts elsewhere; 1 without flux.
 
     Parameters

@@ -2,15 +2,19 @@
 
 The moves of a lobe along all edges of its vertex, and those of nearby lobes, give a 2 ×
 2 matrix from the displacement of the incident direction to that of the lobe, both in
-the disc below the hemisphere.
+the disc below the hemisphere. Lobes without a partner at the next incident direction
+move likewise while they fade.
 """
+
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Indices, Points2, Values, Vector2
-from clerestory.gonio.angles import above, straight_on
+from clerestory.gonio.angles import directions_over_disc, undeviated
 from clerestory.gonio.lobes import Lobes, angles_among
+from clerestory.gonio.optimal_transport import Plan
 from clerestory.gonio.transport_network import Network
 
 # Distance in radii of lobes with similar motion.
@@ -23,11 +27,11 @@ _PRIOR = 0.05
 _WIDE = 0.5
 
 
-def followed(network: Network) -> float:
+def mean_motion(network: Network) -> float:
     """Mean motion of lobes over that of undeviated light, over all plans; -1…1."""
     along, squared = 0.0, 0.0
     for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
-        ends = straight_on(network.mesh.vertices[[a, b]])
+        ends = undeviated(network.mesh.vertices[[a, b]])
         turn = (ends[1] - ends[0])[:2]
         start, end = network.lobes[a], network.lobes[b]
         move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
@@ -39,7 +43,7 @@ def followed(network: Network) -> float:
     return float(np.clip(along / squared, -1, 1)) if squared > 0 else 0.0
 
 
-class Turns:
+class LobeMotion:
     """Motion of the lobes of a vertex in the disc.
 
     Parameters
@@ -71,8 +75,8 @@ class Turns:
         square = np.moveaxis(square @ alike.T, -1, 0)
         moved = alike @ moved
         turns = (
-            straight_on(network.mesh.vertices)[:, :2]
-            - straight_on(network.mesh.vertices[vertex])[:2]
+            undeviated(network.mesh.vertices)[:, :2]
+            - undeviated(network.mesh.vertices[vertex])[:2]
         )
         near = np.sort(np.sum(turns**2, axis=1))[1:4].mean()
         prior = _PRIOR * near * (alike @ self.lobes.flux)[:, None, None] + 1e-12
@@ -97,7 +101,9 @@ class Turns:
     def moved(self, number: Indices, turn: Vector2) -> Lobes:
         """Lobes without flux at the expected places."""
         disc = self.lobes.centre[number, :2] + self.matrix[number] @ turn
-        return Lobes(above(disc), self.lobes.radius[number], np.zeros(len(number)))
+        return Lobes(
+            directions_over_disc(disc), self.lobes.radius[number], np.zeros(len(number))
+        )
 
     def _alike(self) -> Float[np.ndarray, "lobes lobes"]:
         # Weights of nearby lobes, larger for narrow ones
@@ -117,8 +123,59 @@ def _moves(
     move = (
         network.lobes[b].centre[plan.target] - network.lobes[a].centre[plan.source]
     )[:, :2]
-    ends = straight_on(network.mesh.vertices[[a, b]])[:, :2]
+    ends = undeviated(network.mesh.vertices[[a, b]])[:, :2]
     turn, flux = ends[1] - ends[0], np.sqrt(plan.sent * plan.received)
     if a == vertex:
         return plan.source, move, turn, flux
     return plan.target, -move, -turn, flux
+
+
+def with_unmatched_lobes(network: Network, *, follow: float) -> Network:
+    """Return a network in which lobes without a partner move while they fade.
+
+    `follow`: mean rotation of lobes over that of the incident direction.
+    """
+    turns = [
+        LobeMotion(network, vertex, follow) for vertex in range(len(network.lobes))
+    ]
+    added: list[list[Lobes]] = [[] for _ in network.lobes]
+    size = [len(lobes) for lobes in network.lobes]
+    plans = []
+    for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
+        a, b = int(a), int(b)
+        fading, rising = np.flatnonzero(plan.fading), np.flatnonzero(plan.rising)
+        ends = undeviated(network.mesh.vertices[[a, b]])[:, :2]
+        added[b].append(turns[a].moved(fading, ends[1] - ends[0]))
+        added[a].append(turns[b].moved(rising, ends[0] - ends[1]))
+        gone = size[b] + np.arange(len(fading))
+        come = size[a] + np.arange(len(rising))
+        size[b] += len(fading)
+        size[a] += len(rising)
+        plans.append(
+            Plan(
+                np.concatenate([plan.source, fading, come]),
+                np.concatenate([plan.target, gone, rising]),
+                np.concatenate([plan.sent, plan.fading[fading], np.zeros(len(come))]),
+                np.concatenate(
+                    [plan.received, np.zeros(len(gone)), plan.rising[rising]]
+                ),
+                np.zeros(0),
+                np.zeros(0),
+            )
+        )
+    lobes = tuple(
+        _joined([own, *more]) for own, more in zip(network.lobes, added, strict=True)
+    )
+    sized = tuple(
+        replace(plan, fading=np.zeros(size[a]), rising=np.zeros(size[b]))
+        for plan, (a, b) in zip(plans, network.mesh.edges, strict=True)
+    )
+    return replace(network, lobes=lobes, plans=sized)
+
+
+def _joined(parts: list[Lobes]) -> Lobes:
+    return Lobes(
+        np.concatenate([part.centre for part in parts]),
+        np.concatenate([part.radius for part in parts]),
+        np.concatenate([part.flux for part in parts]),
+    )

@@ -71,7 +71,7 @@ class Lobes:
         if len({len(array) for array in numbers}) != 1:
             raise InputError(
                 f"{', '.join(str(len(a)) for a in numbers)} centres, radii and fluxes"
-                " of lobes; as many of each expected"
+                " of lobes; equal numbers expected"
             )
         if (
             not all(np.all(np.isfinite(array)) for array in numbers)
@@ -80,7 +80,7 @@ class Lobes:
         ):
             raise InputError(
                 "a lobe is not finite, has no radius or a negative flux; a centre, a"
-                " radius [rad] and a share of light expected"
+                " radius [rad] and a flux of 0 or more expected"
             )
 
     def __len__(self) -> int:
@@ -161,12 +161,8 @@ def angles_among(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
 def norm(height: Values, radius: Values) -> Values:
     """Integral of exp((cos α − 1)/r²) times the cosine over the hemisphere [sr].
 
-    Parameters
-    ----------
-    height : z of the centre of the lobe
+    `height`: z of the centre of the lobe.
 
-    Examples
-    --------
     >>> small = norm(np.array([1.0]), np.array([0.01]))  # nearly 2π r²
     >>> round(float(small[0] / (2 * np.pi * 0.01**2)), 3)
     1.0

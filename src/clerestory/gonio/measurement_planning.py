@@ -17,7 +17,7 @@ from clerestory.gonio.symmetry import Symmetry, fold, images, measured_quadrant
 _CANDIDATES = 4000
 
 
-def worth_measuring(
+def recommended_directions(
     validation: CrossValidation, *, symmetry: Symmetry, count: int
 ) -> Directions:
     """Incident directions of the highest priority, in this order.
@@ -25,16 +25,12 @@ def worth_measuring(
     They are in the measured part of the hemisphere, within the largest measured polar
     angle.
 
-    Parameters
-    ----------
-    symmetry : of the layer
+    `symmetry`: of the layer.
 
-    Examples
-    --------
     >>> from clerestory.gonio.cross_validation import LeftOut
     >>> scans = [LeftOut(t, 0, True, 0.5, 0.5, 1.0, 1.0, m, 0.01)
     ...          for t, m in ((0, 0.05), (20, 0.05), (40, 0.6), (60, 0.6))]
-    >>> best = worth_measuring(
+    >>> best = recommended_directions(
     ...     CrossValidation(tuple(scans), 1.0), symmetry="isotropic", count=1)
     >>> float(np.degrees(np.arccos(best[0, 2])).round())
     50.0

@@ -12,14 +12,14 @@ from jaxtyping import Float
 from clerestory.array_types import Directions, Indices, Vector2
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.incident_mesh import Mesh, string, triangulate
+from clerestory.gonio.incident_mesh import Mesh, arc_mesh, triangulate
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.optimal_transport import Plan, plan_transport
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION
 from clerestory.gonio.symmetry import Symmetry, images, measured_quadrant, within
-from clerestory.gonio.transport_network import Network, key_of
-from clerestory.gonio.transport_refinement import plan_again
+from clerestory.gonio.transport_network import Network, edge_key
+from clerestory.gonio.transport_refinement import refine_plans
 
 
 def connect(
@@ -32,7 +32,7 @@ def connect(
 ) -> Network:
     """Return fits joined by transport plans, with the images symmetry implies."""
     network = join(incidents, fits, symmetry, processes=processes, report=report)
-    return plan_again(network, processes=processes, report=report)
+    return refine_plans(network, processes=processes, report=report)
 
 
 def join(
@@ -44,16 +44,13 @@ def join(
     processes: int = 1,
     report: Report = silent,
 ) -> Network:
-    """Return fits joined by initial plans, which `plan_again` refines.
+    """Return fits joined by initial plans, which `refine_plans` refines.
 
-    Parameters
-    ----------
-    known : initial plans of another network of the same fits, which are reused
+    `known`: initial plans of another network of the same fits, which are reused.
     """
     if len(fits) < 2:
         raise InputError(
-            f"{len(fits)} incident direction; two or more expected: nothing can be"
-            " said about light from elsewhere"
+            f"{len(fits)} incident direction; two or more expected for interpolation"
         )
     if symmetry == "isotropic":
         mesh, lobes = _isotropic(incidents, fits)
@@ -64,17 +61,17 @@ def join(
     return Network(mesh, lobes, plans, quadrant)
 
 
-def turned(lobes: Lobes, turn: Float[np.ndarray, "3 3"]) -> Lobes:
+def transformed(lobes: Lobes, turn: Float[np.ndarray, "3 3"]) -> Lobes:
     """Return lobes transformed by a rotation or reflection matrix.
 
     >>> up = Lobes(np.array([[0, 0.6, 0.8]]), np.ones(1), np.ones(1))
-    >>> turned(up, np.diag([1.0, -1.0, 1.0])).centre.tolist()
+    >>> transformed(up, np.diag([1.0, -1.0, 1.0])).centre.tolist()
     [[0.0, -0.6, 0.8]]
     """
     return Lobes(lobes.centre @ turn.T, lobes.radius, lobes.flux)
 
 
-def about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
+def rotation_about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
     """Matrix of a rotation about the normal, from right upwards [rad]."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
@@ -98,18 +95,18 @@ def _isotropic(
     azimuth = np.arctan2(incidents[:, 1], incidents[:, 0])
     theta = np.arctan2(np.hypot(*incidents[:, :2].T), incidents[:, 2])
     order = np.argsort(theta)
-    lobes = [turned(fits[k], about_normal(-azimuth[k])) for k in order]
+    lobes = [transformed(fits[k], rotation_about_normal(-azimuth[k])) for k in order]
     theta = theta[order]
     same = np.flatnonzero(np.diff(theta) < SAME_DIRECTION)
     if len(same):
         raise InputError(
             f"two scans at θ {np.degrees(theta[same[0]]):.1f}° of an isotropic layer;"
-            " one a polar angle expected"
+            " one per polar angle expected"
         )
     if theta[0] > SAME_DIRECTION:
         theta = np.concatenate([[-theta[0]], theta])
-        lobes.insert(0, turned(lobes[0], about_normal(np.pi)))
-    return string(theta), tuple(lobes)
+        lobes.insert(0, transformed(lobes[0], rotation_about_normal(np.pi)))
+    return arc_mesh(theta), tuple(lobes)
 
 
 def _with_images(
@@ -121,7 +118,7 @@ def _with_images(
             image = incident * factor
             if angle_between(np.array(vertices), image).min() > SAME_DIRECTION:
                 vertices.append(image)
-                lobes.append(turned(fit, np.diag(factor)))
+                lobes.append(transformed(fit, np.diag(factor)))
     return np.array(vertices), tuple(lobes)
 
 
@@ -141,7 +138,7 @@ def _plans(
     processes: int,
     report: Report,
 ) -> tuple[Plan, ...]:
-    keys = [key_of(mesh.vertices[edge]) for edge in mesh.edges]
+    keys = [edge_key(mesh.vertices[edge]) for edge in mesh.edges]
     new = [k for k, key in enumerate(keys) if key not in known]
     work = [
         (lobes[a], lobes[b], float(angle_between(mesh.vertices[a], mesh.vertices[b])))

@@ -56,10 +56,7 @@ class Cells:
         """Unit vector to the weighted centroid of each cell."""
         weighted = (direction * weight[:, None])[self.order]
         total = np.add.reduceat(weighted, self.first[:-1], axis=0)
-        middle: Float[np.ndarray, "cells 3"] = total / np.linalg.norm(
-            total, axis=1, keepdims=True
-        )
-        return middle
+        return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
     def count(self) -> Indices:
         """Points in each cell."""
@@ -105,9 +102,7 @@ class Quadtree:
     def cut(self, most: int, *, coarsest: int = 0) -> Cells:
         """Return at most `most` cells, small where a plane fits worst.
 
-        Parameters
-        ----------
-        coarsest : halvings of the largest cells, where points allow them
+        `coarsest`: halvings of the largest cells, where points allow them.
         """
         levels = self._levels
         # A cell is split if a residual below it is large and its quarters are occupied

@@ -16,7 +16,12 @@ from scipy import sparse
 
 from clerestory.array_types import Directions, Values
 from clerestory.gonio.lobes import Lobes
-from clerestory.hemisphere.shirley_chiu import disc_from_square, square_from_disc
+from clerestory.hemisphere.shirley_chiu import (
+    cell_centres,
+    directions_from_square,
+    disc_from_square,
+    square_from_disc,
+)
 
 # Halvings of the coarsest grid, with cells 9° wide.
 _COARSEST = 4
@@ -33,8 +38,8 @@ _UNREACHED = -1e4
 # Smallest radius in finest cells.
 _NARROWEST = 0.5
 
-# Sample points along each axis of a projected cell.
-_GATHER = 4
+# Halvings of a projected cell for its sample points.
+_GATHER = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,26 +79,6 @@ class Raster:
         values = self.gather @ self._drawn(lobes)
         light = values.sum() * np.pi / len(values)
         return np.asarray(values * (lobes.total / light if light > 0 else 0.0))
-
-    def sample(
-        self, cells: Float[np.ndarray, " cells"], u: Float[np.ndarray, "samples 2"]
-    ) -> tuple[Float[np.ndarray, "samples 3"], Float[np.ndarray, " samples"]]:
-        """Directions distributed like the flux of cells, and their density [1/sr]."""
-        running = np.concatenate([[0.0], np.cumsum(cells)])
-        total = float(running[-1])
-        if total <= 0:
-            return np.tile([0.0, 0.0, 1.0], (len(u), 1)), np.zeros(len(u))
-        target = u[:, 0] * total
-        chosen = np.searchsorted(running, target, side="right") - 1
-        chosen = np.clip(chosen, 0, len(cells) - 1)
-        rest = (target - running[chosen]) / np.maximum(cells[chosen], 1e-300)
-        wide = 1 << self.halvings
-        a = (chosen // wide + np.clip(rest, 0, 1 - 1e-12)) / wide
-        b = (chosen % wide + u[:, 1]) / wide
-        x, y = disc_from_square(a, b)
-        z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
-        density = cells[chosen] * len(cells) / (np.pi * total) * z
-        return np.stack([x, y, z], axis=-1), density
 
     def _drawn(self, lobes: Lobes) -> Values:
         # BSDF on the finest grid
@@ -195,10 +180,7 @@ def _raster(halvings: int) -> Raster:
 
 
 def _centres(halvings: int) -> Directions:
-    wide = 1 << halvings
-    middle = (np.arange(wide) + 0.5) / wide
-    a, b = np.meshgrid(middle, middle, indexing="ij")
-    x, y = disc_from_square(a.ravel(), b.ravel())
+    x, y = disc_from_square(*cell_centres(halvings))
     squared = x * x + y * y
     scale = np.sqrt(2 - squared)
     return np.stack([x * scale, y * scale, 1 - squared], axis=-1)
@@ -206,12 +188,9 @@ def _centres(halvings: int) -> Directions:
 
 def _gathering(halvings: int, finest: int) -> sparse.csr_array:
     # Mean over points of each projected cell, interpolated linearly
-    wide, many = 1 << halvings, _GATHER << halvings
-    middle = (np.arange(many) + 0.5) / many
-    a, b = (part.ravel() for part in np.meshgrid(middle, middle, indexing="ij"))
-    x, y = disc_from_square(a, b)
-    z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
-    place = np.stack(_square(np.stack([x, y, z], axis=-1))) * (1 << finest) - 0.5
+    wide = 1 << halvings
+    a, b = cell_centres(halvings + _GATHER)
+    place = np.stack(_square(directions_from_square(a, b))) * (1 << finest) - 0.5
     low = np.clip(np.floor(place).astype(int), 0, (1 << finest) - 2)
     share = np.clip(place - low, 0, 1)
     row = (a * wide).astype(int) * wide + (b * wide).astype(int)
@@ -220,7 +199,7 @@ def _gathering(halvings: int, finest: int) -> sparse.csr_array:
     for da in (0, 1):
         for db in (0, 1):
             weight = np.where(da, share[0], 1 - share[0])
-            weight = weight * np.where(db, share[1], 1 - share[1]) / _GATHER**2
+            weight = weight * np.where(db, share[1], 1 - share[1]) / 4**_GATHER
             column = ((low[0] + da) << finest) + low[1] + db
             total = total + sparse.csr_array((weight, (row, column)), shape=shape)
     return total

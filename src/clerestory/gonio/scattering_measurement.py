@@ -128,7 +128,7 @@ class Measurement:
             first, second = (self.scans[k] for k in pairs[0])
             raise InputError(
                 f"incident direction {second.words} is also that of"
-                f" {first.source or 'another scan'}; one scan a direction expected:"
+                f" {first.source or 'another scan'}; one scan per direction expected:"
                 " join them (--merge, merge_scans) or leave one out",
                 file=second.source,
             )

@@ -35,13 +35,13 @@ class Network:
     def known_plans(self) -> dict[bytes, Plan]:
         """Return the plans by the directions of their edges, for `join`."""
         ends = self.mesh.vertices[self.mesh.edges]
-        return dict(zip(map(key_of, ends), self.plans, strict=True))
+        return dict(zip(map(edge_key, ends), self.plans, strict=True))
 
     def _plan(self, start: int, end: int) -> Plan:
         edges = self.mesh.edges
         return self.plans[int(np.flatnonzero((edges == [start, end]).all(axis=1))[0])]
 
 
-def key_of(ends: Float[np.ndarray, "2 3"]) -> bytes:
+def edge_key(ends: Float[np.ndarray, "2 3"]) -> bytes:
     """Return the identity of an edge by the directions of its ends."""
     return np.round(ends, 9).tobytes()

@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, Indices, Points2, Values, Vector2
-from clerestory.gonio.angles import above, angle_table, straight_on
-from clerestory.gonio.lobe_motion import Turns, followed
+from clerestory.gonio.angles import angle_table, directions_over_disc, undeviated
+from clerestory.gonio.lobe_motion import LobeMotion, mean_motion
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.optimal_transport import Plan, plan_moves
 from clerestory.gonio.parallel import Report, map_in_order, silent
@@ -26,29 +26,27 @@ from clerestory.gonio.transport_network import Network
 _REACH_PER_TURN = 0.5
 
 
-def plan_again(
+def refine_plans(
     network: Network, *, processes: int = 1, report: Report = silent
 ) -> Network:
     """Return a network with all plans refined by the expected motion of lobes."""
     every = np.arange(len(network.mesh.edges))
-    return replan(network, every, processes=processes, report=report)
+    return refine_some_plans(network, every, processes=processes, report=report)
 
 
-def replan(
+def refine_some_plans(
     network: Network, chosen: Indices, *, processes: int = 1, report: Report = silent
 ) -> Network:
-    """Return a network with some plans refined, as by `plan_again`.
+    """Return a network with some plans refined, as by `refine_plans`.
 
-    Parameters
-    ----------
-    chosen : numbers of the edges
+    `chosen`: numbers of the edges.
     """
-    follow = followed(network)
+    follow = mean_motion(network)
     edges = network.mesh.edges[chosen]
-    turns = {vertex: Turns(network, vertex, follow) for vertex in np.unique(edges)}
+    turns = {vertex: LobeMotion(network, vertex, follow) for vertex in np.unique(edges)}
     work = []
     for a, b in edges:
-        ends = straight_on(network.mesh.vertices[[a, b]])[:, :2]
+        ends = undeviated(network.mesh.vertices[[a, b]])[:, :2]
         turn = ends[1] - ends[0]
         distance = _missed(turns[a], turns[b], turn)
         work.append((network.lobes[a], network.lobes[b], distance, turn))
@@ -59,7 +57,9 @@ def replan(
     return replace(network, plans=tuple(plans))
 
 
-def _missed(start: Turns, end: Turns, turn: Vector2) -> Float[np.ndarray, "start end"]:
+def _missed(
+    start: LobeMotion, end: LobeMotion, turn: Vector2
+) -> Float[np.ndarray, "start end"]:
     # Angles between lobes and their expected places, extended beyond the rim
     onward, over = _lifted(start.expected(turn))
     back, short = _lifted(end.expected(-turn))
@@ -71,7 +71,7 @@ def _missed(start: Turns, end: Turns, turn: Vector2) -> Float[np.ndarray, "start
 def _lifted(disc: Points2) -> tuple[Directions, Values]:
     # Directions over the disc, and distances of places beyond its rim
     beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
-    return above(disc), beyond
+    return directions_over_disc(disc), beyond
 
 
 def _plan(work: tuple[Lobes, Lobes, Float[np.ndarray, "start end"], Vector2]) -> Plan:

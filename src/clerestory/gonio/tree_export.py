@@ -6,23 +6,24 @@ merged, so that the 268 million values of a tree of 2^7 cells along each axis ar
 in memory.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
 from jaxtyping import Float, Int32
 
-from clerestory.array_types import Directions
+from clerestory.array_types import Directions, Slots
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import bits_of
-from clerestory.bsdf.tree_parser import branch_order
+from clerestory.bsdf.tree_arithmetic import float_bits
+from clerestory.bsdf.tree_parser import morton_order
 from clerestory.errors import InputError
+from clerestory.gonio.angles import undeviated
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.parallel import Report, map_in_order, silent
 from clerestory.gonio.raster import Raster
-from clerestory.gonio.symmetry import Symmetry
-from clerestory.hemisphere.shirley_chiu import disc_from_square
+from clerestory.gonio.symmetry import Symmetry, images
+from clerestory.hemisphere.shirley_chiu import directions_from_square
 
 # Halvings of a block, counted from the smallest cells.
 _BLOCK = 3
@@ -49,7 +50,7 @@ class Source(Protocol):
 class _Forest:
     # Subtrees of one incident block: their roots, and the slots below them
     roots: Int32[np.ndarray, " subtrees"]
-    slots: Int32[np.ndarray, " slots"]
+    slots: Slots
 
 
 def to_tree(
@@ -82,8 +83,8 @@ def to_tree(
     work = [(interpolant, block, halvings, within, tolerance) for block in chosen]
     drawn = map_in_order(_drawn_block, work, processes=processes, report=report)
     forests: dict[tuple[int, int], _Forest] = {}
-    for images in drawn:
-        forests.update(images)
+    for part in drawn:
+        forests.update(part)
     return _assembled([forests[block] for block in blocks], halvings, within)
 
 
@@ -96,7 +97,7 @@ def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringT
     cells = [raster.cells(lobes) for lobes in interpolant.lobes_of(source)]
     values = np.zeros((wide, wide * wide))
     values[: len(cells)] = cells
-    leaves = values.ravel()[branch_order(3, halvings)][None]
+    leaves = values.ravel()[morton_order(3, halvings)][None]
     forest = _grown(leaves, 3, halvings, tolerance)
     slots = np.concatenate([forest.roots, _moved(forest.slots, 1)])
     if forest.roots[0] < 0:
@@ -104,29 +105,19 @@ def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringT
     return ScatteringTree(slots, 3, halvings)
 
 
-_Mirror = Callable[[Float[np.ndarray, "a b c d"]], Float[np.ndarray, "a b c d"]]
-
-# Images of a block under each symmetry: which of its two axes are reversed.
-_IMAGES: dict[str, tuple[tuple[bool, bool], ...]] = {
-    "quadrilateral": ((False, False), (True, False), (False, True), (True, True)),
-    "bilateral-x": ((False, False), (True, False)),
-    "bilateral-y": ((False, False), (False, True)),
-    "rotational": ((False, False), (True, True)),
-    "none": ((False, False),),
-}
-
-
 def _images(
     interpolant: Source, block: tuple[int, int], wide: int
 ) -> dict[tuple[int, int], tuple[bool, bool]]:
-    images: dict[tuple[int, int], tuple[bool, bool]] = {}
-    for flip in _IMAGES[interpolant.symmetry]:
+    # Images of a block, and which of its two axes are reversed
+    found: dict[tuple[int, int], tuple[bool, bool]] = {}
+    for x, y, _ in images(interpolant.symmetry) < 0:
+        flip = bool(x), bool(y)
         place = tuple(
             wide - 1 - n if backwards else n
             for n, backwards in zip(block, flip, strict=True)
         )
-        images.setdefault((place[0], place[1]), flip)
-    return images
+        found.setdefault((place[0], place[1]), flip)
+    return found
 
 
 def _first_image(interpolant: Source, block: tuple[int, int], wide: int) -> bool:
@@ -142,9 +133,7 @@ def _drawn_block(
     raster = Raster.of(halvings)
     a, b = ((block[i] * part + np.arange(part) + 0.5) / wide for i in (0, 1))
     a, b = np.meshgrid(a, b, indexing="ij")
-    x, y = disc_from_square(a.ravel(), b.ravel())
-    height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
-    source = np.stack([-x, -y, height], axis=-1)
+    source = undeviated(directions_from_square(a.ravel(), b.ravel()))
     cells = [raster.cells(lobes) for lobes in interpolant.lobes_of(source)]
     values = np.array(cells, dtype=np.float32).reshape(part, part, wide, wide)
     forests: dict[tuple[int, int], _Forest] = {}
@@ -154,7 +143,7 @@ def _drawn_block(
         split = turned.reshape(part * part, wide // part, part, wide // part, part)
         leaving = split.transpose(1, 3, 0, 2, 4).reshape((wide // part) ** 2, -1)
         forests[place] = _grown(
-            leaving[:, branch_order(4, within)], 4, within, tolerance
+            leaving[:, morton_order(4, within)], 4, within, tolerance
         )
     return forests
 
@@ -174,11 +163,11 @@ def _grown(
         least.insert(0, least[0].reshape(shape).min(axis=2))
         most.insert(0, most[0].reshape(shape).max(axis=2))
     alive = np.arange(len(leaves))
-    regions: list[Int32[np.ndarray, " slots"]] = []
+    regions: list[Slots] = []
     size = 0
     for level in range(halvings + 1):
         value = mean[level].ravel()[alive]
-        region = bits_of(value)
+        region = float_bits(value)
         if level < halvings:
             spread = most[level].ravel()[alive] - least[level].ravel()[alive]
             keep = np.flatnonzero(spread > tolerance * (value + _FLOOR))
@@ -192,7 +181,7 @@ def _grown(
     return _Forest(regions[0], np.concatenate([np.zeros(0, np.int32), *regions[1:]]))
 
 
-def _moved(slots: Int32[np.ndarray, " slots"], by: int) -> Int32[np.ndarray, " slots"]:
+def _moved(slots: Slots, by: int) -> Slots:
     return np.where(slots < 0, slots - by, slots).astype(np.int32)
 
 
@@ -201,7 +190,7 @@ def _assembled(forests: list[_Forest], halvings: int, within: int) -> Scattering
     top = halvings - within
     size = sum(16**level for level in range(top + 1))
     roots: list[Int32[np.ndarray, " subtrees"]] = []
-    slots: list[Int32[np.ndarray, " slots"]] = []
+    slots: list[Slots] = []
     for forest in forests:
         roots.append(_moved(forest.roots, size))
         slots.append(_moved(forest.slots, size))
@@ -211,5 +200,5 @@ def _assembled(forests: list[_Forest], halvings: int, within: int) -> Scattering
         ~(start + (np.arange(16**level) << 4)).astype(np.int32)
         for level, start in enumerate(starts[:-1])
     ]
-    leaves = np.concatenate(roots)[branch_order(4, top)]
+    leaves = np.concatenate(roots)[morton_order(4, top)]
     return ScatteringTree(np.concatenate([*inner, leaves, *slots]), 4, halvings)

@@ -53,7 +53,7 @@ class RingPartition:
             )
         if not (np.all(step > 0) or np.all(step < 0)):
             raise InputError(
-                f"{self.name}: ring limits {np.degrees(self.theta)}° do not grow"
+                f"{self.name}: ring limits {np.degrees(self.theta)}° are not monotonic"
             )
         ends = sorted((float(self.theta[0]), float(self.theta[-1])))
         if abs(ends[0]) > 1e-6 or abs(ends[1] - np.pi / 2) > 1e-6:
@@ -67,8 +67,7 @@ class RingPartition:
     @property
     def first(self) -> Indices:
         """Number of the first patch of each ring."""
-        first: np.ndarray = np.cumsum(self.count) - self.count
-        return first
+        return np.asarray(np.cumsum(self.count) - self.count)
 
     def matches(self, other: "RingPartition") -> bool:
         """Whether both divide the hemisphere alike, whatever their names."""

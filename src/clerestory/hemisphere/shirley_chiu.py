@@ -10,7 +10,7 @@ of Graphics Tools 2 (3), 1997, 45–52.
 import numpy as np
 from jaxtyping import Float, Float32, Int32
 
-from clerestory.array_types import Values
+from clerestory.array_types import Directions, Values
 
 # Coefficients of x, x³, … x¹⁷ of the arc tangent
 _ARC_TANGENT = (
@@ -118,3 +118,20 @@ def disc_from_square(a: Values, b: Values) -> tuple[Values, Values]:
     angle = (np.pi / 4) * along / np.where(radius == 0, 1.0, radius)
     far, near = radius * np.cos(angle), radius * np.sin(angle)
     return np.where(steep, near, far), np.where(steep, far, near)
+
+
+def directions_from_square(a: Values, b: Values) -> Directions:
+    """Unit vectors with z > 0 for points of the square [0, 1]².
+
+    >>> directions_from_square(np.array(0.5), np.array(0.5)).tolist()
+    [0.0, 0.0, 1.0]
+    """
+    x, y = disc_from_square(a, b)
+    return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 1e-300))], axis=-1)
+
+
+def cell_centres(halvings: int) -> tuple[Values, Values]:
+    """Centres of 2^halvings cells along each axis of the square, the second fastest."""
+    middle = (np.arange(1 << halvings) + 0.5) / (1 << halvings)
+    a, b = np.meshgrid(middle, middle, indexing="ij")
+    return a.ravel(), b.ravel()

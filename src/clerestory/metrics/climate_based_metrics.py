@@ -61,11 +61,6 @@ def daylight_autonomy(
 ) -> xr.DataArray:
     """Fraction of the hours in which each sensor reaches the target, 0…1.
 
-    Parameters
-    ----------
-    illuminance : [lux], over (sensor, time)
-    hours : time steps that count
-
     Examples
     --------
     >>> lux = xr.DataArray([[100.0, 300.0, 500.0, 900.0]], dims=("sensor", "time"))
@@ -111,10 +106,6 @@ def useful_illuminance(
     -------
     fractions over (band, sensor)
 
-    Raises
-    ------
-    InputError : the limits do not increase
-
     Examples
     --------
     >>> lux = xr.DataArray([[50.0, 100.0, 300.0, 4000.0]], dims=("sensor", "time"))
@@ -137,11 +128,6 @@ def light_exposure(
     step_hours: float = 1.0,
 ) -> xr.DataArray:
     """Annual light exposure of each sensor over the hours that count [lux h].
-
-    Parameters
-    ----------
-    illuminance : [lux], over (sensor, time)
-    step_hours : length of a time step [h]
 
     Examples
     --------

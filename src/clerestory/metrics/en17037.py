@@ -67,10 +67,6 @@ def daylight_hours(
 ) -> Bool[np.ndarray, " time"]:
     """Daylight hours: the half of the year with the most diffuse light.
 
-    Parameters
-    ----------
-    diffuse_horizontal : illuminance or irradiance
-
     Examples
     --------
     >>> daylight_hours(np.array([0.0, 5.0, 9.0, 0.0])).tolist()
@@ -188,10 +184,6 @@ def hours_of_sun(
 
     Minutes with sun at several openings count once.
 
-    Parameters
-    ----------
-    reached : whether the sun reaches each opening's reference point
-
     Examples
     --------
     >>> morning, noon = [True] * 90 + [False] * 90, [False] * 60 + [True] * 120
@@ -224,10 +216,6 @@ def target_factors(
     median_diffuse_lux: float,
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Daylight factors of method 1, target and minimum, per level.
-
-    Parameters
-    ----------
-    median_diffuse_lux : median external diffuse horizontal illuminance
 
     >>> [round(100 * d, 2) for d in target_factors(14_900.0)[0]]
     [2.01, 3.36, 5.03]

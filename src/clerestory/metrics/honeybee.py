@@ -60,10 +60,6 @@ class HoneybeeFolder:
         states : per dynamic light path, one state or one per hour of the year; −1
             contributes no light. Paths that are not named are in state 0.
         light : "total", or "direct" from the sun alone
-
-        Raises
-        ------
-        InputError : an unknown grid or state, or arrays of another shape
         """
         if grid not in self.paths:
             raise InputError(
@@ -133,12 +129,7 @@ class HoneybeeFolder:
 
 
 def read_honeybee(folder: str | Path) -> HoneybeeFolder:
-    """Return a results folder of honeybee-radiance-postprocess.
-
-    Raises
-    ------
-    InputError : a file is missing or malformed
-    """
+    """Return a results folder of honeybee-radiance-postprocess."""
     folder = Path(folder)
     info = _json(folder / "grids_info.json")
     try:
@@ -193,11 +184,6 @@ def write_honeybee(
     times : centres of hourly steps of one year; hours in which all grids are dark are
         left out
     direct : per grid, illuminance from the sun alone [lux]; zero if not given
-
-    Raises
-    ------
-    InputError : grids over other steps, or steps that are not hours of one year
-    OutputError : the folder cannot be written
     """
     moments = times.astype("datetime64[s]")
     hours = (moments - moments.astype("datetime64[Y]")) / np.timedelta64(3600, "s")

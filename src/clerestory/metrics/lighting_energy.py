@@ -31,10 +31,6 @@ class LightingZone:
         "on-off" switches full output; "none" is full output when occupied
     least_output, least_power : minimum of output and of power, as fractions
     standby : power when off [W]
-
-    Raises
-    ------
-    InputError : numbers out of range
     """
 
     power: float

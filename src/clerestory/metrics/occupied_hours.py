@@ -12,10 +12,6 @@ def occupied_hours(
 ) -> Bool[np.ndarray, " time"]:
     """Whether the centre of each step lies between two hours, every day of the week.
 
-    Raises
-    ------
-    InputError : the hours are not two increasing hours of one day
-
     Examples
     --------
     >>> day = np.datetime64("2001-06-21T00:30") + np.arange(24) * np.timedelta64(1, "h")
@@ -33,12 +29,7 @@ def occupied_hours(
 
 
 def within_hours(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    """Return the time steps that count.
-
-    Raises
-    ------
-    InputError : there are none, or the mask has another length
-    """
+    """Return the time steps that count."""
     if len(hours) != data.sizes["time"]:
         raise InputError(
             f"a mask of {len(hours)} hours for {data.sizes['time']} time steps;"

@@ -57,7 +57,7 @@ def sensor_metrics(
     result = xr.Dataset(
         {
             "mean_illuminance": annual_mean(lux, hours),
-            "mean_illuminance_error": annual_mean(hourly["standard_error"], hours),
+            "mean_illuminance_error": _mean_error(hourly, hours),
             "median_illuminance": annual_median(lux, hours),
             "maximum_illuminance": annual_maximum(lux, hours),
             "daylight_autonomy": autonomy(lux),
@@ -75,6 +75,15 @@ def sensor_metrics(
         "hours": int(np.count_nonzero(hours)),
     }
     return result.assign_attrs(attrs)
+
+
+def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
+    # From the error components of the mean; without them, fully correlated hours
+    if "mean_components" not in hourly:
+        return annual_mean(hourly["standard_error"], hours)
+    variance = (hourly["mean_components"].astype(float) ** 2).sum("component")
+    error: xr.DataArray = variance**0.5
+    return error.assign_attrs(units="lux")
 
 
 def metric_error(

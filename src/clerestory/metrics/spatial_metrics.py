@@ -124,10 +124,6 @@ def area_share(
 ) -> float:
     """Fraction of the area, or of the sensors, that meets a criterion, 0…1.
 
-    Raises
-    ------
-    InputError : areas that are negative, all zero, or not one per sensor
-
     Examples
     --------
     >>> area_share(np.array([True, False]), np.array([3.0, 1.0]))

@@ -24,8 +24,9 @@ from typing import Unpack
 
 import numpy as np
 
+from clerestory.engine.controller import estimate
 from clerestory.engine.effort import EffortKeywords
-from clerestory.engine.facade_jobs import trace_facade
+from clerestory.engine.matrix_jobs import FacadeJob
 from clerestory.errors import ClerestoryWarning, MatrixError
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -100,12 +101,14 @@ def facade_matrices(
     """
     require_distinct([window, *ports])
     effort = matrix_effort(facade_matrices, keywords)
-    estimate = trace_facade(scene, window, tuple(ports), effort)
-    warn_if_short(estimate, f"façade matrix of {window.name!r}", effort)
+    options = effort.job_options()
+    job = FacadeJob(scene=scene, window=window, ports=tuple(ports), **options)
+    estimated = estimate(job, effort)
+    warn_if_short(estimated, f"façade matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    found = by_window(estimate, rows, ports, "exterior", scene.bands)
+    found = by_window(estimated, rows, ports, "exterior", scene.bands)
     for name, matrix in found.items():
-        if estimate.paths and not matrix.values.any():
+        if estimated.paths and not matrix.values.any():
             warnings.warn(
                 f"no light of port {name!r} reaches window {window.name!r}; a port"
                 " whose front faces the window expected",

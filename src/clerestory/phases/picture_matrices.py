@@ -20,9 +20,10 @@ from jaxtyping import Float, Int
 
 from clerestory.bands import RGB, Bands
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine.controller import estimate
 from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
 from clerestory.engine.effort import EffortKeywords
-from clerestory.engine.matrix_jobs import trace_pixel_view
+from clerestory.engine.matrix_jobs import PixelViewJob
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
@@ -102,21 +103,22 @@ def picture_view_matrices(
     """
     require_distinct(windows)
     effort = matrix_effort(picture_view_matrices, keywords)
-    effort = replace(effort, batches=effort.batches or _BATCHES, components=False)
-    estimate = trace_pixel_view(
-        scene,
-        tuple(windows),
-        camera.view,
-        camera.columns,
-        camera.rows,
-        effort,
+    job = PixelViewJob(
+        scene=scene,
+        windows=tuple(windows),
+        view=camera.view,
+        columns=camera.columns,
+        rows=camera.rows,
         direct=direct,
+        **effort.job_options(_BATCHES),
     )
-    warn_if_short(estimate, "view matrix of the picture", effort)
+    effort = replace(effort, components=False)
+    estimated = estimate(job, effort)
+    warn_if_short(estimated, "view matrix of the picture", effort)
     found, first = {}, 0
     for window in windows:
         columns = window_axis("interior", window.partition, window.name)
-        part = estimate.values[:, :, first : first + columns.size]
+        part = estimated.values[:, :, first : first + columns.size]
         # Pictures have all bands; those of grey rooms are equal
         shape = len(scene.bands), *part.shape[1:]
         values = np.broadcast_to(part.astype(np.float32), shape)
@@ -157,18 +159,17 @@ def sun_pictures(
         )
     behind = suns @ windows[number].frame.normal < 0
     job = PixelSunJob(
-        scene,
-        tuple(windows),
-        number,
-        bsdf,
-        camera.view,
-        camera.columns,
-        camera.rows,
-        suns,
+        scene=scene,
+        windows=tuple(windows),
+        number=number,
+        bsdf=bsdf,
+        view=camera.view,
+        columns=camera.columns,
+        rows=camera.rows,
+        suns=suns,
         peak=peak,
         samples=effort.samples or _SUN_SAMPLES,
-        seed=effort.seed,
-        device=effort.resolved_device(),
+        **effort.job_options(1),
     )
 
     # Nothing is traced yet, but a plan takes note
@@ -182,9 +183,7 @@ def sun_pictures(
         lit = behind[asked]
         if lit.any():
             chosen = asked[lit]
-            values[..., lit] = trace_pixel_sun(
-                job, chosen, executor=effort.executor, progress=effort.progress
-            )
+            values[..., lit] = trace_pixel_sun(job, chosen, effort)
         return values
 
     return coefficients

@@ -13,7 +13,12 @@ from jaxtyping import Float
 from clerestory import __version__
 from clerestory.bands import RGB, Bands
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
-from clerestory.engine.radiance_jobs import trace_irradiance, trace_picture
+from clerestory.engine.radiance_jobs import (
+    PICTURE_BATCHES,
+    IrradianceJob,
+    PictureJob,
+    estimate_radiance,
+)
 from clerestory.engine.work_units import Goal
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture, Quantity
@@ -133,7 +138,15 @@ def _picture(
             f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected"
         )
     _check_light(scene)
-    lit = trace_picture(scene, view, columns, rows, effort, quantity=quantity)
+    job = PictureJob(
+        scene=scene,
+        view=view,
+        columns=columns,
+        rows=rows,
+        quantity=quantity,
+        **effort.job_options(PICTURE_BATCHES),
+    )
+    lit = estimate_radiance(job, effort)
     warn_if_short(lit, "picture", effort)
     picture = Picture(
         lit.value.reshape(rows, columns, -1).astype(np.float32),
@@ -158,7 +171,8 @@ def irradiance(
     effort = effort_of(irradiance, keywords, default=_DEFAULT)
     require_sensors(sensors, effort)
     _check_light(scene)
-    lit = trace_irradiance(scene, sensors, effort)
+    job = IrradianceJob(scene=scene, sensors=sensors, **effort.job_options())
+    lit = estimate_radiance(job, effort)
     warn_if_short(lit, "irradiance", effort)
     return Gathered(lit.value, lit.error, lit.paths, scene.bands)
 

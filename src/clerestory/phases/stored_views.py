@@ -18,7 +18,7 @@ from jaxtyping import Float, Float32, Int
 from clerestory.bands import Bands
 from clerestory.engine.controller import estimate_rows, row_blocks
 from clerestory.engine.effort import Effort, EffortKeywords
-from clerestory.engine.matrix_jobs import ViewJob, view_job
+from clerestory.engine.matrix_jobs import ViewJob
 from clerestory.matrix.axis import Axis, sensor_axis, unknown_axis, window_axis
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -28,6 +28,7 @@ from clerestory.phases.traced_matrices import (
     matrix_effort,
     require_distinct,
     require_sensors,
+    view_job,
     warn_if_short,
 )
 from clerestory.progress import share_of_progress
@@ -222,7 +223,7 @@ def store_views(
     require_distinct(windows)
     effort = replace(matrix_effort(store_views, keywords), components=True)
     require_sensors(sensors, effort)
-    job = view_job(scene, tuple(windows), sensors, effort)
+    job = view_job(scene, windows, sensors, effort)
     rows = tuple(row_blocks(job))
     make = _block_maker(job, effort)
     return StoredViews(store.blocks(name, key, rows, make), rows)

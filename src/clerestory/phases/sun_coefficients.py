@@ -14,7 +14,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.engine.direct_sun_jobs import SunJob, trace_sun
+from clerestory.engine.controller import estimate
+from clerestory.engine.direct_sun_jobs import SunJob
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
 from clerestory.errors import InputError
@@ -79,24 +80,24 @@ def sun_coefficients(
     number = check_window(windows, window, bsdf, suns)
     behind = suns @ windows[number].frame.normal < 0
     job = SunJob(
-        blackened(scene),
-        tuple(windows),
-        number,
-        bsdf,
-        sensors,
-        suns[behind],
+        scene=blackened(scene),
+        windows=tuple(windows),
+        number=number,
+        bsdf=bsdf,
+        sensors=sensors,
+        suns=suns[behind],
         peak=peak,
         samples=effort.samples or _SAMPLES,
-        seed=effort.seed,
-        device=effort.resolved_device(),
+        **effort.job_options(),
     )
-    estimate = trace_sun(job, executor=effort.executor, progress=effort.progress)
+    lit = estimate(job, effort)
+    assert lit.components is not None
     rows = sensor_axis(len(sensors.position), sensors.names)
-    shape = (len(estimate.values), rows.size, len(suns))
+    shape = (len(lit.values), rows.size, len(suns))
     values = np.zeros(shape)
-    values[..., behind] = estimate.values
-    components = np.zeros((len(estimate.components), *shape), np.float32)
-    components[..., behind] = estimate.components
+    values[..., behind] = lit.values
+    components = np.zeros((len(lit.components), *shape), np.float32)
+    components[..., behind] = lit.components
     return TransferMatrix(values, rows, sun_axis(len(suns)), components)
 
 

@@ -18,8 +18,9 @@ from typing import Literal, Protocol, Unpack
 import numpy as np
 
 from clerestory.bands import Bands
+from clerestory.engine.controller import estimate
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
-from clerestory.engine.matrix_jobs import trace_coefficients, trace_daylight, trace_view
+from clerestory.engine.matrix_jobs import CoefficientsJob, DaylightJob, ViewJob
 from clerestory.engine.sums import Estimate
 from clerestory.engine.work_units import Goal
 from clerestory.errors import ClerestoryWarning, InputError
@@ -86,9 +87,19 @@ def view_matrices(
     require_distinct(windows)
     effort = matrix_effort(view_matrices, keywords)
     rows = _sensor_rows(sensors, effort)
-    estimate = trace_view(scene, tuple(windows), sensors, effort)
-    warn_if_short(estimate, "view matrix", effort)
-    return by_window(estimate, rows, windows, "interior", scene.bands)
+    job = view_job(scene, windows, sensors, effort)
+    estimated = estimate(job, effort)
+    warn_if_short(estimated, "view matrix", effort)
+    return by_window(estimated, rows, windows, "interior", scene.bands)
+
+
+def view_job(
+    scene: Scene, windows: Sequence[Window], sensors: Sensors, effort: Effort
+) -> ViewJob:
+    """Return the job of the view matrices of windows."""
+    return ViewJob(
+        scene=scene, windows=tuple(windows), sensors=sensors, **effort.job_options()
+    )
 
 
 def daylight_matrix(
@@ -115,10 +126,11 @@ def daylight_matrix(
     """
     effort = matrix_effort(daylight_matrix, keywords)
     sky = reinhart(subdivision)
-    estimate = trace_daylight(scene, window, sky, effort)
-    warn_if_short(estimate, f"daylight matrix of {window.name!r}", effort)
+    job = DaylightJob(scene=scene, window=window, sky=sky, **effort.job_options())
+    estimated = estimate(job, effort)
+    warn_if_short(estimated, f"daylight matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
+    return traced_matrix(estimated, rows, sky_axis(sky), slice(None), scene.bands)
 
 
 def daylight_matrices(
@@ -161,9 +173,11 @@ def daylight_coefficients(
     effort = matrix_effort(daylight_coefficients, keywords)
     rows = _sensor_rows(sensors, effort)
     sky = reinhart(subdivision)
-    estimate = trace_coefficients(scene, sky, sensors, effort)
-    warn_if_short(estimate, "daylight coefficients", effort)
-    return traced_matrix(estimate, rows, sky_axis(sky), slice(None), scene.bands)
+    options = effort.job_options()
+    job = CoefficientsJob(scene=scene, sky=sky, sensors=sensors, **options)
+    estimated = estimate(job, effort)
+    warn_if_short(estimated, "daylight coefficients", effort)
+    return traced_matrix(estimated, rows, sky_axis(sky), slice(None), scene.bands)
 
 
 def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> Effort:
@@ -219,7 +233,7 @@ def _sensor_rows(sensors: Sensors, effort: Effort) -> Axis:
 
 
 def by_window(
-    estimate: Estimate,
+    estimated: Estimate,
     rows: Axis,
     windows: Sequence[Window],
     side: Literal["interior", "exterior"],
@@ -230,19 +244,19 @@ def by_window(
     for window in windows:
         columns = window_axis(side, window.partition, window.name)
         part = slice(first, first + columns.size)
-        found[window.name] = traced_matrix(estimate, rows, columns, part, bands)
+        found[window.name] = traced_matrix(estimated, rows, columns, part, bands)
         first += columns.size
     return found
 
 
 def traced_matrix(
-    estimate: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
+    estimated: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
 ) -> TransferMatrix:
     """Return some columns of what was traced, with their axes and bands."""
-    values, components = estimate.values[:, :, part], estimate.components
+    values, components = estimated.values[:, :, part], estimated.components
     if components is not None:
         components = components[:, :, :, part]
-    if estimate.paths:
+    if estimated.paths:
         # The blank matrix of a planned job takes no memory
         values = np.ascontiguousarray(values)
         if components is not None:
@@ -262,12 +276,12 @@ class Traced(Protocol):
         """Whether the error was reached."""
 
 
-def warn_if_short(estimate: Traced, what: str, effort: Effort) -> None:
+def warn_if_short(traced: Traced, what: str, effort: Effort) -> None:
     """Warn when a trace ended before it reached the error aimed at."""
-    if not estimate.reached:
+    if not traced.reached:
         warnings.warn(
             f"{what}: the relative error {effort.relative_error} was not reached"
-            f" after {estimate.paths:,} paths; look at the standard errors",
+            f" after {traced.paths:,} paths; look at the standard errors",
             ClerestoryWarning,
             stacklevel=3,
         )

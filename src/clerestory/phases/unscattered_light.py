@@ -7,33 +7,28 @@ Both follow straight rays that clear glass attenuates and all else stops, so tha
 two-phase method can take the sun out of its sky patches and put it at its place.
 """
 
-from typing import TypedDict, Unpack
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.constants import SUN_DIAMETER
-from clerestory.engine.device import Device
-from clerestory.engine.direct_sun_jobs import BATCHES, UnscatteredJob, trace_sun
-from clerestory.engine.work_units import Executor, Local
+from clerestory.engine.controller import estimate
+from clerestory.engine.direct_sun_jobs import UnscatteredJob
+from clerestory.engine.effort import Effort, EffortKeywords
+from clerestory.engine.sums import BATCHES
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
 from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.progress import Progress
+from clerestory.phases.sun_coefficients import sun_effort
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 
+# Rays per sensor and patch or sun, where they are not asked for
+_PATCH_SAMPLES, _SUN_SAMPLES = 32, 64
+
 # Steps of the R2 sequence (M. Roberts, 2018): powers of the inverse plastic number
 _R2 = 1.32471795724474602596 ** -np.arange(1.0, 3.0)
-
-
-class Straight(TypedDict, total=False):
-    """Keywords of both functions; see `view_matrix` for what they mean."""
-
-    seed: int
-    device: Device
-    executor: Executor | None
-    progress: Progress | None
 
 
 def unscattered_coefficients(
@@ -41,8 +36,7 @@ def unscattered_coefficients(
     *,
     sensors: Sensors,
     subdivision: int = 4,
-    samples: int = 32,
-    **tracing: Unpack[Straight],
+    **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Direct part C_d of the daylight coefficients [sr]; the ground has none.
 
@@ -52,9 +46,10 @@ def unscattered_coefficients(
     subdivision : Reinhart's MF of the sky, 1…6
     samples : rays per sensor and sky patch
     """
+    effort = sun_effort(unscattered_coefficients, keywords, samples=_PATCH_SAMPLES)
     sky = reinhart(subdivision)
-    points = _points(len(sky.dome), samples, tracing.get("seed", 0))
-    return _traced(scene, sensors, _in_patches(sky, points), sky_axis(sky), tracing)
+    points = _points(len(sky.dome), effort)
+    return _traced(scene, sensors, _in_patches(sky, points), sky_axis(sky), effort)
 
 
 def unscattered_sun(
@@ -62,8 +57,7 @@ def unscattered_sun(
     *,
     sensors: Sensors,
     suns: Float[np.ndarray, "sun 3"],
-    samples: int = 64,
-    **tracing: Unpack[Straight],
+    **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Direct-sun coefficients C_sun: irradiance per direct normal irradiance.
 
@@ -73,9 +67,9 @@ def unscattered_sun(
     suns : unit vectors to the suns, whose discs are 0.533° wide
     samples : rays per sensor and sun
     """
-    points = _points(len(suns), samples, tracing.get("seed", 0))
-    directions = _on_discs(suns, points)
-    return _traced(scene, sensors, directions, sun_axis(len(suns)), tracing)
+    effort = sun_effort(unscattered_sun, keywords, samples=_SUN_SAMPLES)
+    directions = _on_discs(suns, _points(len(suns), effort))
+    return _traced(scene, sensors, directions, sun_axis(len(suns)), effort)
 
 
 def _traced(
@@ -83,12 +77,17 @@ def _traced(
     sensors: Sensors,
     directions: Float[np.ndarray, "column point 3"],
     columns: Axis,
-    tracing: Straight,
+    effort: Effort,
 ) -> TransferMatrix:
-    executor = tracing.get("executor") or Local()
-    device = executor.resolve(tracing.get("device", "auto"))
-    job = UnscatteredJob(scene, sensors, directions, device)
-    found = trace_sun(job, executor=executor, progress=tracing.get("progress"))
+    job = UnscatteredJob(
+        scene=scene,
+        sensors=sensors,
+        directions=directions,
+        samples=directions.shape[1],
+        **effort.job_options(),
+    )
+    found = estimate(job, effort)
+    assert found.components is not None
     rows = sensor_axis(len(sensors.position), sensors.names)
     values, components = found.values, found.components
     if columns.kind == "sky" and isinstance(columns.partition, SkyPartition):
@@ -105,12 +104,10 @@ def _after_ground(values: np.ndarray) -> np.ndarray:
     return np.concatenate([np.zeros_like(values[..., :1]), values], axis=-1)
 
 
-def _points(
-    columns: int, samples: int, seed: int
-) -> Float[np.ndarray, "column point 2"]:
+def _points(columns: int, effort: Effort) -> Float[np.ndarray, "column point 2"]:
     # Points of the unit square; each batch has a sequence of its own
-    each = max(1, -(-samples // BATCHES))
-    start = np.random.default_rng(seed).random((columns, BATCHES, 1, 2))
+    each = -(-(effort.samples or 1) // BATCHES)
+    start = np.random.default_rng(effort.seed).random((columns, BATCHES, 1, 2))
     steps = np.arange(each)[:, None] * _R2
     return ((start + steps) % 1).reshape(columns, BATCHES * each, 2)
 

@@ -11,9 +11,15 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import RGB
 from clerestory.directions import unit
 from clerestory.engine.effort import EffortKeywords, effort_of
-from clerestory.engine.exiting_radiance import Patches, trace_exiting_radiance
+from clerestory.engine.radiance_jobs import (
+    PICTURE_BATCHES,
+    EmitterPatches,
+    ExitingRadianceJob,
+    estimate_radiance,
+)
 from clerestory.engine.work_units import Goal
 from clerestory.errors import InputError
 from clerestory.phases.traced_matrices import warn_if_short
@@ -68,7 +74,17 @@ def precompute_illums(
     if not pieces:
         raise InputError("no panes given; at least one polygon expected")
     patches = _patches(pieces)
-    lit = trace_exiting_radiance(room + panes, patches, rings, 2 * rings, effort)
+    whole = room + panes
+    if whole.bands != RGB:
+        raise InputError(f"a scene in the bands {whole.bands}; {RGB} expected")
+    job = ExitingRadianceJob(
+        scene=whole,
+        patches=patches,
+        rings=rings,
+        sectors=2 * rings,
+        **effort.job_options(PICTURE_BATCHES),
+    )
+    lit = estimate_radiance(job, effort)
     warn_if_short(lit, "light of the windows", effort)
     radiance = lit.value.reshape(len(pieces), rings, 2 * rings, 3)
     materials: dict[str, Material] = {}
@@ -108,7 +124,7 @@ def _zones(pane: object, zone: float) -> list[Polygon]:
     return found
 
 
-def _patches(pieces: list[Polygon]) -> Patches:
+def _patches(pieces: list[Polygon]) -> EmitterPatches:
     frames, corners, cumulative, first = [], [], [], [0]
     for piece in pieces:
         triangles = triangulate(piece.vertices)
@@ -123,7 +139,7 @@ def _patches(pieces: list[Polygon]) -> Patches:
         corners.append(corner)
         cumulative.append(share)
         first.append(first[-1] + len(corner))
-    return Patches(
+    return EmitterPatches(
         np.array(frames),
         np.concatenate(corners),
         np.array(first),

@@ -14,7 +14,7 @@ import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
-from clerestory.radiance.statements import MODIFIER_KINDS, SURFACE_KINDS, Alias
+from clerestory.radiance.statements import MODIFIER_KINDS, SURFACE_KINDS
 from clerestory.scene.primitive import Primitive
 
 _OCTREE = (b"Radiance_octree", 4 * 8 + 251)
@@ -35,7 +35,7 @@ class Octree:
     """
 
     files: tuple[str, ...]
-    items: tuple[Primitive | Alias, ...]
+    items: tuple[Primitive, ...]
 
 
 def read_octree(path: str | Path) -> Octree:
@@ -135,21 +135,19 @@ class Reader:
             raise self.error("the file ends early") from None
         self.at = at
 
-    def primitives(self, size: int) -> tuple[Primitive | Alias, ...]:
+    def primitives(self, size: int) -> tuple[Primitive, ...]:
         """Take a list of primitives, up to its end."""
         kinds = []
         while kind := self.text():
             kinds.append(kind)
-        items: list[Primitive | Alias] = []
+        items: list[Primitive] = []
         while (number := self.whole(1)) != -1:
             if not 0 <= number < len(kinds):
                 raise self.error(f"a primitive of unknown type {number}")
             items.append(self._primitive(kinds[number], items, size))
         return tuple(items)
 
-    def _primitive(
-        self, kind: str, before: list[Primitive | Alias], size: int
-    ) -> Primitive | Alias:
+    def _primitive(self, kind: str, before: list[Primitive], size: int) -> Primitive:
         modifier = self.whole(size)
         if modifier >= len(before):
             raise self.error(f"a {kind} is modified by what comes after it")
@@ -160,7 +158,8 @@ class Reader:
         line = 0
         if kind == "alias":
             target = strings[0] if strings else by
-            return Alias(by if strings else "inherit", name, target, line)
+            by = by if strings else "inherit"
+            return Primitive(by, kind, name, (target,), (), line)
         if kind not in SURFACE_KINDS and kind not in MODIFIER_KINDS:
             raise self.error(f'a primitive of unknown type "{kind}"')
         return Primitive(by, kind, name, strings, reals, line)

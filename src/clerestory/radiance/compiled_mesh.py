@@ -14,7 +14,6 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.radiance.compiled import Reader
-from clerestory.radiance.statements import Alias
 from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
 
@@ -39,7 +38,7 @@ class CompiledMesh:
     material : for each face the name of its material, empty for none
     """
 
-    items: tuple[Primitive | Alias, ...]
+    items: tuple[Primitive, ...]
     vertices: Float[np.ndarray, "vertices 3"]
     faces: Int[np.ndarray, "triangles 3"]
     material: tuple[str, ...]
@@ -120,7 +119,7 @@ class _Patches:
         self,
         origin: Float[np.ndarray, "3"],
         size: float,
-        items: tuple[Primitive | Alias, ...],
+        items: tuple[Primitive, ...],
     ) -> CompiledMesh:
         if not self.vertices:
             raise self.reader.error("no triangles")

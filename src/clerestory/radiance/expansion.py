@@ -9,14 +9,14 @@ import numpy as np
 
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
-from clerestory.radiance.command import Inclusion, parse_command
+from clerestory.radiance.command import parse_command
 from clerestory.radiance.instance import INSTANCE_KINDS, Loaded, read_instance
 from clerestory.radiance.placement import Placement
 from clerestory.radiance.polygon_checks import checked
 from clerestory.radiance.primitives import surface
+from clerestory.radiance.search_path import found_in
 from clerestory.radiance.statements import (
     SURFACE_KINDS,
-    Alias,
     Command,
     Directive,
     PolygonRun,
@@ -37,7 +37,7 @@ class Scope:
     opens: bool
 
 
-Item = PolygonRun | Primitive | Alias | Directive | Simple | Scope | Scene
+Item = PolygonRun | Primitive | Directive | Simple | Scope | Scene
 
 # Files nested deeper than this are a mistake, and would exhaust the stack
 _DEEPEST = 100
@@ -49,7 +49,7 @@ class Placed:
 
     Attributes
     ----------
-    item : polygons, another surface, a material (Primitive), an alias, a directive,
+    item : polygons, another surface, a material or an alias (Primitive), a directive,
         the bounds of a scope, or a scene whose surfaces are in place already
     file : where it stands
     placement : what it passed; already applied to surfaces
@@ -96,7 +96,7 @@ class _Walk:
                     yield from self._instanced(item, path, placement, within)
                 case PolygonRun():
                     yield Placed(placement.polygons(item), file, placement)
-                case Primitive() | Alias() | Directive() | Scope() | Scene():
+                case Primitive() | Directive() | Scope() | Scene():
                     yield Placed(item, file, placement)
                 case _:
                     yield Placed(placement.surface(item), file, placement)
@@ -108,24 +108,26 @@ class _Walk:
         placement: Placement,
         within: tuple[Path, ...],
     ) -> Iterator[Placed]:
-        inclusion, placements = self._inclusion(command, path, placement)
+        with located(file=path, line=command.line):
+            inclusion = parse_command(
+                command.text, find=lambda name: self._find(name, path)
+            )
+            copies = [p.then(placement) for p in inclusion.placements]
+            files = [self._find(name, path) for name in inclusion.files]
+            _refuse_recursion(files, (*within, path))
         if inclusion.text:
             # A generator's text has one line, that of its command
             text = "\n" * (command.line - 1) + inclusion.text
             made = _parsed(text, str(path))
-            for inner in placements:
+        for inner in copies:
+            if inclusion.text:
                 yield from self._put(made, path, inner, within)
-            return
-        if inclusion.build is not None:
-            for inner in placements:
+            elif inclusion.build is not None:
                 with located(file=path, line=command.line):
                     scene = inclusion.build(inner.transform)
                 yield Placed(scene, str(path), inner)
-            return
-        found = self._found(inclusion, command, path, within)
-        for inner in placements:
-            for included in found:
-                yield from self.items(included, inner, (*within, path))
+            for found in files:
+                yield from self.items(found, inner, (*within, path))
 
     def _instanced(
         self,
@@ -134,7 +136,7 @@ class _Walk:
         placement: Placement,
         within: tuple[Path, ...],
     ) -> Iterator[Placed]:
-        # What an instance or mesh names, where it puts it
+        # The content of the file of an instance or mesh, in its place
         with located(file=path, line=item.line):
             instance = read_instance(
                 item,
@@ -143,60 +145,31 @@ class _Walk:
                 loaded=self.compiled,
             )
             inner = instance.placement.then(placement)
-            for found in instance.files:
-                _refuse_recursion(found, (*within, path))
-        if instance.placement.modifier is None:
-            yield Placed(Scope(opens=True), str(path), inner)
+            _refuse_recursion(instance.files, (*within, path))
         made = tuple(_built(instance.items, item.strings[0]))
-        for placed in chain(
+        content = chain(
             self._put(made, path, inner, within),
             *(self.items(found, inner, (*within, path)) for found in instance.files),
-        ):
-            # A modifier of its own outweighs all materials inside
-            defines = isinstance(placed.item, Primitive | Alias)
-            if instance.placement.modifier is None or not defines:
-                yield placed
+        )
         if instance.placement.modifier is None:
+            yield Placed(Scope(opens=True), str(path), inner)
+            yield from content
             yield Placed(Scope(opens=False), str(path), inner)
-
-    def _inclusion(
-        self, command: Command, path: Path, placement: Placement
-    ) -> tuple[Inclusion, list[Placement]]:
-        # What a command stands for, and where its copies come to lie
-        with located(file=path, line=command.line):
-            inclusion = parse_command(
-                command.text, find=lambda name: self._find(name, path)
-            )
-            return inclusion, [p.then(placement) for p in inclusion.placements]
-
-    def _found(
-        self,
-        inclusion: Inclusion,
-        command: Command,
-        path: Path,
-        within: tuple[Path, ...],
-    ) -> list[Path]:
-        with located(file=path, line=command.line):
-            files = [self._find(name, path) for name in inclusion.files]
-            for found in files:
-                _refuse_recursion(found, (*within, path))
-        return files
+        else:
+            # A modifier of its own replaces all materials inside
+            yield from (p for p in content if not isinstance(p.item, Primitive))
 
     def _find(self, name: str, path: Path) -> Path:
-        folders = dict.fromkeys([self.top, path.parent, Path()])
-        for folder in folders:
-            if (folder / name).is_file():
-                return folder / name
-        tried = ", ".join(str(f) for f in folders)
-        raise InputError(f'the file "{name}" is missing; looked for in {tried}')
+        return found_in(name, [self.top, path.parent, Path()])
 
 
-def _refuse_recursion(found: Path, within: tuple[Path, ...]) -> None:
-    if any(found.samefile(p) for p in within):
-        chain = " → ".join(p.name for p in (*within, found))
-        raise InputError(f"the file includes itself: {chain}")
-    if len(within) > _DEEPEST:
-        raise InputError(f"files are nested more than {_DEEPEST} deep")
+def _refuse_recursion(files: Iterable[Path], within: tuple[Path, ...]) -> None:
+    for found in files:
+        if any(found.samefile(p) for p in within):
+            chain = " → ".join(p.name for p in (*within, found))
+            raise InputError(f"the file includes itself: {chain}")
+        if len(within) > _DEEPEST:
+            raise InputError(f"files are nested more than {_DEEPEST} deep")
 
 
 def _parsed(text: str, file: str) -> tuple[Item | Command, ...]:

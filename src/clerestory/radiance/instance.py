@@ -21,7 +21,6 @@ from clerestory.formats.obj_text import ObjText, parse_obj
 from clerestory.radiance.compiled import Octree, read_octree
 from clerestory.radiance.compiled_mesh import CompiledMesh, read_compiled_mesh
 from clerestory.radiance.placement import Placement
-from clerestory.radiance.statements import Alias
 from clerestory.scene.model import Source, TriangleMesh
 from clerestory.scene.primitive import Arguments, Primitive
 
@@ -42,7 +41,7 @@ class Instance:
     """
 
     files: tuple[Path, ...]
-    items: tuple[Primitive | Alias | TriangleMesh, ...]
+    items: tuple[Primitive | TriangleMesh, ...]
     placement: Placement
 
 
@@ -122,9 +121,9 @@ def _obj(
 
 def _compiled(
     mesh: CompiledMesh, path: Path, item: Primitive, file: str
-) -> tuple[Primitive | Alias | TriangleMesh, ...]:
+) -> tuple[Primitive | TriangleMesh, ...]:
     names = np.array(mesh.material)
-    parts: list[Primitive | Alias | TriangleMesh] = list(mesh.items)
+    parts: list[Primitive | TriangleMesh] = list(mesh.items)
     for name in np.unique(names).tolist():
         if not name and item.modifier == "void":
             raise Arguments(item, file).error(

@@ -34,21 +34,21 @@ from clerestory.radiance.intensity_table import intensity_table
 from clerestory.radiance.modifiers import Modifiers
 from clerestory.radiance.search_path import library_file
 from clerestory.scene.pattern import Pattern
-from clerestory.scene.primitive import Arguments, Primitive
+from clerestory.scene.primitive import Arguments
 from clerestory.scene.transform import Transform
 
 
-def read_modifiers(item: Primitive, *, file: str, placed: Transform) -> Modifiers:
+def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
     """Return the pattern or texture that a primitive describes.
 
     Parameters
     ----------
-    item : one of `PATTERN_KINDS`
-    file : where it stands
+    given : of one of `PATTERN_KINDS`
     placed : transform of the file that holds it
     """
-    made = _read(Arguments(item, file), placed)
-    return Modifiers((), (made,)) if item.kind in _TEXTURES else Modifiers((made,))
+    made = _read(given, placed)
+    textured = given.item.kind in _TEXTURES
+    return Modifiers((), (made,)) if textured else Modifiers((made,))
 
 
 def read_share(given: Arguments, placed: Transform) -> float | Pattern:

@@ -36,10 +36,7 @@ def _sphere(given: Arguments) -> Simple | None:
     if radius < 0:
         given.doubt(f"radius is {radius:g}; its front is turned, as in Radiance")
         radius, inward = -radius, not inward
-    source = given.source
-    return Sphere(
-        value[:3], radius, inward, given.item.modifier, given.item.name, source
-    )
+    return Sphere(value[:3], radius, inward, *given.labels)
 
 
 def _cone(given: Arguments) -> Simple | None:
@@ -58,17 +55,7 @@ def _cone(given: Arguments) -> Simple | None:
         given.doubt("its two ends coincide; it is left out")
         return None
     first, last = float(abs(radii[0])), float(abs(radii[-1]))
-    source = given.source
-    return Cone(
-        value[:3],
-        value[3:6],
-        first,
-        last,
-        inward,
-        given.item.modifier,
-        given.item.name,
-        source,
-    )
+    return Cone(value[:3], value[3:6], first, last, inward, *given.labels)
 
 
 def _ring(given: Arguments) -> Simple | None:
@@ -79,10 +66,7 @@ def _ring(given: Arguments) -> Simple | None:
             f"radii are {inner:g} and {outer:g}; 0 ≤ inner < outer expected"
         )
     normal = given.direction(value[3:6])
-    source = given.source
-    return Ring(
-        value[:3], normal, inner, outer, given.item.modifier, given.item.name, source
-    )
+    return Ring(value[:3], normal, inner, outer, *given.labels)
 
 
 def _source(given: Arguments) -> Simple | None:
@@ -90,9 +74,7 @@ def _source(given: Arguments) -> Simple | None:
     if not 0 < value[3] <= 360:
         raise given.error(f"angle is {value[3]:g}°; more than 0 and up to 360 expected")
     direction, angle = given.direction(value[:3]), float(value[3])
-    return DistantSource(
-        direction, angle, given.item.modifier, given.item.name, given.source
-    )
+    return DistantSource(direction, angle, *given.labels)
 
 
 SURFACES: Mapping[str, Callable[[Arguments], Simple | None]] = {

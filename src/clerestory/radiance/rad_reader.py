@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.errors import InputError
 from clerestory.gonio.layer_file import read_layer
 from clerestory.radiance.expansion import Placed, Scope, placed_items
 from clerestory.radiance.modifiers import Modifiers, modified
@@ -24,8 +23,14 @@ from clerestory.radiance.pattern_reader import (
 )
 from clerestory.radiance.placement import Placement
 from clerestory.radiance.search_path import library_file
-from clerestory.radiance.statements import Alias, Directive, PolygonRun
-from clerestory.scene.material import Material, Source, altered, insert_material
+from clerestory.radiance.statements import Directive, PolygonRun
+from clerestory.scene.material import (
+    Material,
+    Source,
+    altered,
+    error_at,
+    insert_material,
+)
 from clerestory.scene.materials import read_material
 from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.materials.mixture import Void
@@ -93,10 +98,10 @@ class _Reading:
         match placed.item:
             case PolygonRun():
                 self._add_polygons(placed.item, placed.file)
+            case Primitive(kind="alias"):
+                self._alias(Arguments(placed.item, placed.file))
             case Primitive():
-                self._define(placed.item, placed.file, placed.placement)
-            case Alias():
-                self._alias(placed.item, placed.file)
+                self._define(Arguments(placed.item, placed.file), placed.placement)
             case DistantSource():
                 self._add_distant(placed.item)
             case Scope(opens=True):
@@ -109,23 +114,20 @@ class _Reading:
                 pass  # speaks to window readers
             case surface:
                 source = surface.source or Source(placed.file, 0)
-                key = self._key(surface.material, source.file, source.line)
+                key = self._key(surface.material, source)
                 if key != _VOID:
                     self.surfaces.append(replace(surface, material=key))
 
-    def _key(self, modifier: str, file: str, line: int) -> str:
+    def _key(self, modifier: str, source: Source) -> str:
         if modifier in self.modifiers:
-            raise InputError(
-                f'the modifier "{modifier}" is a pattern; a material expected',
-                file=file,
-                line=line,
+            raise error_at(
+                source, f'the modifier "{modifier}" is a pattern; a material expected'
             )
         if modifier not in self.in_force:
-            raise InputError(
+            raise error_at(
+                source,
                 f'undefined modifier "{modifier}"; a material defined before this line,'
                 " or in a file given before this one, expected",
-                file=file,
-                line=line,
             )
         return self.in_force[modifier]
 
@@ -134,10 +136,11 @@ class _Reading:
         for i, (modifier, name, line) in enumerate(
             zip(run.modifier, run.name, run.line, strict=True)
         ):
-            key = self._key(modifier, file, line)
+            source = Source(file, line)
+            key = self._key(modifier, source)
             if key != _VOID:
                 vertices = run.vertices[ends[i] : ends[i + 1]]
-                self.surfaces.append(Polygon(vertices, key, name, Source(file, line)))
+                self.surfaces.append(Polygon(vertices, key, name, source))
 
     def _add_scene(self, scene: Scene, file: str, placement: Placement) -> None:
         # Surfaces that are in place; a modifier of xform outweighs their materials
@@ -148,7 +151,7 @@ class _Reading:
         for surface in scene.surfaces:
             key = keys[surface.material]
             if placement.modifier is not None:
-                key = self._key(placement.modifier, file, 0)
+                key = self._key(placement.modifier, Source(file, 0))
             if key != _VOID:
                 turned = placement.turned(surface)
                 name = placement.name(surface.name)
@@ -158,55 +161,51 @@ class _Reading:
 
     def _add_distant(self, item: DistantSource) -> None:
         source = item.source or Source("", 0)
-        key = self._key(item.material, source.file, source.line)
+        key = self._key(item.material, source)
         if key == _VOID:
             return
         if not isinstance(self.materials[key], Glow | Light):
-            raise InputError(
-                f'source "{item.name}" is made of "{key}"; a glow or a light expected',
-                file=source.file,
-                line=source.line,
-            )
+            message = f'source "{item.name}" is made of "{key}"'
+            raise error_at(source, f"{message}; a glow or a light expected")
         self.distant.append(replace(item, material=key))
 
-    def _define(self, item: Primitive, file: str, placement: Placement) -> None:
+    def _define(self, given: Arguments, placement: Placement) -> None:
+        item = given.item
         if item.kind in PATTERN_KINDS:
-            self._define_modifiers(item, file, placement)
+            self._define_modifiers(given, placement)
             return
-        given = Arguments(item, file)
         value = read_material(
             Definition(
                 item,
-                file,
+                given.file,
                 placed=placement.transform,
-                named=lambda name: self._named(name, file, item.line),
-                bsdf=lambda name: self._bsdf(name, file, item.line),
+                named=lambda name: self._named(name, given.source),
+                bsdf=lambda name: self._bsdf(name, given.source),
                 vector=lambda first, placed: read_vector(given, placed, first),
                 share_of_foreground=lambda: read_share(given, placement.transform),
             )
         )
-        self._name_material(item.name, value, self._modifying(item, file), given)
+        self._name_material(value, self._modifying(given), given)
 
     def _name_material(
-        self, name: str, value: Material, modifiers: Modifiers | None, given: Arguments
+        self, value: Material, modifiers: Modifiers | None, given: Arguments
     ) -> None:
         made = value if modifiers is None else modified(value, modifiers, given)
-        self.modifiers.pop(name, None)
+        self.modifiers.pop(given.item.name, None)
         key = insert_material(self.materials, made)
-        self.in_force[name] = key
+        self.in_force[given.item.name] = key
         if modifiers is not None:
             self.unmodified[key] = value
 
-    def _define_modifiers(
-        self, item: Primitive, file: str, placement: Placement
-    ) -> None:
-        modifiers = read_modifiers(item, file=file, placed=placement.transform)
-        if item.modifier not in self.modifiers and item.modifier != "void":
-            # Between a material and what it covers: a material of its own
-            value = altered(self._named(item.modifier, file, item.line), name=item.name)
-            self._name_material(item.name, value, modifiers, Arguments(item, file))
+    def _define_modifiers(self, given: Arguments, placement: Placement) -> None:
+        modifiers = read_modifiers(given, placed=placement.transform)
+        item = given.item
+        if item.modifier in self.modifiers or item.modifier == "void":
+            self._name_modifiers(item.name, modifiers, self._modifying(given))
             return
-        self._name_modifiers(item.name, modifiers, self._modifying(item, file))
+        # Between a material and a surface: a material of its own
+        value = altered(self._named(item.modifier, given.source), name=item.name)
+        self._name_material(value, modifiers, given)
 
     def _name_modifiers(
         self, name: str, modifiers: Modifiers, outer: Modifiers | None
@@ -215,52 +214,46 @@ class _Reading:
         self.modifiers[name] = modifiers.within(outer)
         self.in_force.pop(name, None)
 
-    def _modifying(self, item: Primitive | Alias, file: str) -> Modifiers | None:
+    def _modifying(self, given: Arguments) -> Modifiers | None:
         # The modifiers of an item, None for void
-        if item.modifier in self.modifiers:
-            return self.modifiers[item.modifier]
-        if self._key(item.modifier, file, item.line) != _VOID:
-            kind = item.kind if isinstance(item, Primitive) else "alias"
-            raise InputError(
-                f'{kind} "{item.name}" is modified by the material'
-                f' "{item.modifier}"; void or a pattern expected',
-                file=file,
-                line=item.line,
+        modifier = given.item.modifier
+        if modifier in self.modifiers:
+            return self.modifiers[modifier]
+        if self._key(modifier, given.source) != _VOID:
+            raise error_at(
+                given.source,
+                f'{given.subject} is modified by the material "{modifier}"; void or a'
+                " pattern expected",
             )
         return None
 
-    def _named(self, name: str, file: str, line: int) -> Material:
-        key = self._key(name, file, line)
+    def _named(self, name: str, source: Source) -> Material:
+        key = self._key(name, source)
         return Void() if key == _VOID else self.materials[key]
 
-    def _bsdf(self, name: str, file: str, line: int) -> Bsdf:
+    def _bsdf(self, name: str, source: Source) -> Bsdf:
         # One value for each file, so that equal materials are known as such
-        path = library_file(name, beside=file, line=line).resolve()
+        path = library_file(name, beside=source.file, line=source.line).resolve()
         if path not in self.bsdfs:
             self.bsdfs[path] = read_layer(path)
         return self.bsdfs[path]
 
-    def _alias(self, item: Alias, file: str) -> None:
-        # "inherit" keeps what modifies the original; any other modifier replaces it
-        if item.target == "void":
-            raise InputError(
-                f'alias "{item.name}" stands for void; a material expected',
-                file=file,
-                line=item.line,
-            )
-        inherits = item.modifier == "inherit"
-        outer = None if inherits else self._modifying(item, file)
-        if item.target in self.modifiers:
-            whole, bare = self.modifiers[item.target], self.bare[item.target]
-            self._name_modifiers(item.name, whole if inherits else bare, outer)
+    def _alias(self, given: Arguments) -> None:
+        # "inherit" keeps the modifiers of the original; another modifier replaces them
+        name, (target,) = given.item.name, given.item.strings
+        if target == "void":
+            message = f'alias "{name}" stands for void; a material expected'
+            raise error_at(given.source, message)
+        inherits = given.item.modifier == "inherit"
+        outer = None if inherits else self._modifying(given)
+        if target in self.modifiers:
+            whole, bare = self.modifiers[target], self.bare[target]
+            self._name_modifiers(name, whole if inherits else bare, outer)
             return
-        key = self._key(item.target, file, item.line)
+        key = self._key(target, given.source)
         if not inherits and (outer or key in self.unmodified):
-            value = altered(
-                self.unmodified.get(key, self.materials[key]), name=item.name
-            )
-            given = Primitive(item.modifier, "alias", item.name, (), (), item.line)
-            self._name_material(item.name, value, outer, Arguments(given, file))
+            value = self.unmodified.get(key, self.materials[key])
+            self._name_material(altered(value, name=name), outer, given)
             return
-        self.modifiers.pop(item.name, None)
-        self.in_force[item.name] = key
+        self.modifiers.pop(name, None)
+        self.in_force[name] = key

@@ -27,16 +27,6 @@ class PolygonRun:
 
 
 @dataclass(frozen=True)
-class Alias:
-    """`modifier alias name target`."""
-
-    modifier: str
-    name: str
-    target: str
-    line: int
-
-
-@dataclass(frozen=True)
 class Command:
     """A line that begins with an exclamation mark, without it."""
 
@@ -52,7 +42,7 @@ class Directive:
     line: int
 
 
-Statement = Primitive | PolygonRun | Alias | Command | Directive
+Statement = Primitive | PolygonRun | Command | Directive
 
 # Radiance's types (ray.html, section 2.1): what may stand second in a primitive
 _SURFACES = "polygon sphere bubble cone cup cylinder tube ring source instance mesh"
@@ -86,6 +76,7 @@ def parse_statements(text: str, *, file: str) -> list[Statement]:
         if polygons.take(cursor):
             continue
         statements.extend(polygons.flush())
+        polygons = _PolygonCollector()
         statements.append(_statement(cursor))
     statements.extend(polygons.flush())
     return statements
@@ -149,9 +140,8 @@ def _statement(cursor: _Cursor) -> Statement:
     kind = cursor.word(f'the type of a primitive modified by "{modifier}"')
     name = cursor.word(f"the name of the {kind}") if _is_kind(kind) else ""
     if kind == "alias":
-        return Alias(
-            modifier, name, cursor.word(f'the original of alias "{name}"'), line
-        )
+        target = cursor.word(f'the original of alias "{name}"')
+        return Primitive(modifier, kind, name, (target,), (), line)
     if kind not in SURFACE_KINDS and kind not in MODIFIER_KINDS:
         hint = "a type such as polygon or plastic expected"
         if number(modifier) is not None and number(kind) is not None:
@@ -228,12 +218,4 @@ class _PolygonCollector:
             return []
         vertices = np.fromstring("".join(self.numbers), sep=" ").reshape(-1, 3)
         first = np.concatenate([[0], np.cumsum(self.count)])
-        run = PolygonRun(self.modifier, self.name, self.line, first, vertices)
-        self.modifier, self.name, self.line, self.count, self.numbers = (
-            [],
-            [],
-            [],
-            [],
-            [],
-        )
-        return [run]
+        return [PolygonRun(self.modifier, self.name, self.line, first, vertices)]

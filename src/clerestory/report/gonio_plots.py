@@ -15,12 +15,12 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from clerestory.gonio.angles import from_degrees, straight_on
+from clerestory.gonio.angles import from_degrees, undeviated
 from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import about_normal, turned
+from clerestory.gonio.network_assembly import rotation_about_normal, transformed
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 
 _PALETTE = "inferno"
@@ -130,9 +130,12 @@ def _measured(interpolant: Interpolant, scan: Scan) -> Lobes:
     incident, turn = scan.incident, np.eye(3)
     if interpolant.symmetry == "isotropic":
         azimuth = np.radians(scan.phi_deg)
-        incident, turn = from_degrees(scan.theta_deg, 0.0), about_normal(azimuth)
+        incident, turn = (
+            from_degrees(scan.theta_deg, 0.0),
+            rotation_about_normal(azimuth),
+        )
     nearest = int(np.argmax(vertices @ incident))
-    return turned(interpolant.network.lobes[nearest], turn)
+    return transformed(interpolant.network.lobes[nearest], turn)
 
 
 def _disc(direction: Float[np.ndarray, "*points 3"]) -> Float[np.ndarray, "*points 2"]:
@@ -193,7 +196,7 @@ def _surface(axes: Axes, lobes: Lobes, norm: LogNorm) -> None:
 
 
 def _straight(axes: Axes, incident: Float[np.ndarray, "3"]) -> None:
-    place = _disc(straight_on(incident))
+    place = _disc(undeviated(incident))
     axes.plot(*place, "o", markersize=9, fillstyle="none", color="#37c0ff")
 
 

@@ -1,7 +1,8 @@
-"""The few figures that stand for a grid of sensors, with cautious error bars.
+"""The few figures that stand for a grid of sensors, with their standard errors.
 
-The sensors of a grid share the traced daylight matrix, so their errors are taken
-as fully correlated: the error of a mean is the mean of the errors.
+The error of the mean illuminance comes from its error components, which know how the
+sensors are correlated. The errors of the other metrics are taken as fully correlated:
+the error of a mean is the mean of the errors.
 """
 
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ class MetricMap:
     title, note : what it is, in words
     values, errors : per sensor, in the unit shown
     unit : lux or %
+    components : error components of the values, if they are known
     """
 
     key: str
@@ -33,14 +35,14 @@ class MetricMap:
     values: Float[np.ndarray, " sensor"]
     errors: Float[np.ndarray, " sensor"]
     unit: str
+    components: Float[np.ndarray, "component sensor"] | None = None
 
     def mean(self, members: Int[np.ndarray, " member"]) -> Figure:
-        """Mean over some sensors."""
-        return Figure(
-            float(self.values[members].mean()),
-            float(self.errors[members].mean()),
-            self.unit,
-        )
+        """Mean over some sensors; without error components, fully correlated ones."""
+        error = self.errors[members].mean()
+        if self.components is not None:
+            error = np.linalg.norm(self.components[:, members].mean(axis=1))
+        return Figure(float(self.values[members].mean()), float(error), self.unit)
 
 
 def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
@@ -56,6 +58,9 @@ def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
             _values(metrics, "mean_illuminance"),
             _values(metrics, "mean_illuminance_error"),
             "lux",
+            _values(metrics, "mean_components")
+            if "mean_components" in metrics
+            else None,
         ),
         MetricMap(
             "autonomy",
@@ -90,5 +95,5 @@ def relative_errors(content: ReportContent, *, above: float) -> Float[np.ndarray
     return np.asarray(100 * error / lux)
 
 
-def _values(metrics: xr.Dataset, name: str) -> Float[np.ndarray, " sensor"]:
+def _values(metrics: xr.Dataset, name: str) -> Float[np.ndarray, "*axes sensor"]:
     return np.asarray(metrics[name].values, dtype=float)

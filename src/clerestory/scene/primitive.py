@@ -50,6 +50,11 @@ class Arguments:
         """File and line of the primitive."""
         return Source(self.file, self.item.line)
 
+    @property
+    def labels(self) -> tuple[str, str, Source]:
+        """Material, name and source of a surface."""
+        return self.item.modifier, self.item.name, self.source
+
     def reals(self, *counts: int) -> Float[np.ndarray, " numbers"]:
         """Return the numbers, if as many as one of `counts`."""
         expected = " or ".join(map(str, counts))

@@ -35,10 +35,6 @@ def clear_sky_weather(
     turbidity : Linke turbidity of the whole year: 2 very clear, 3 usual, 5 hazy
     step_minutes : length of a step, a divisor of an hour
 
-    Raises
-    ------
-    InputError : a number out of range
-
     Examples
     --------
     >>> place = Site(51.5, 0.0, 0.0, place="London")

@@ -88,11 +88,6 @@ def read_measured(
     separator : between cells
     skip_lines : lines before the header
     decomposition : model that decomposes global irradiance if nothing else is measured
-
-    Raises
-    ------
-    InputError : a column is missing, a cell is not a number or time, times do not
-        increase, or too few quantities are measured
     """
     table = read_table(path, separator, skip_lines)
 
@@ -144,12 +139,7 @@ class LoggerTable(DataRows):
 
 
 def read_table(path: str | Path, separator: str, skip_lines: int) -> LoggerTable:
-    """Return the cells of a CSV file whose header follows `skip_lines` lines.
-
-    Raises
-    ------
-    InputError : no rows follow the header
-    """
+    """Return the cells of a CSV file whose header follows `skip_lines` lines."""
     table = list(csv.reader(read_text(path).splitlines(), delimiter=separator))
     filled = (row if any(row) else [] for row in table)
     rows = DataRows.below(skip_lines + 1, filled, file=path)
@@ -164,12 +154,7 @@ def local_times(
     clock: str | None,
     utc_offset_hours: float,
 ) -> np.ndarray:
-    """Return the times of the rows in local standard time.
-
-    Raises
-    ------
-    InputError : a column is missing, a cell is not a time, an unknown time zone
-    """
+    """Return the times of the rows in local standard time."""
     standard = timezone(timedelta(hours=utc_offset_hours))
     zone = _zone(clock)
     where = [

@@ -38,13 +38,7 @@ _MISSING_DEW_POINT = 99.0
 
 
 def read_epw(path: str | Path) -> Weather:
-    """Return the weather of an EPW file, in the year 2023 (2024 with a 29 February).
-
-    Raises
-    ------
-    InputError : the header is not that of an EPW, a row is short or holds no
-        numbers, or too many values are missing
-    """
+    """Return the weather of an EPW file, in the year 2023 (2024 with a 29 February)."""
     lines = read_text(path).splitlines()
     cells = lines[0].split(",") if lines else []
     if not cells or cells[0].strip().upper() != "LOCATION":

@@ -45,10 +45,6 @@ def repair_irradiance(
     times : centres of the steps
     file, lines : file and line number of each value
     scale, unit : of the values if they are not in W/m²
-
-    Raises
-    ------
-    InputError : more than a tenth of the values is missing or impossible
     """
     notes = []
     lowest, largest = scale * _ZERO_OFFSET, scale * _LARGEST
@@ -91,21 +87,7 @@ def repaired_weather(
     step_minutes: float,
     notes: tuple[str, ...] = (),
 ) -> Weather:
-    """Return weather from the columns of a file, after quality control.
-
-    Parameters
-    ----------
-    times : centres of the steps
-    rows : of the file, one per step
-    direct_normal, diffuse_horizontal : irradiance [W/m²]; NaN where missing
-    dew_point_c : [°C]; NaN where missing
-    step_minutes : length of a step [min]
-    notes : corrections made before
-
-    Raises
-    ------
-    InputError : more than a tenth of the irradiance is missing or impossible
-    """
+    """Return weather from the columns of a file, after quality control."""
     filled = []
     for name, values in (
         ("direct normal irradiance", direct_normal),

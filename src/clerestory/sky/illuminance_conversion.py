@@ -35,13 +35,6 @@ def irradiance_of(
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
     """Return direct normal and diffuse horizontal irradiance [W/m²].
 
-    Parameters
-    ----------
-    illuminance : measured
-    times : centres of the steps
-    sun : solar position at the steps
-    dew_point_c : [°C], NaN where unknown; None takes 11 °C
-
     Examples
     --------
     Skylight has a higher luminous efficacy than sunlight.

@@ -64,10 +64,6 @@ def split_irradiance(
     global_horizontal, diffuse_horizontal, direct_normal : measured irradiance
         [W/m²]; global alone, or any two; with all three, global is not used
     decomposition : model that decomposes global irradiance if nothing else is measured
-
-    Raises
-    ------
-    InputError : too few quantities are given, or the model is unknown
     """
     notes: tuple[str, ...] = ()
     if direct_normal is not None:

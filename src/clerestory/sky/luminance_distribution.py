@@ -126,10 +126,6 @@ def cie_general(number: int) -> FiveParameters:
 
     Type 1 is overcast with steep gradation, 5 uniform, 12 clear with low turbidity.
 
-    Raises
-    ------
-    InputError : the number is not 1…15
-
     Reference: ISO 15469:2004 / CIE S 011, Spatial distribution of daylight.
 
     Examples

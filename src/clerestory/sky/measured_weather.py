@@ -74,16 +74,7 @@ class Measurement:
 def weather_of(
     measurement: Measurement, *, decomposition: Decomposition = "erbs"
 ) -> Weather:
-    """Return the measured weather; one warning lists all corrections.
-
-    Parameters
-    ----------
-    decomposition : model that decomposes global irradiance if nothing else is measured
-
-    Raises
-    ------
-    InputError : too few quantities are measured, or too many values are missing
-    """
+    """Return the measured weather; one warning lists all corrections."""
     site, times = measurement.site, measurement.times
     sun = sun_at(site, times)
     watts, notes = _repaired(measurement, _IRRADIANCE, scale=1.0, unit="W/m²")

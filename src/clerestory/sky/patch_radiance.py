@@ -187,10 +187,6 @@ class SkyResponse:
     ----------
     transfer : from sky patches to sensors
     sky : radiance of the patches over time
-
-    Raises
-    ------
-    MatrixError : the two do not fit
     """
 
     transfer: TransferMatrix

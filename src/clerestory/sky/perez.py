@@ -116,13 +116,7 @@ class PerezSky:
 
 
 def perez_sky(state: SkyState, *, azimuth: Float[np.ndarray, " time"]) -> PerezSky:
-    """Return the distribution of a sky (Perez et al. 1993, eqs. 6 to 8).
-
-    Parameters
-    ----------
-    state : clearness, brightness and zenith angle of the sun
-    azimuth : of the sun, clockwise from north [rad]
-    """
+    """Return the distribution of a sky (Perez et al. 1993, eqs. 6 to 8)."""
     # Limit the brightness to the range of the fit, as gendaymtx does
     low = (state.clearness > 1.065) & (state.clearness < 2.8)
     brightness = np.where(low, np.maximum(state.brightness, 0.2), state.brightness)

@@ -41,10 +41,6 @@ def dome_radiance(
     dome : the patches
     quadrature : the sky is scaled to `diffuse` by the "exact" projected solid
         angles of the patches, or by their "centres" as in Radiance
-
-    Raises
-    ------
-    InputError : an unknown quadrature
     """
     centres = dome.centres()
     if quadrature not in ("exact", "centres"):

@@ -97,10 +97,6 @@ def perez_point(
 
     The arguments are those of `sky_matrix`; `weather.select(slice(i, i + 1))` is
     one step of a year.
-
-    Raises
-    ------
-    InputError : more than one step, or an argument outside its range
     """
     if len(weather) != 1:
         raise InputError(f"weather of {len(weather)} steps; a single one expected")
@@ -133,10 +129,6 @@ def perez_moment(
         either case
     ground_reflectance, sky_colour : as for `perez_point`
     time : its day determines the distance to the sun
-
-    Raises
-    ------
-    InputError : irradiance that is negative or not finite, an altitude beyond ±90°
 
     Examples
     --------

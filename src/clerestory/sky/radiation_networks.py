@@ -59,10 +59,6 @@ def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> 
     utc_offset_hours : of the local standard time wanted; None takes that of the
         meridian, longitude / 15 rounded
 
-    Raises
-    ------
-    InputError : not a SURFRAD file, or a row is wrong
-
     Reference: NOAA Global Monitoring Laboratory, SURFRAD README.
     """
     lines = read_text(path).splitlines()
@@ -129,15 +125,6 @@ def read_srml(
 
     Of several instruments for one quantity the first is used; values that the network
     flags as bad are missing.
-
-    Parameters
-    ----------
-    site : the station
-    decomposition : model that decomposes global irradiance if nothing else is measured
-
-    Raises
-    ------
-    InputError : not such a file, or it has no irradiance
 
     Reference: F. Vignola et al., SRML, Archival (short interval) data files.
     """

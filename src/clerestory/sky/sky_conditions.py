@@ -95,10 +95,6 @@ def sky_conditions(
     dew_point_c : for all steps; None takes the weather's, or 11 °C
     spectrum : "visible" irradiance, illuminance over 179 lm/W, or that of the
         whole "solar" spectrum, as the weather has it
-
-    Raises
-    ------
-    InputError : an argument that is not one of the choices, or not finite
     """
     if spectrum not in ("visible", "solar"):
         raise InputError(
@@ -134,14 +130,6 @@ def sun_over(
     It is that of the centre of the step; in steps with sunrise or sunset, that of the
     centre of the part with the sun above the horizon. Radiance's formula always takes
     the centre of the step, as gendaymtx does.
-
-    Parameters
-    ----------
-    rotation_deg, sun_formula : as for `sky_conditions`
-
-    Raises
-    ------
-    InputError : a rotation that is not finite, or an unknown formula
     """
     if not np.isfinite(rotation_deg):
         raise InputError(
@@ -154,12 +142,7 @@ def sun_over(
 
 
 def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weather:
-    """Return the steps in which a part of the sun's disc is above the horizon.
-
-    Raises
-    ------
-    InputError : there are none
-    """
+    """Return the steps in which a part of the sun's disc is above the horizon."""
     up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
     if not up.any():
         raise InputError(

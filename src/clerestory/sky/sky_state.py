@@ -80,14 +80,7 @@ def sky_state(
     altitude: Float[np.ndarray, " time"],
     day_of_year: Int[np.ndarray, " time"],
 ) -> SkyState:
-    """Return clearness and brightness of the sky (Perez et al. 1990, eqs. 1 and 2).
-
-    Parameters
-    ----------
-    direct_normal, diffuse_horizontal : irradiance [W/m²]
-    altitude : of the sun [rad]
-    day_of_year : 1 for 1 January
-    """
+    """Return clearness and brightness of the sky (Perez et al. 1990, eqs. 1 and 2)."""
     zenith = np.clip(np.pi / 2 - altitude, *_ZENITH_LIMITS)
 
     # Clearness; its maximum where there is no diffuse irradiance

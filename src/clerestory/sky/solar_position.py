@@ -1,13 +1,18 @@
 """Solar position: altitude and azimuth of the sun.
 
-NREL's Solar Position Algorithm (as implemented by pvlib) is the default. Radiance's own
-formulas serve comparisons with Radiance; they differ by some tenths of a degree.
+NREL's Solar Position Algorithm (SPA), as implemented by pvlib, is the default. Its
+module is loaded without the package, whose import of pandas, SciPy and a web client
+takes a second. Radiance's own formulas serve comparisons with Radiance; they differ by
+some tenths of a degree.
 
 References: I. Reda, A. Andreas, NREL/TP-560-34302, 2008; Radiance, src/gen/sun.c,
 the formulas of gensky and gendaymtx.
 """
 
+import importlib.util
 from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
 from typing import Literal
 
 import numpy as np
@@ -15,10 +20,16 @@ from jaxtyping import Float, Int
 
 from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
-from clerestory.sky.spa import solar_position
 from clerestory.sky.weather import Site
 
 SunFormula = Literal["spa", "radiance"]
+
+# Terrestrial time minus universal time around now [s], and refraction at sunrise [°]
+_DELTA_T = 67.0
+_REFRACTION_AT_SUNRISE = 0.5667
+
+# The troposphere of ISO 2533: hPa, K, K/m, and the exponent g / (R L)
+_PRESSURE, _TEMPERATURE, _LAPSE, _EXPONENT = 1013.25, 288.15, 0.0065, 5.25588
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +78,6 @@ def sun_position(
     elevation : above sea level [m]; with `temperature_c`, for refraction only
     formula : "spa", within 0.0003° from the year -2000 to 6000, or "radiance"
 
-    Raises
-    ------
-    InputError : an unknown formula
-
     Examples
     --------
     The example of NREL/TP-560-34302, table A5.1: zenith 50.11162°, azimuth 194.34024°.
@@ -88,7 +95,7 @@ def sun_position(
             f"unknown sun formula {formula!r}; 'spa' or 'radiance' expected"
         )
     seconds = times.astype("datetime64[s]").astype(float) - 3600 * utc_offset_hours
-    altitude, azimuth = solar_position(
+    altitude, azimuth = _spa(
         seconds,
         latitude_deg=latitude_deg,
         longitude_deg=longitude_deg,
@@ -135,3 +142,59 @@ def _radiance(
     south = -np.cos(latitude) * sin_d - np.sin(latitude) * cos_d * np.cos(hour_angle)
     azimuth = np.pi - np.arctan2(cos_d * np.sin(hour_angle), south)
     return SunPosition(np.arcsin(np.clip(sine, -1, 1)), azimuth)
+
+
+def standard_pressure(elevation: float) -> float:
+    """Return the pressure of the standard atmosphere at an elevation [m], in hPa.
+
+    >>> round(standard_pressure(1000), 1)
+    898.7
+    """
+    ratio = 1 - _LAPSE * elevation / _TEMPERATURE
+    return float(_PRESSURE * ratio**_EXPONENT)
+
+
+def _spa(
+    seconds: Float[np.ndarray, " time"],
+    *,
+    latitude_deg: float,
+    longitude_deg: float,
+    elevation: float,
+    temperature_c: float,
+) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+    """Return the solar altitude, with refraction, and azimuth [°].
+
+    Parameters
+    ----------
+    seconds : since 1970, universal time
+    elevation : above sea level [m]
+    """
+    position = _ALGORITHM.solar_position(
+        seconds,
+        latitude_deg,
+        longitude_deg,
+        elevation,
+        standard_pressure(elevation),
+        temperature_c,
+        _DELTA_T,
+        _REFRACTION_AT_SUNRISE,
+        numthreads=1,
+    )
+    return position[2], position[4]
+
+
+def _load() -> ModuleType:
+    # Find the package without importing it
+    package = importlib.util.find_spec("pvlib")
+    if package is None or not package.submodule_search_locations:
+        raise ModuleNotFoundError("pvlib is not installed", name="pvlib")
+    file = Path(package.submodule_search_locations[0]) / "spa.py"
+    spec = importlib.util.spec_from_file_location("clerestory.sky._pvlib_spa", file)
+    if spec is None or spec.loader is None:
+        raise ModuleNotFoundError(f"{file} cannot be loaded", name="pvlib.spa")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+_ALGORITHM = _load()

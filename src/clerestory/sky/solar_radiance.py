@@ -6,16 +6,16 @@ the solar disc.
 """
 
 import math
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.sparse import coo_array, csc_array
 
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import InputError
+from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
-from clerestory.sky.nearest_patches import nearest_patches
 
 SunPlacement = Literal["spread", "patch", "disc"]
 
@@ -28,6 +28,25 @@ _SOFTENING = 1.002
 
 # Smallest direct irradiance that counts [W/m²], as in gendaymtx: 1e-4 lux
 _THRESHOLD = 1e-4 / 179
+
+
+# Candidates: rings around that of a direction, and patches of each. Patches are at most
+# 1.5 times as wide as high
+_RINGS = 5
+_MOST = 4
+
+
+class Nearest(NamedTuple):
+    """Nearest patches, in order of distance.
+
+    Attributes
+    ----------
+    distance : chord from the direction to the centre of the patch
+    patch : its number
+    """
+
+    distance: Float[np.ndarray, "direction neighbour"]
+    patch: Int[np.ndarray, "direction neighbour"]
 
 
 def sun_radiance(
@@ -49,10 +68,6 @@ def sun_radiance(
         all in the nearest "patch"; in the nearest patch at the radiance of the
         solar "disc", for direct-sun matrices traced with such discs
     diameter_deg : apparent diameter of the disc
-
-    Raises
-    ------
-    InputError : an unknown placement, a diameter of 0 or above 30°
     """
     if placement not in ("spread", "patch", "disc"):
         raise InputError(
@@ -79,4 +94,46 @@ def sun_radiance(
     shape = (len(partition), len(direct))
     return csc_array(
         coo_array((radiance.ravel(), (near.ravel() + 1, step)), shape=shape)
+    )
+
+
+def nearest_patches(
+    dome: RingPartition, directions: Float[np.ndarray, "direction 3"], *, count: int
+) -> Nearest:
+    """Return the patches of a sky whose centres are nearest to some directions.
+
+    Examples
+    --------
+    >>> from clerestory.hemisphere.reinhart import reinhart
+    >>> dome = reinhart(1).dome
+    >>> nearest_patches(dome, dome.centres()[[7]], count=2).patch[0].tolist()[0]
+    7
+    """
+    centres = dome.centres()
+    rings = min(_RINGS, len(dome.count))
+
+    # Take the rings around each direction, by the height of their centres
+    height = np.arcsin(centres[dome.first, 2])
+    altitude = np.arcsin(np.clip(directions[:, 2], -1, 1))
+    own = np.abs(height[:, None] - altitude).argmin(axis=0)
+    lowest = np.clip(own - rings // 2, 0, len(height) - rings)
+    ring = lowest[:, None] + np.arange(rings)
+
+    # Of each ring, take the patches around the azimuth; the first is in the north
+    each = dome.count[ring]
+    azimuth = np.arctan2(directions[:, 0], directions[:, 1])[:, None]
+    offset = np.arange(_MOST)
+    place = np.floor(azimuth * each / (2 * np.pi)).astype(int)[..., None] - 1 + offset
+    patch = dome.first[ring][..., None] + place % each[..., None]
+
+    # Choose the nearest; exclude the repeated patches of rings with fewer patches
+    apart = centres[patch] - directions[:, None, None]
+    distance = np.sqrt(np.einsum("drpx,drpx->drp", apart, apart))
+    distance[offset >= each[..., None]] = np.inf
+    table = len(directions), rings * _MOST
+    distance, patch = distance.reshape(table), patch.reshape(table)
+    order = np.argsort(distance, axis=1, kind="stable")[:, :count]
+    return Nearest(
+        np.take_along_axis(distance, order, axis=1),
+        np.take_along_axis(patch, order, axis=1),
     )

@@ -49,18 +49,23 @@ _CSV_SETTINGS = {
 }
 
 
-def _several(value: Any) -> Any:
-    # One name is a list of one
+def _as_list(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
-class _Table(BaseModel):
+# A list of names; a single name is a list of one
+OneOrSeveral = Annotated[list[str], BeforeValidator(_as_list)]
+
+
+class Table(BaseModel):
+    """A table of a TOML file without unknown keys."""
+
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False
     )
 
 
-class SiteTable(_Table):
+class SiteTable(Table):
     """Location of the measurement."""
 
     latitude_deg: float = Field(description="degrees, positive north")
@@ -70,12 +75,10 @@ class SiteTable(_Table):
     place: str = ""
 
 
-class ColumnsTable(_Table):
+class ColumnsTable(Table):
     """Names of the columns."""
 
-    time: Annotated[list[str], BeforeValidator(_several)] = Field(
-        min_length=1, description="the name of a column"
-    )
+    time: OneOrSeveral = Field(min_length=1, description="the name of a column")
     global_horizontal: str | None = None
     diffuse_horizontal: str | None = None
     direct_normal: str | None = None
@@ -90,7 +93,7 @@ class ColumnsTable(_Table):
         return Columns(tuple(self.time), **named)
 
 
-class MeasuredTable(_Table):
+class MeasuredTable(Table):
     """Description of a file of measurements; see `read_measured`.
 
     Files of the networks SURFRAD and SRML have fixed columns.
@@ -125,12 +128,7 @@ class _StationFile(MeasuredTable):
 
 
 def read_with(path: str | Path, how: MeasuredTable) -> Weather:
-    """Return the weather in a file of measurements.
-
-    Raises
-    ------
-    InputError : the file does not agree with the description
-    """
+    """Return the weather in a file of measurements."""
     if how.format == "surfrad":
         offset = None if how.site is None else how.site.utc_offset_hours
         return read_surfrad(path, utc_offset_hours=offset)
@@ -146,13 +144,7 @@ def read_with(path: str | Path, how: MeasuredTable) -> Weather:
 
 
 def read_station(path: str | Path) -> Weather:
-    """Return the weather that a station file describes; `file` is relative to it.
-
-    Raises
-    ------
-    InputError : it is not TOML, a key is missing, unknown or wrong, or the file of
-        measurements has an error
-    """
+    """Return the weather that a station file describes; `file` is relative to it."""
     try:
         tables = tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:

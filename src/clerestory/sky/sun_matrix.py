@@ -36,10 +36,6 @@ class SunMatrix:
     times : centres of the steps, local standard time
     direct_normal : [W/m²], (sun, time), with at most one position a step
     attributes : provenance
-
-    Raises
-    ------
-    MatrixError : the shapes disagree
     """
 
     directions: Float[np.ndarray, "sun 3"]
@@ -95,10 +91,6 @@ def sun_matrix(
     weather : irradiance over time
     tolerance_deg : solar positions at most this far apart are merged; 0 merges none
     options : as for `sky_conditions`
-
-    Raises
-    ------
-    InputError : an argument outside its range
     """
     if not 0 <= tolerance_deg <= _WIDEST_TOLERANCE_DEG:
         raise InputError(
@@ -137,12 +129,6 @@ def patch_suns(
 
     The sun of each step is moved to the nearest patch centre, as direct-sun matrices
     of the five-phase method do.
-
-    Parameters
-    ----------
-    weather : irradiance over time
-    subdivision : Reinhart's MF, 1 to 6
-    options : as for `sky_conditions`
     """
     conditions = sky_conditions(weather, **options)
     partition = reinhart(subdivision)

@@ -13,12 +13,7 @@ from clerestory.errors import InputError
 def number(
     cells: Sequence[str], index: int, *, name: str, file: str | Path, line: int
 ) -> float:
-    """Return the finite number in one cell.
-
-    Raises
-    ------
-    InputError : the cell is missing, or not a finite number
-    """
+    """Return the finite number in one cell."""
     if index >= len(cells):
         raise InputError(
             f"{len(cells)} fields; {name} expected as field {index + 1}",
@@ -57,12 +52,7 @@ class DataRows:
     def below(
         cls, header_lines: int, rows: Iterable[Sequence[str]], *, file: str | Path
     ) -> "DataRows":
-        """Return the rows below a header that are not empty.
-
-        Raises
-        ------
-        InputError : there are none
-        """
+        """Return the rows below a header that are not empty."""
         rows = list(rows)
         kept = [i for i, row in enumerate(rows) if i >= header_lines and row]
         if not kept:
@@ -74,12 +64,7 @@ class DataRows:
     def column(
         self, index: int, name: str, *, may_miss: bool = False
     ) -> Float[np.ndarray, " row"]:
-        """Return one column; NaN where a cell is empty and `may_miss` allows it.
-
-        Raises
-        ------
-        InputError : a row ends before the column, or its cell is not a number
-        """
+        """Return one column; NaN where a cell is empty and `may_miss` allows it."""
         try:
             values = np.array([row[index] for row in self.cells], dtype=float)
             if np.all(np.isfinite(values)):

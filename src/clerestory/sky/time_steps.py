@@ -28,11 +28,6 @@ def calendar_times(
 
     The year is 2023, or 2024 where a 29 February occurs. Hours within 2 s of
     a whole minute are taken as that minute, since files write 0.167 for 1/6.
-
-    Raises
-    ------
-    InputError : a date that is not in the calendar, an hour outside a day, or
-        times that do not increase
     """
     calendar = np.array(_DAYS)
     whole = (month == np.floor(month)) & (day == np.floor(day))
@@ -98,12 +93,7 @@ def typical_step(times: np.ndarray) -> float:
 def centres(
     times: np.ndarray, step_minutes: float, stands_for: StandsFor
 ) -> np.ndarray:
-    """Return the centres of steps whose times stand for their start, centre or end.
-
-    Raises
-    ------
-    InputError : `stands_for` is none of the three
-    """
+    """Return the centres of steps whose times stand for their start, centre or end."""
     if stands_for not in _SHIFTS:
         raise InputError(
             f"times stand for {stands_for!r}; 'start', 'centre' or 'end' expected"

@@ -37,12 +37,7 @@ _MISSING_DEW_POINT = 9999.0
 
 
 def read_tmy2(path: str | Path) -> Weather:
-    """Return the weather of a TMY2 file, in the year 2023 (2024 with a 29 February).
-
-    Raises
-    ------
-    InputError : the header is not that of a TMY2 file, or a row is wrong
-    """
+    """Return the weather of a TMY2 file, in the year 2023 (2024 with a 29 February)."""
     lines = read_text(path).splitlines()
     if not lines or not is_tmy2_header(lines[0]):
         raise InputError("no TMY2 header in the first line", file=path, line=1)

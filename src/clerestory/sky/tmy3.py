@@ -30,12 +30,7 @@ _MISSING_DEW_POINT = -9900.0
 
 
 def read_tmy3(path: str | Path) -> Weather:
-    """Return the weather of a TMY3 file, in the year 2023.
-
-    Raises
-    ------
-    InputError : the two header lines are not those of a TMY3 file, or a row is wrong
-    """
+    """Return the weather of a TMY3 file, in the year 2023."""
     table = list(csv.reader(read_text(path).splitlines()))
     if len(table) < 3 or DATE not in table[1]:
         raise InputError(

@@ -40,14 +40,7 @@ _KEYS = (
 
 
 def read_wea(path: str | Path) -> Weather:
-    """Return the weather of a WEA file, in the year 2023 (2024 with a 29 February).
-
-    Raises
-    ------
-    InputError : the header is incomplete, the units are unknown (1, direct normal
-        and diffuse irradiance; 2, direct horizontal; 3, illuminance), or a row is
-        wrong
-    """
+    """Return the weather of a WEA file, in the year 2023 (2024 with a 29 February)."""
     lines = read_text(path).splitlines()
     site, units = _header(lines, path)
     rows = DataRows.below(len(_KEYS), (text.split() for text in lines), file=path)

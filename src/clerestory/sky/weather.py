@@ -26,10 +26,6 @@ class Site:
     utc_offset_hours : local standard time minus UTC [h]
     elevation : above sea level [m]
     place : name
-
-    Raises
-    ------
-    InputError : a coordinate out of range
     """
 
     latitude_deg: float

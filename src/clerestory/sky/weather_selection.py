@@ -16,10 +16,6 @@ def select_days(
     Parameters
     ----------
     first, last : "MM-DD"; over new year where the last is the earlier one
-
-    Raises
-    ------
-    InputError : malformed days, or no weather on them
     """
     for day in (first, last):
         if not re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])", day):
@@ -42,10 +38,6 @@ def select_moment(weather: Weather, moment: str) -> Weather:
     Parameters
     ----------
     moment : "MM-DD HH:MM", local standard time
-
-    Raises
-    ------
-    InputError : a malformed time, or no step of the weather at it
 
     Examples
     --------

@@ -112,7 +112,7 @@ def unlit(scene: Scene) -> Scene:
         return material
 
     materials = {name: dark(material) for name, material in scene.materials.items()}
-    return Scene(materials, scene.surfaces)
+    return Scene(materials, scene.surfaces, bands=scene.bands)
 
 
 def _zone(job: Job, table: LightingTable) -> Zone:
@@ -157,7 +157,7 @@ def _emitters(table: LuminaireTable) -> Scene:
         name: _brighter(material, table.output)
         for name, material in scene.materials.items()
     }
-    lit = Scene(materials, scene.surfaces)
+    lit = Scene(materials, scene.surfaces, bands=scene.bands)
     if not any(_shines(materials[surface.material]) for surface in scene.surfaces):
         raise InputError(
             "nothing shines in it; a light or glow expected", file=table.file
@@ -193,6 +193,7 @@ def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
             sensor_axis(len(sensors)),
             unknown_axis(1),
             found.error.T[None, :, :, None],
+            found.bands,
         )
 
     return job.matrix(f"lamps-{zone.table.label}", key, make)
@@ -215,8 +216,9 @@ def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.nda
             progress=job.display(f"electric light in {table.label}"),
             **options,
         ).picture
-        values = picture.radiance.reshape(-1, 3).T[:, :, None]
-        return TransferMatrix(values, pixel_axis(len(camera)), unknown_axis(1))
+        values = np.moveaxis(picture.radiance, -1, 0).reshape(-1, len(camera), 1)
+        axes = pixel_axis(len(camera)), unknown_axis(1)
+        return TransferMatrix(values, *axes, bands=picture.bands)
 
     name = f"lamps-{table.label}-{zone.table.label}"
     return job.matrix(name, key, make).values[:, :, 0].T

@@ -10,9 +10,8 @@ import numpy as np
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.area import SampleArea
 from clerestory.bsdfgen.generate import generate_bsdf
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.errors import InputError
 from clerestory.files import make_folder, write_text
 from clerestory.formats.hbjson import ApertureGroup, HoneybeeModel

@@ -37,7 +37,9 @@ class Results:
 
         - `illuminance`, `standard_error` (sensor, time) [lux, float32]
         - `occupied` (time): whether the hour lies within the schedule
-        - the metrics of `metrics.summary.sensor_metrics` (sensor)
+        - the metrics of `sensor_metrics` (sensor)
+        - `mean_components` (component, sensor) [lux]: error components of the mean
+          illuminance in the hours that count
         - coordinates `time`, `sensor` (name, such as "desks.1"), `grid` (sensor),
           `position` and `direction` (sensor, xyz)
         - the room for drawings: `triangle` (triangle, corner, xyz),

@@ -139,15 +139,15 @@ class PlannedStore:
         make: Callable[[], Mapping[str, TransferMatrix]],
     ) -> dict[str, TransferMatrix]:
         """Return blank matrices in the shape of those asked for."""
-        first = len(self.plan.noted)
+        first = len(self.plan.planned)
         made = dict(make())
         files = tuple(self.path(name, fingerprint).name for name in names)
         kept = all(self.holds(name, fingerprint) for name in names)
         twice = any(files == entry.files for entry in self.entries)
         if kept or twice:
-            del self.plan.noted[first:]
+            del self.plan.planned[first:]
         if not twice:
-            jobs = range(first, len(self.plan.noted))
+            jobs = range(first, len(self.plan.planned))
             matrices = tuple(made[name] for name in names)
             self.entries.append(_Entry(files, float(kept), matrices, jobs))
         return made
@@ -160,16 +160,16 @@ class PlannedStore:
         make: Callable[[slice], TransferMatrix],
     ) -> tuple[Path, ...]:
         """Take note of the whole matrix, and of how much of it is kept."""
-        first, whole = len(self.plan.noted), rows[-1].stop
+        first, whole = len(self.plan.planned), rows[-1].stop
         matrix = make(slice(0, whole))
         parts = zip(block_names(name, len(rows)), rows, strict=True)
         kept = sum(r.stop - r.start for n, r in parts if self.holds(n, fingerprint))
         files = (self.path(name, fingerprint).name,)
         twice = any(files == entry.files for entry in self.entries)
         if kept == whole or twice:
-            del self.plan.noted[first:]
+            del self.plan.planned[first:]
         if not twice:
-            jobs = range(first, len(self.plan.noted))
+            jobs = range(first, len(self.plan.planned))
             entry = _Entry(files, kept / whole, (matrix,), jobs, stored=True)
             self.entries.append(entry)
         return ()

@@ -19,8 +19,7 @@ import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.bsdfgen.area import area_from_dimensions
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import System, area_from_dimensions
 
 HERE = Path(__file__).parent
 TILTS_DEG = (0, 20, 40, 70)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import clear_air, lambertian, pane_shares, thin_pane
+from clerestory.bsdf.analytic import clear_air, glass_properties, lambertian, thin_pane
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 
@@ -26,7 +26,7 @@ def test_air_is_the_identity(basis):
 def test_pane_at_normal_incidence_has_the_textbook_transmittance():
     """A lossless pane in air passes 2n/(n²+1) (Hecht, Optics, stacks of plates)."""
     for n in (1.3, 1.5, 1.9):
-        t, r = pane_shares(np.array(1.0), transmissivity=1.0, index=n)
+        t, r = glass_properties(np.array(1.0), transmissivity=1.0, index=n)
         assert float(t) == pytest.approx(2 * n / (n**2 + 1))
         assert float(t + r) == pytest.approx(1)
 
@@ -36,7 +36,7 @@ def test_stack_of_lossless_panes_has_the_textbook_transmittance():
     n = 1.52
     rho = ((n - 1) / (n + 1)) ** 2
     for m in (1, 2, 3):
-        t, _ = pane_shares(np.array(1.0), transmissivity=1.0, index=n, panes=m)
+        t, _ = glass_properties(np.array(1.0), transmissivity=1.0, index=n, panes=m)
         assert float(t) == pytest.approx((1 - rho) / (1 + (2 * m - 1) * rho))
 
 
@@ -44,7 +44,7 @@ def test_pane_passes_all_of_one_polarisation_at_brewsters_angle():
     """There p-light is not reflected, so at least half of the light gets through."""
     n = 1.52
     cosine = np.cos(np.arctan(n))
-    t, _ = pane_shares(np.array(cosine), transmissivity=1.0, index=n)
+    t, _ = glass_properties(np.array(cosine), transmissivity=1.0, index=n)
     r_s = (cosine**2 - np.sin(np.arctan(n)) ** 2) ** 2
     expected = (1 + (1 - r_s) / (1 + r_s)) / 2
     assert float(t) == pytest.approx(expected)
@@ -53,14 +53,14 @@ def test_pane_passes_all_of_one_polarisation_at_brewsters_angle():
 def test_pane_without_index_is_a_grey_filter():
     """With n = 1 nothing is reflected and the passage grows as 1/cos θ (Bouguer)."""
     cosine = np.array([1.0, 0.5])
-    t, r = pane_shares(cosine, transmissivity=0.8, index=1.0)
+    t, r = glass_properties(cosine, transmissivity=0.8, index=1.0)
     np.testing.assert_allclose(t, [0.8, 0.8**2])
     np.testing.assert_allclose(r, 0, atol=1e-15)
 
 
 def test_pane_conserves_energy_and_vanishes_at_grazing_angles():
     cosine = np.linspace(1e-6, 1, 500)
-    t, r = pane_shares(cosine, transmissivity=0.9, index=1.52, panes=2)
+    t, r = glass_properties(cosine, transmissivity=0.9, index=1.52, panes=2)
     assert np.all(t + r <= 1 + 1e-12)
     assert np.all(np.diff(t) > -1e-12)
     assert t[0] < 1e-4
@@ -72,7 +72,7 @@ def test_pane_in_patches_keeps_direction_and_average():
     pane = thin_pane(0.9, full)
     T = pane.transmission_matrix().values[0]
     assert np.count_nonzero(T) == 145
-    normal, _ = pane_shares(np.array(1.0), transmissivity=0.9, index=1.52)
+    normal, _ = glass_properties(np.array(1.0), transmissivity=0.9, index=1.52)
     assert T[0, 0] == pytest.approx(float(normal), rel=1e-3)
     assert np.all(np.diff(np.diag(T)[[0, 1, 9, 25, 45, 69, 93, 117, 133]]) < 0)
 
@@ -80,8 +80,8 @@ def test_pane_in_patches_keeps_direction_and_average():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda k: lambertian(0.7, k, reflectance=0.4), "shares of 1 together"),
-        (lambda k: lambertian(-0.1, k), "shares of 1 together"),
+        (lambda k: lambertian(0.7, k, reflectance=0.4), "sum of at most 1"),
+        (lambda k: lambertian(-0.1, k), "sum of at most 1"),
         (lambda k: thin_pane(1.1, k), "transmissivity 1.1"),
         (lambda k: thin_pane(0.9, k, index=0.9), "index 0.9"),
         (lambda k: thin_pane(0.9, k, panes=0), "0 panes"),

@@ -80,7 +80,7 @@ FAULTS = {
     "a forged number": ("{ 0.05 }", "<!-- -->{0}", "an element or a comment", 16),
     "an element within": ("{ 0.05 }", "{ <a/> 0.05 }", "an element or a comment", 16),
     "a Klems basis": ("LBNL/Shirley-Chiu", "LBNL/Klems Full", "angle basis", 7),
-    "negative light": ("{ .1", "{ -.1", "negative values take away 7.85%", 9),
+    "negative light": ("{ .1", "{ -.1", "negative values change the flux by 7.85%", 9),
     "no end": ("</WindowElement>", "", "not well-formed", 19),
 }
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_formatter import format_tree
 from clerestory.bsdf.tree_lookup import cells
-from clerestory.bsdf.tree_parser import DEEPEST, parse_tree
+from clerestory.bsdf.tree_parser import MAX_DEPTH, parse_tree
+from clerestory.bsdf.xml_writer import format_tree
 from clerestory.errors import InputError
 
 
@@ -131,7 +131,7 @@ def test_faulty_text_is_refused_with_its_line(fault):
 
 def test_more_halvings_than_the_limit_are_refused():
     branch = "{1}"
-    for _ in range(DEEPEST + 1):
+    for _ in range(MAX_DEPTH + 1):
         branch = "{" + branch + "{1}" * 7 + "}"
     with pytest.raises(InputError, match="nested levels"):
         parse_tree(branch.encode(), rank=3)

@@ -123,7 +123,9 @@ def test_slight_negative_noise_is_read_as_zero(bsdf_xml, write):
 
 def test_too_much_light_is_warned_of(bsdf_xml, write):
     path = write(bsdf_xml({"data": " ".join(["0.35"] * 25)}))
-    with pytest.warns(ClerestoryWarning, match=r"sends on 1\.100 times the light"):
+    with pytest.warns(
+        ClerestoryWarning, match=r"scatters 1\.100 times the incident flux"
+    ):
         read_bsdf(path)
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdfgen.area import SampleArea, area_from_dimensions, area_of
+from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.bsdfgen.geometry_checks import check_system
-from clerestory.bsdfgen.prismatic import prismatic
+from clerestory.bsdfgen.shading_system import SampleArea, area_from_dimensions, area_of
 from clerestory.bsdfgen.system_catalogue import SYSTEMS, make_system
 from clerestory.errors import InputError
 from clerestory.scene.material import Source

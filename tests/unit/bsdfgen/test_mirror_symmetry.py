@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdfgen.area import SampleArea
-from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirrors
+from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirror_flips
 from clerestory.bsdfgen.screen_geometry import perforated, woven
+from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
@@ -36,28 +36,28 @@ def moved(corners, by):
 
 def test_blinds_mirror_left_to_right_and_screens_both_ways():
     blind = venetian(slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.5)
-    assert mirrors(blind.scene, blind.area) == LEFT_RIGHT
+    assert mirror_flips(blind.scene, blind.area) == LEFT_RIGHT
     upright = venetian(
         slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.5, vertical=True
     )
-    assert mirrors(upright.scene, upright.area) == ((1, 1), (1, -1))
+    assert mirror_flips(upright.scene, upright.area) == ((1, 1), (1, -1))
     for screen in (perforated(), woven()):
-        assert len(mirrors(screen.scene, screen.area)) == 4
+        assert len(mirror_flips(screen.scene, screen.area)) == 4
 
 
 def test_a_slat_off_the_middle_has_no_mirror():
-    assert mirrors(scene(SLAT), BOX) == LEFT_RIGHT
-    assert mirrors(scene(moved(SLAT, (1e-3, 0, 0))), BOX) == NO_MIRROR
+    assert mirror_flips(scene(SLAT), BOX) == LEFT_RIGHT
+    assert mirror_flips(scene(moved(SLAT, (1e-3, 0, 0))), BOX) == NO_MIRROR
 
 
 def test_rounding_of_files_does_not_matter():
-    assert mirrors(scene(moved(SLAT, (1e-7, 0, 0))), BOX) == LEFT_RIGHT
+    assert mirror_flips(scene(moved(SLAT, (1e-7, 0, 0))), BOX) == LEFT_RIGHT
 
 
 def test_a_turned_pair_is_its_own_image_by_both_mirrors_together():
     """Half a turn about z is left-right and top-bottom at once."""
     turned = [(1 - x, 2 - y, z) for x, y, z in SLAT[:3]]
-    assert mirrors(scene(SLAT[:3], turned), BOX) == ((1, 1), (-1, -1))
+    assert mirror_flips(scene(SLAT[:3], turned), BOX) == ((1, 1), (-1, -1))
 
 
 def test_front_and_back_of_a_surface_differ():
@@ -67,8 +67,8 @@ def test_front_and_back_of_a_surface_differ():
     material = Trans("grey", np.full(3, 0.5))
     same = scene(one, image[::-1], material=material)
     other = scene(one, image, material=material)
-    assert mirrors(same, BOX) == LEFT_RIGHT
-    assert mirrors(other, BOX) == NO_MIRROR
+    assert mirror_flips(same, BOX) == LEFT_RIGHT
+    assert mirror_flips(other, BOX) == NO_MIRROR
 
 
 def test_equal_places_of_different_materials_are_no_mirror():
@@ -79,16 +79,16 @@ def test_equal_places_of_different_materials_are_no_mirror():
         {"grey": GREY, "black": black},
         (Polygon(np.array(one), "grey"), Polygon(np.array(image), "black")),
     )
-    assert mirrors(both, BOX) == NO_MIRROR
+    assert mirror_flips(both, BOX) == NO_MIRROR
 
 
 def test_grain_and_unknown_shapes_have_no_mirror():
     brushed = Plastic(
         "grey", np.full(3, 0.5), 0.1, np.array([0.1, 0.2]), up=np.array([1.0, 1, 0])
     )
-    assert mirrors(scene(SLAT, material=brushed), BOX) == NO_MIRROR
+    assert mirror_flips(scene(SLAT, material=brushed), BOX) == NO_MIRROR
     ring = Ring(np.array([0.5, 1, -0.05]), np.array([0.0, 0, 1]), 0, 0.1, "grey")
-    assert mirrors(Scene({"grey": GREY}, (ring,)), BOX) == NO_MIRROR
+    assert mirror_flips(Scene({"grey": GREY}, (ring,)), BOX) == NO_MIRROR
 
 
 @pytest.mark.parametrize("basis", ["full", "half", "quarter"])

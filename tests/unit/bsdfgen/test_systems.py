@@ -13,17 +13,16 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Geometry
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.extrusion import arc
+from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.bsdfgen.mgf_text import mgf_text
-from clerestory.bsdfgen.microlouvre import microlouvre
-from clerestory.bsdfgen.prismatic import prismatic
 from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.system_catalogue import (
     SYSTEMS,
     make_system,
-    parse_words,
+    parse_parameters,
     read_system,
 )
-from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.errors import InputError
 from clerestory.formats.mgf import parse_mgf
 from clerestory.hemisphere.klems import klems
@@ -130,10 +129,14 @@ def test_threads_do_not_touch():
         ("venetian", {**BLIND, "slats": 2.5}, "a whole number from 1"),
         ("venetian", {**BLIND, "slats": 2, "length": 0.0}, "above 0 m"),
         ("venetian", {"slat_width": -1, "spacing": 1}, "above 0 m"),
-        ("venetian", {**BLIND, "reflectance": 1.5}, "shares from 0 to 1"),
+        ("venetian", {**BLIND, "reflectance": 1.5}, "values from 0 to 1"),
         ("perforated", {"hole": 0.01}, "less than the pitch"),
         ("fabric", {"openness": 1.0, "reflectance": 0.5}, "below 1"),
-        ("diffuse_pane", {"transmittance": 0.8, "reflectance": 0.4}, "1 together"),
+        (
+            "diffuse_pane",
+            {"transmittance": 0.8, "reflectance": 0.4},
+            "sum of at most 1",
+        ),
         ("prismatic", {"index": 0.5}, "above 1"),
         ("mirrored_channels", {"mirror_depth": 1.0}, "at most the thickness"),
         ("microlouvre", {"cutoff_deg": 95}, "0 to 90"),
@@ -147,7 +150,7 @@ def test_impossible_systems_are_refused(kind, values, message):
 @given(st.text(max_size=60))
 def test_words_are_read_or_refused(text):
     with contextlib.suppress(InputError):
-        assert isinstance(parse_words(text), dict)
+        assert isinstance(parse_parameters(text), dict)
 
 
 @given(

@@ -9,6 +9,7 @@ import pytest
 from clerestory.directions import Frame
 from clerestory.engine import cost_estimate
 from clerestory.engine.cost_estimate import Plan, estimate_costs
+from clerestory.engine.effort import Effort
 from clerestory.engine.matrix_jobs import DaylightJob, ViewJob
 from clerestory.engine.work_units import Goal, Local
 from clerestory.hemisphere.klems import klems
@@ -21,7 +22,7 @@ FRAME = Frame.from_normal_up(np.array([0.0, 1, 0]), np.array([0.0, 0, 1]))
 PANE = Polygon(np.array([[0.0, 0, 0], [0, 0, 1], [1, 0, 1], [1, 0, 0]]), "", "")
 WINDOW = Window("south", (PANE,), FRAME, klems("full"))
 SENSORS = Sensors(np.zeros((1000, 3)), np.tile([0, 0, 1.0], (1000, 1)))
-WALK = None, 1, 16, "cpu"
+WALK = Effort(seed=1, device="cpu").job_options()
 
 # Seconds of the clock to build a scene, to prepare a job, and for each million paths
 SCENE, JOB, MILLION = 50.0, 2.0, 10.0
@@ -58,12 +59,12 @@ def place(monkeypatch):
 def test_a_trial_takes_as_many_paths_a_row_as_the_run(place):
     """What each row costs besides is then part of the rate."""
     plan = Plan(place)
-    job = ViewJob(Scene(), (WINDOW,) * 40, SENSORS, *WALK)
+    job = ViewJob(scene=Scene(), windows=(WINDOW,) * 40, sensors=SENSORS, **WALK)
     plan.accepts(job, Goal(samples=512))
     [found] = estimate_costs(plan)
     for _, unit in place.units:
         assert unit.count == 32
-        assert len(unit.rows) == cost_estimate._SUMS // (16 * 40 * 145 * 8)
+        assert len(unit.rows) == cost_estimate._PILOT_BYTES // (16 * 40 * 145 * 8)
     assert found.paths == 512_000
     assert found.seconds == pytest.approx(SCENE + JOB + MILLION * 0.512)
 
@@ -72,9 +73,13 @@ def test_windows_of_a_scene_build_it_once(place):
     """Forty windows: one scene, forty times the little that is each window's own."""
     plan, scene, sky = Plan(place), Scene(), reinhart(1)
     for _ in range(40):
-        plan.accepts(DaylightJob(scene, WINDOW, sky, *WALK), Goal(samples=160))
+        plan.accepts(
+            DaylightJob(scene=scene, window=WINDOW, sky=sky, **WALK), Goal(samples=160)
+        )
     other = Scene()
-    plan.accepts(DaylightJob(other, WINDOW, sky, *WALK), Goal(samples=160))
+    plan.accepts(
+        DaylightJob(scene=other, window=WINDOW, sky=sky, **WALK), Goal(samples=160)
+    )
     seconds = [each.seconds for each in estimate_costs(plan)]
     trace = MILLION * 145 * 160e-6
     np.testing.assert_allclose(seconds[0], SCENE + JOB + trace)
@@ -86,7 +91,10 @@ def test_a_trial_of_few_paths_stays_as_it_is(place):
     """No more rows and points than there are."""
     plan = Plan(place)
     few = Sensors(SENSORS.position[:3], SENSORS.direction[:3])
-    plan.accepts(ViewJob(Scene(), (WINDOW,), few, *WALK), Goal(samples=100))
+    plan.accepts(
+        ViewJob(scene=Scene(), windows=(WINDOW,), sensors=few, **WALK),
+        Goal(samples=100),
+    )
     [found] = estimate_costs(plan)
     assert found.paths == 3 * 7 * 16
     assert all(len(unit.rows) == 3 for _, unit in place.units)

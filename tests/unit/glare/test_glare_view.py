@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.glare.glare_view import glare_view
-from clerestory.glare.pixel_pitch import pixel_pitch
+from clerestory.glare.glare_view import glare_view, pixel_pitch
 from clerestory.glare.pixel_rays import pixel_rays
 from clerestory.glare.pixel_solid_angle import quadrilaterals
 from clerestory.radiance.view_text import parse_view
@@ -68,12 +67,12 @@ def test_guths_field_of_view_is_narrow_above_and_wide_below():
 
 
 def test_a_parallel_view_is_refused():
-    with pytest.raises(InputError, match="parallel view has no solid angles"):
+    with pytest.raises(InputError, match="parallel view have no solid angles"):
         glare_view(View(kind="parallel", horizontal=2, vertical=2), 100, 100)
 
 
 def test_a_tiny_picture_is_refused():
-    with pytest.raises(InputError, match="20 × 20 pixels; 21 a side"):
+    with pytest.raises(InputError, match="20 × 20 pixels; at least 21"):
         glare_view(View(), 20, 20)
 
 

@@ -7,8 +7,7 @@ from glare_rooms import SIZE, eye, room
 from clerestory.errors import InputError
 from clerestory.glare.detection_criteria import SourceRules, Zone
 from clerestory.glare.smoothing import surrounded
-from clerestory.glare.source_sums import tabulate
-from clerestory.glare.sources import find_sources, threshold_luminance
+from clerestory.glare.sources import find_sources, tabulate, threshold_luminance
 from clerestory.glare.zones import Zones, cut_along
 
 # 1° a pixel: 0.1 rad are 5.7 pixels
@@ -148,7 +147,7 @@ def test_what_guths_field_does_not_hold_is_no_source():
         ({"merge_angle": float("nan")}, "merge angle nan"),
         ({"peak_luminance": -1.0}, "peak luminance -1.0"),
         ({"smallest": -1.0}, "smallest source -1.0"),
-        ({"threshold_kind": "times_task"}, "needs the task's place"),
+        ({"threshold_kind": "times_task"}, "without a task zone"),
     ],
 )
 def test_rules_out_of_range_are_refused(arguments, message):

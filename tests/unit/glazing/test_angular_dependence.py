@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import pane_shares
+from clerestory.bsdf.analytic import glass_properties
 from clerestory.glazing.angular_dependence import coated, uncoated
 
 COSINES = np.cos(np.radians([0, 15, 30, 45, 60, 75, 85, 89]))
@@ -13,8 +13,8 @@ COSINES = np.cos(np.radians([0, 15, 30, 45, 60, 75, 85, 89]))
 @pytest.mark.parametrize("index", [1.3, 1.52, 2.0])
 def test_uncoated_glass_follows_fresnel(transmissivity, index):
     """From values at the normal alone, a slab of known index comes back."""
-    t0, r0 = pane_shares(np.array(1.0), transmissivity=transmissivity, index=index)
-    expected = pane_shares(COSINES, transmissivity=transmissivity, index=index)
+    t0, r0 = glass_properties(np.array(1.0), transmissivity=transmissivity, index=index)
+    expected = glass_properties(COSINES, transmissivity=transmissivity, index=index)
     found = uncoated(COSINES, transmittance=t0, reflectance=r0)
     assert np.allclose(found, expected, atol=1e-9)
 

@@ -4,8 +4,7 @@ import pytest
 
 from clerestory.errors import ClerestoryError, InputError
 from clerestory.glazing import wincalc
-from clerestory.glazing.gap import Gap
-from clerestory.glazing.glazing_system import GlazingSystem, read_system
+from clerestory.glazing.glazing_system import Gap, GlazingSystem, read_system
 from clerestory.glazing.layer import Glass
 from clerestory.glazing.thermal import thermal_figures
 from clerestory.glazing.venetian import VenetianBlind

@@ -184,7 +184,9 @@ def test_a_negative_share_is_refused(product, write_json):
 
 def test_light_from_nothing_is_warned_of(product, write_json):
     product["spectral_data"]["spectral_data"][0]["Rf"] = 0.5
-    with pytest.warns(ClerestoryWarning, match=r"1\.300 of the light at 300 nm"):
+    with pytest.warns(
+        ClerestoryWarning, match=r"1\.300 times the incident flux at 300 nm"
+    ):
         read_igsdb(write_json(product))
 
 

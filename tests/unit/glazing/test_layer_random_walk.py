@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import pane_shares
+from clerestory.bsdf.analytic import glass_properties
 from clerestory.errors import InputError
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.layer import Glass
+from clerestory.glazing.layer import Diffuser, Glass
 from clerestory.glazing.layer_random_walk import walk_layers
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane, grey_pane
@@ -25,7 +24,7 @@ FUNCTIONS = (
 
 def test_two_panes_send_on_what_fresnel_says():
     """The exact integral over the hemisphere, which patches only approach."""
-    t0, r0 = pane_shares(np.array(1.0), transmissivity=0.97, index=1.52)
+    t0, r0 = glass_properties(np.array(1.0), transmissivity=0.97, index=1.52)
     shares = [np.full(2, float(share)) for share in (t0, t0, r0, r0)]
     glass = Glass(Pane("glass", np.array([300.0, 2500.0]), Optics(*shares)))
     walked = walk_layers(
@@ -34,7 +33,7 @@ def test_two_panes_send_on_what_fresnel_says():
     cosine = np.sqrt((np.arange(4000) + 0.5) / 4000)
     expected = [
         share.mean()
-        for share in pane_shares(cosine, transmissivity=0.97, index=1.52, panes=2)
+        for share in glass_properties(cosine, transmissivity=0.97, index=1.52, panes=2)
     ]
     for name in FUNCTIONS:
         share, error = walked.diffuse["visible", name]

@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import clear_air, lambertian, pane_shares
+from clerestory.bsdf.analytic import clear_air, glass_properties, lambertian
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.diffuser import Diffuser
-from clerestory.glazing.layer import Glass
+from clerestory.glazing.layer import Diffuser, Glass
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane, grey_pane
 from clerestory.glazing.slat_cell import SlatGeometry
@@ -37,11 +36,11 @@ def blind(tilt_deg=30.0):
 @pytest.mark.parametrize("panes", [1, 2, 3])
 def test_clear_panes_equal_fresnel_and_its_series(clear, panes):
     """Radiance's glass, pane after pane, at the middle of each patch."""
-    t0, r0 = pane_shares(np.array(1.0), transmissivity=0.97, index=1.52)
+    t0, r0 = glass_properties(np.array(1.0), transmissivity=0.97, index=1.52)
     shares = [np.full(2, float(share)) for share in (t0, t0, r0, r0)]
     glass = Glass(Pane("glass", np.array([300.0, 2500.0]), Optics(*shares)))
     stacked = stack_layers([glass] * panes, partition=QUARTER)
-    t, r = pane_shares(
+    t, r = glass_properties(
         QUARTER.centres()[:, 2], transmissivity=0.97, index=1.52, panes=panes
     )
     assert np.allclose(stacked.direct_hemispherical("transmission_front"), t, atol=1e-9)
@@ -154,7 +153,7 @@ def test_a_single_file_keeps_its_own_averages():
 
 
 def test_a_file_without_solar_data_says_so():
-    with pytest.warns(ClerestoryWarning, match="no solar data; the visible ones"):
+    with pytest.warns(ClerestoryWarning, match="no solar data; its visible data"):
         BsdfLayer(lambertian(0.5, QUARTER))
 
 

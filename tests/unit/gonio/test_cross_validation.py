@@ -5,14 +5,14 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.coverage import survey
+from clerestory.gonio.coverage import measure_coverage
 from clerestory.gonio.cross_validation import (
     CrossValidation,
     LeftOut,
     cross_validate,
     smoothing_study,
 )
-from clerestory.gonio.earth_movers_distance import earth_mover
+from clerestory.gonio.distribution_metrics import earth_movers_distance
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from goniometer import Goniophotometer, pane, rings
@@ -66,7 +66,7 @@ def test_two_scans_cannot_be_validated(pane_measurement):
 
 
 def test_a_survey_says_what_is_covered(pane_measurement):
-    coverage = survey(pane_measurement)
+    coverage = measure_coverage(pane_measurement)
     assert coverage.implied == "isotropic"
     for report, scan in zip(coverage.scans, pane_measurement.scans, strict=True):
         assert report.flux == pytest.approx(pane(scan.incident).total, rel=0.02)
@@ -83,7 +83,9 @@ def test_gaps_and_negative_values_are_doubts():
     seen = scan.leaving[:, 1] < 0.3
     values = np.where(scan.leaving[:, 0] > 0.3, -scan.values, scan.values)
     broken = Scan(scan.incident, scan.leaving[seen], values[seen])
-    doubts = " ".join(survey(Measurement((broken,), "transmission_front")).doubts())
+    doubts = " ".join(
+        measure_coverage(Measurement((broken,), "transmission_front")).doubts()
+    )
     for word in ("no data", "negative", "two or more"):
         assert word in doubts
 
@@ -92,7 +94,7 @@ def test_points_in_one_plane_are_told():
     theta = np.linspace(-80, 80, 41)
     leaving = from_degrees(theta, np.full(41, 180.0))
     scan = Scan(from_degrees(30.0, 0.0), leaving, np.full(41, 0.2))
-    coverage = survey(Measurement((scan,), "reflection_front"))
+    coverage = measure_coverage(Measurement((scan,), "reflection_front"))
     assert coverage.scans[0].in_plane
     assert "plane of incidence" in coverage.doubts()[0]
 
@@ -109,16 +111,16 @@ def test_a_layer_without_the_symmetry_of_its_directions_is_told():
     measurement = Goniophotometer(points=800).measure(
         lopsided, rings(azimuths_deg=[0.0], step_deg=30.0)
     )
-    coverage = survey(measurement)
+    coverage = measure_coverage(measurement)
     assert coverage.implied == "isotropic"
-    assert any("differs between images" in doubt for doubt in coverage.doubts())
+    assert any("differs between mirror images" in doubt for doubt in coverage.doubts())
 
 
 def test_a_direction_that_is_predicted_dark_has_no_earth_movers_distance():
     """Left out, the one bright scan is predicted by dark ones: nothing to move."""
     dark = Lobes(np.array([[0, 0, 1.0]]), np.ones(1), np.zeros(1))
     bright = Lobes(np.array([[0, 0, 1.0]]), np.ones(1), np.ones(1))
-    assert np.isnan(earth_mover(dark, bright))
+    assert np.isnan(earth_movers_distance(dark, bright))
 
 
 def test_medians_leave_out_what_is_not_known():

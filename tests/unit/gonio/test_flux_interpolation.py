@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from clerestory.gonio.angles import angle_between, from_degrees, straight_on
+from clerestory.gonio.angles import angle_between, from_degrees, undeviated
 from clerestory.gonio.flux_interpolation import flux_surface
-from clerestory.gonio.incident_mesh import string, triangulate
+from clerestory.gonio.incident_mesh import arc_mesh, triangulate
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network_assembly import connect
@@ -33,7 +33,7 @@ def quarters(directions):
 def test_flux_on_an_arc_follows_fresnel():
     theta = np.radians(np.arange(0, 81, 10.0))
     curve = flux_surface(
-        string(theta),
+        arc_mesh(theta),
         schlick(np.degrees(theta)),
         symmetry="isotropic",
         quadrant=np.ones(2),
@@ -69,7 +69,7 @@ def test_light_that_is_cut_off_goes_straight_on_to_its_end():
 
     def scattered(incident):
         flux = np.array([0.8 * float(bars(incident)), 0.05])
-        centre = np.array([straight_on(incident), [0, 0, 1.0]])
+        centre = np.array([undeviated(incident), [0, 0, 1.0]])
         keep = flux > 1e-6
         return Lobes(centre[keep], np.array([0.03, 0.6])[keep], flux[keep])
 
@@ -79,7 +79,7 @@ def test_light_that_is_cut_off_goes_straight_on_to_its_end():
         incident = from_degrees(theta, phi)
         lobes = part.lobes(incident * FRONT)
         sharp = lobes.radius < 0.1
-        away = angle_between(lobes.centre[sharp], straight_on(incident))
+        away = angle_between(lobes.centre[sharp], undeviated(incident))
         assert np.degrees(away).max() < 2
         assert lobes.total == pytest.approx(scattered(incident).total, abs=0.02)
         assert lobes.flux[~sharp].sum() == pytest.approx(0.05, abs=0.02)

@@ -200,7 +200,7 @@ def test_merging_keeps_other_directions_apart(tmp_path):
     two = read_measurement(write(tmp_path, pabopto(head="#incident_angle 40 20")))[0]
     merged = merge_scans([*one.scans, *two.scans, *one.scans])
     assert [len(scan.values) for scan in merged] == [10, 5]
-    with pytest.raises(InputError, match="one scan a direction"):
+    with pytest.raises(InputError, match="one scan per direction"):
         Measurement(one.scans + one.scans, "reflection_front")
 
 

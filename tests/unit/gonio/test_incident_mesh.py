@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.incident_mesh import locate, string, triangulate
+from clerestory.gonio.incident_mesh import arc_mesh, locate, triangulate
 from clerestory.gonio.symmetry import deduce_symmetry, fold, images
 from goniometer import half_circle, quarter_circle, rings
 
@@ -63,7 +63,7 @@ def test_directions_beyond_the_rim_find_its_nearest_point():
 
 
 def test_an_arc_is_followed():
-    mesh = string(np.radians([0.0, 20, 50]))
+    mesh = arc_mesh(np.radians([0.0, 20, 50]))
     place = locate(mesh, from_degrees(np.array([10.0, 35, 70]), np.zeros(3)))
     assert place.simplex.tolist() == [0, 1, 1]
     assert place.s == pytest.approx([0.5, 0.5, 1.0])

@@ -63,5 +63,5 @@ def test_numbers_that_make_no_lobe_are_refused():
     for radius, flux in ((0.0, 1.0), (0.1, -1.0), (np.nan, 1.0)):
         with pytest.raises(InputError, match="lobe"):
             Lobes(up, np.array([radius]), np.array([flux]))
-    with pytest.raises(InputError, match="as many"):
+    with pytest.raises(InputError, match="equal numbers"):
         Lobes(up, np.ones(2), np.ones(1))

@@ -5,7 +5,7 @@ import pytest
 
 from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.cross_validation import CrossValidation, LeftOut
-from clerestory.gonio.measurement_planning import worth_measuring
+from clerestory.gonio.measurement_planning import recommended_directions
 from goniometer import half_circle
 
 
@@ -26,7 +26,7 @@ def told(share):
 
 def test_directions_stand_where_scans_mislead():
     validation = told(lambda incident: np.where(incident[:, 1] > 0.3, 0.8, 0.02))
-    found = worth_measuring(validation, symmetry="bilateral-x", count=20)
+    found = recommended_directions(validation, symmetry="bilateral-x", count=20)
     assert found.shape == (20, 3)
     assert np.linalg.norm(found, axis=1) == pytest.approx(1)
     assert np.all(found[:, 1] > 0.2)
@@ -37,7 +37,7 @@ def test_directions_stand_where_scans_mislead():
 def test_no_direction_is_measured_twice():
     """Even errors: the widest gaps are filled, and none is less than a degree wide."""
     validation = told(lambda incident: np.full(len(incident), 0.5))
-    found = worth_measuring(validation, symmetry="bilateral-x", count=40)
+    found = recommended_directions(validation, symmetry="bilateral-x", count=40)
     every = np.concatenate([half_circle(), found])
     apart = angle_between(every[:, None], found) + 9 * np.eye(121)[:, 81:]
     assert np.degrees(apart.min()) > 3
@@ -47,5 +47,7 @@ def test_an_isotropic_layer_gets_polar_angles_of_its_own_plane():
     scans = tuple(
         LeftOut(t, 180.0, True, 0.5, 0.5, 1.0, 1.0, 0.3, 0.01) for t in (10.0, 30, 70)
     )
-    found = worth_measuring(CrossValidation(scans, 1.0), symmetry="isotropic", count=1)
+    found = recommended_directions(
+        CrossValidation(scans, 1.0), symmetry="isotropic", count=1
+    )
     assert np.degrees(angle_between(found[0], from_degrees(50.0, 180.0))) < 1

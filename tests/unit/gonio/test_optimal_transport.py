@@ -5,14 +5,14 @@ import pytest
 
 from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.displacement_interpolation import displace
-from clerestory.gonio.earth_movers_distance import earth_mover
+from clerestory.gonio.distribution_metrics import earth_movers_distance
 from clerestory.gonio.interpolant import Interpolant
+from clerestory.gonio.lobe_motion import with_unmatched_lobes
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network_assembly import connect, join
 from clerestory.gonio.optimal_transport import plan_transport
 from clerestory.gonio.particles import edge_particles, triangle_particles
-from clerestory.gonio.transport_refinement import plan_again
-from clerestory.gonio.unmatched_lobes import with_continuations
+from clerestory.gonio.transport_refinement import refine_plans
 
 
 def cluster(theta_deg, flux, *, seed=0, count=12):
@@ -135,8 +135,10 @@ def test_earth_movers_distance_of_a_shifted_lobe_is_the_shift():
             np.ones(1) / 10,
             np.full(1, 0.3),
         )
-        assert np.degrees(earth_mover(one, other)) == pytest.approx(shift, abs=1.5)
-    assert earth_mover(one, one) == pytest.approx(0.0, abs=1e-9)
+        assert np.degrees(earth_movers_distance(one, other)) == pytest.approx(
+            shift, abs=1.5
+        )
+    assert earth_movers_distance(one, one) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_light_that_one_corner_alone_has_is_there_in_its_triangles():
@@ -150,7 +152,7 @@ def test_light_that_one_corner_alone_has_is_there_in_its_triangles():
             together(one, cluster(60, 0.3, seed=4)) if k == shown else one
             for k in range(len(sources))
         ]
-        network = with_continuations(connect(sources, fits, "none"), follow=0.0)
+        network = with_unmatched_lobes(connect(sources, fits, "none"), follow=0.0)
         for number, corners in enumerate(network.mesh.triangles):
             flux = triangle_particles(*network.plans_of(number)).flux.sum(axis=0)
             truth = [fits[v].total for v in corners]
@@ -210,4 +212,4 @@ def test_beams_that_turn_past_their_neighbours_keep_their_order():
     )
     plain = join(sources, [orders(source) for source in sources], "none")
     assert misled(plain, sources) > 1.0
-    assert misled(plan_again(plain), sources) < 1e-3
+    assert misled(refine_plans(plain), sources) < 1e-3

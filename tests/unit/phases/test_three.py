@@ -6,7 +6,14 @@ import pytest
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.methods import three_phase, three_phase_sum, two_phase
+from clerestory.phases.illuminance import illuminance
+from clerestory.phases.matrix_equation import Skies, WindowMatrices, window_chain
+from clerestory.phases.methods import (
+    THREE_PHASE,
+    three_phase,
+    three_phase_sum,
+    two_phase,
+)
 from clerestory.phases.receivers import sky_coefficients
 from phase_matrices import (
     KLEMS,
@@ -137,3 +144,25 @@ def test_views_of_different_sensors_are_refused():
 def test_no_window_at_all_is_refused():
     with pytest.raises(MatrixError, match="no window"):
         three_phase_sum([], uniform_sky())
+
+
+@pytest.mark.parametrize("moving", [False, True], ids=["fixed", "moving"])
+def test_the_error_of_a_mean_comes_from_its_components(moving):
+    """Error components of the mean of the first two steps, of radiance 1 and 2.
+
+    They are those of each step added with their signs, as all steps share V and D.
+    """
+    rng = np.random.default_rng(6)
+    seen, bright = view("w", rng=rng, count=3), daylight("w", rng=rng, count=4)
+    T = [transmission(0.7)] * 2
+    window = WindowMatrices(window_chain(seen, T, bright))
+    states = [np.array([0, 1, 1]) if moving else np.zeros(3, int)]
+    hours = np.array([True, True, False])
+    skies = Skies(uniform_sky())
+    found = illuminance([window], THREE_PHASE, skies, states, hours=hours)
+    product = (seen @ T[0] @ bright).weighted(seen.bands.weights)
+    expected = 1.5 * product.components[:, 0].sum(axis=-1)
+    variance = np.square(found["mean_components"]).sum("component")
+    np.testing.assert_allclose(variance, np.square(expected).sum(axis=0), rtol=1e-4)
+    hourly = found["standard_error"].values
+    np.testing.assert_allclose(hourly[:, 1], 2 * hourly[:, 0], rtol=1e-4)

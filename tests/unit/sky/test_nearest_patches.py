@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 
 from clerestory.directions import from_azimuth
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.sky.nearest_patches import nearest_patches
+from clerestory.sky.solar_radiance import nearest_patches
 
 
 @pytest.mark.parametrize("subdivision", [1, 2, 3, 4, 5, 6])

@@ -10,7 +10,7 @@ from clerestory.errors import MatrixError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.sky import product
+from clerestory.sky import sky_product
 from clerestory.sky.sky_matrix import sky_matrix
 
 LUX = RGB.weights
@@ -74,7 +74,7 @@ def test_skies_of_other_bands_equal_the_dense_product(sky, bands, channels):
 def test_small_blocks_give_the_same(sky, monkeypatch):
     left = transfer()
     whole = (left @ sky).illuminance()
-    monkeypatch.setattr(product, "_BLOCK", 1500)
+    monkeypatch.setattr(sky_product, "_BLOCK", 1500)
     parts = (left @ sky).illuminance()
     for name in whole:
         np.testing.assert_allclose(whole[name], parts[name], rtol=1e-6)

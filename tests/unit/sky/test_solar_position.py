@@ -5,8 +5,7 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.sky.sky_conditions import sun_over
-from clerestory.sky.solar_position import day_of_year, sun_position
-from clerestory.sky.spa import standard_pressure
+from clerestory.sky.solar_position import day_of_year, standard_pressure, sun_position
 from clerestory.sky.weather import Weather
 
 NREL = {"latitude_deg": 39.742476, "longitude_deg": -105.1786, "utc_offset_hours": -7}

@@ -13,7 +13,7 @@ from clerestory.cli.requests.common import (
     Function,
     Halvings,
 )
-from clerestory.options import Argument, option
+from clerestory.options import Argument, argument, option, required
 
 BsdfFiles = Annotated[list[Path], Argument("BSDF files.", "FILE…")]
 
@@ -22,29 +22,23 @@ BsdfFiles = Annotated[list[Path], Argument("BSDF files.", "FILE…")]
 class Drawing:
     """What a figure of BSDFs shows."""
 
-    patch: Annotated[
-        list[int] | None,
-        option(
-            "Incident Klems patch, counted from 0 (WINDOW counts from 1); repeatable.",
-            metavar="N",
-        ),
-    ] = None
-    source: Annotated[
-        list[str] | None,
-        option(
-            "Incident direction: angle to the normal and azimuth [°], 90 is up;"
-            " repeatable.",
-            "--from",
-            metavar="THETA,PHI",
-        ),
-    ] = None
-    function: Annotated[Function, option("Which of the four functions.")] = (
-        "transmission_front"
+    patch: list[int] | None = option(
+        None,
+        "Incident Klems patch, counted from 0 (WINDOW counts from 1); repeatable.",
+        metavar="N",
     )
-    channel: Annotated[str, option("Visible, solar, nir, …")] = "visible"
-    curve: Annotated[
-        bool, option("Draw direct-hemispherical values over angles, not discs.")
-    ] = False
+    source: list[str] | None = option(
+        None,
+        "Incident direction: angle to the normal and azimuth [°], 90 is up;"
+        " repeatable.",
+        "--from",
+        metavar="THETA,PHI",
+    )
+    function: Function = option("transmission_front", "Which of the four functions.")
+    channel: str = option("visible", "Visible, solar, nir, …")
+    curve: bool = option(
+        False, "Draw direct-hemispherical values over angles, not discs."
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,10 +57,10 @@ class CheckBsdf:
     """
 
     files: BsdfFiles
-    every: Annotated[
-        bool, option("Print remarks too, not only findings that matter.", "--all")
-    ] = False
-    as_json: Annotated[bool, option("Print JSON.", "--json")] = False
+    every: bool = option(
+        False, "Print remarks too, not only findings that matter.", "--all"
+    )
+    as_json: bool = option(False, "Print JSON.", "--json")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,9 +77,7 @@ class CompareBsdfs:
     """Compare one or more BSDFs with the first: differences, and a figure."""
 
     files: BsdfFiles
-    output: Annotated[
-        Path | None, option("Figure with the layers side by side.", "-o")
-    ] = None
+    output: Path | None = option(None, "Figure with the layers side by side.", "-o")
     drawing: Drawing
 
 
@@ -94,7 +86,7 @@ class ViewBsdf:
     """Write an interactive view: choose an incident direction, see the scattering."""
 
     file: BsdfFile
-    output: Annotated[Path, option("HTML file; it needs no network.", "-o")]
+    output: Path = required("HTML file; it needs no network.", "-o")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,14 +97,13 @@ class InsertBsdf:
     thickness and emissivities of the template.
     """
 
-    source: Annotated[Path, Argument("File whose data are inserted.", "SOURCE")]
-    template: Annotated[Path, Argument("File that receives them.", "TEMPLATE")]
-    output: Annotated[Path, option("File to write.", "-o")]
-    channels: Annotated[str, option("Such as visible,solar; all if not given.")] = ""
-    source_channel: Annotated[
-        str | None,
-        option("Channel of SOURCE to be used for all channels.", "--from-channel"),
-    ] = None
+    source: Path = argument("File whose data are inserted.", "SOURCE")
+    template: Path = argument("File that receives them.", "TEMPLATE")
+    output: Path = required("File to write.", "-o")
+    channels: str = option("", "Such as visible,solar; all if not given.")
+    source_channel: str | None = option(
+        None, "Channel of SOURCE to be used for all channels.", "--from-channel"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,14 +112,11 @@ class ConvertBsdf:
 
     file: BsdfFile
     output: BsdfOutput
-    to: Annotated[
-        Literal["full", "half", "quarter", "tree", "same"],
-        option("Klems basis, or a tensor tree of rank 4."),
-    ] = "full"
-    halvings: Halvings = 5
-    reciprocal: Annotated[bool, option("Average with the reverse function first.")] = (
-        False
+    to: Literal["full", "half", "quarter", "tree", "same"] = option(
+        "full", "Klems basis, or a tensor tree of rank 4."
     )
+    halvings: Halvings = 5
+    reciprocal: bool = option(False, "Average with the reverse function first.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,9 +125,7 @@ class ReduceBsdf:
 
     file: BsdfFile
     output: BsdfOutput
-    percent: Annotated[float, option("Share of the smallest cells to merge.", "-t")] = (
-        95.0
-    )
+    percent: float = option(95.0, "Share of the smallest cells to merge.", "-t")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,10 +137,10 @@ class PackageBsdf:
     """
 
     file: BsdfFile
-    output: Annotated[
-        Path | None, option("Scene file; standard output if not given.", "-o")
-    ] = None
-    xform: Annotated[str, option('Transformation, such as "-rx 90 -t 1 0 2".')] = ""
+    output: Path | None = option(
+        None, "Scene file; standard output if not given.", "-o"
+    )
+    xform: str = option("", 'Transformation, such as "-rx 90 -t 1 0 2".')
 
 
 HELP = "BSDF files of layers."

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from clerestory.options import Argument, option
+from clerestory.options import Argument, Option, option
 
 Device = Literal["auto", "cpu", "cuda"]
 Encoding = Literal["ascii", "float", "double"]
@@ -14,32 +14,32 @@ Function = Literal[
 
 SceneFiles = Annotated[
     list[Path],
-    option("Radiance scene files, materials first.", "--scene", metavar="F…"),
+    Option("Radiance scene files, materials first.", "--scene", metavar="F…"),
 ]
 WindowFiles = Annotated[
     list[Path],
-    option(
+    Option(
         "Radiance files of windows whose front faces the room.",
         "--window",
         metavar="F…",
     ),
 ]
 SensorFile = Annotated[
-    Path, option("Sensor file, x y z dx dy dz per line.", "--sensors", metavar="F")
+    Path, Option("Sensor file, x y z dx dy dz per line.", "--sensors", metavar="F")
 ]
-_VIEW = option(
+_VIEW = Option(
     "View file, or view options such as '-vta -vp 1 2 1.2 …'.", "--view", metavar="F"
 )
 ViewText = Annotated[str, _VIEW]
 Resolution = Annotated[
-    int, option("Larger of the picture's columns and rows.", "--resolution", least=1)
+    int, Option("Larger of the picture's columns and rows.", "--resolution", least=1)
 ]
 Samples = Annotated[
-    int | None, option("Paths per row of the matrix; or …", metavar="N", least=1)
+    int | None, Option("Paths per row of the matrix; or …", metavar="N", least=1)
 ]
 RelativeError = Annotated[
     float | None,
-    option(
+    Option(
         "… trace until this relative standard error is reached; 0.01 if neither is"
         " given.",
         metavar="X",
@@ -47,7 +47,7 @@ RelativeError = Annotated[
 ]
 Bounces = Annotated[
     int | None,
-    option(
+    Option(
         "Maximum number of bounces, counted as Radiance's -ab; unlimited if not given.",
         metavar="N",
         least=0,
@@ -55,19 +55,19 @@ Bounces = Annotated[
 ]
 Seed = Annotated[
     int,
-    option("Seed of the random numbers; equal seeds give equal results.", least=0),
+    Option("Seed of the random numbers; equal seeds give equal results.", least=0),
 ]
-DeviceName = Annotated[Device, option("Compute device.")]
+DeviceName = Annotated[Device, Option("Compute device.")]
 ClusterAddress = Annotated[
     str | None,
-    option(
+    Option(
         "Scheduler of a Dask cluster that traces, such as tcp://10.0.0.1:8786.",
         metavar="ADDRESS",
     ),
 ]
 SkySubdivision = Annotated[
     int,
-    option(
+    Option(
         "Subdivision of the Reinhart sky (MF).",
         "--sky-subdivision",
         metavar="1..6",
@@ -75,33 +75,32 @@ SkySubdivision = Annotated[
         most=6,
     ),
 ]
-Quiet = Annotated[bool, option("Print only warnings and errors.", "-q")]
+Quiet = Annotated[bool, Option("Print only warnings and errors.", "-q")]
 MatrixOutput = Annotated[
-    Path, option("File to write; .nc keeps standard errors and labels.", "-o")
+    Path, Option("File to write; .nc keeps standard errors and labels.", "-o")
 ]
-PictureOutput = Annotated[Path, option("Picture to write: .hdr or .exr.", "-o")]
-FigureOutput = Annotated[Path, option("Figure to write: .png, .svg or .pdf.", "-o")]
+PictureOutput = Annotated[Path, Option("Picture to write: .hdr or .exr.", "-o")]
+FigureOutput = Annotated[Path, Option("Figure to write: .png, .svg or .pdf.", "-o")]
 MatrixEncoding = Annotated[
-    Encoding, option("Encoding of a Radiance matrix file (not of .nc).", "--format")
+    Encoding, Option("Encoding of a Radiance matrix file (not of .nc).", "--format")
 ]
 PictureFile = Annotated[
     Path, Argument("Picture: Radiance's .hdr or .pic, or OpenEXR.", "PICTURE")
 ]
 BsdfFile = Annotated[Path, Argument("BSDF file to read.", "FILE")]
-BsdfOutput = Annotated[Path, option("BSDF file to write.", "-o")]
-Halvings = Annotated[int, option("2^N cells along each axis of a tensor tree.")]
+BsdfOutput = Annotated[Path, Option("BSDF file to write.", "-o")]
+Halvings = Annotated[int, Option("2^N cells along each axis of a tensor tree.")]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SensorsOrView:
     """Receivers of a matrix: the points of a sensor file, or the pixels of a view."""
 
-    sensors: Annotated[
-        Path | None,
-        option(
-            "Sensor file, x y z dx dy dz per line; or a picture by --view.", metavar="F"
-        ),
-    ] = None
+    sensors: Path | None = option(
+        None,
+        "Sensor file, x y z dx dy dz per line; or a picture by --view.",
+        metavar="F",
+    )
     view: Annotated[str | None, _VIEW] = None
     resolution: Resolution = 400
 
@@ -110,24 +109,19 @@ class SensorsOrView:
 class SkyChoice:
     """A sky at one instant: scene file, sky command, or weather file and time."""
 
-    sky: Annotated[
-        str | None,
-        option(
-            "Scene file of the sky, or a command: 'gensky 9 21 12 +s …',"
-            " 'gendaylit …'.",
-            metavar="F",
-        ),
-    ] = None
-    time: Annotated[
-        str | None,
-        option(
-            "In place of --sky, with --weather: a time such as 2026-09-21T12:00.",
-            metavar="T",
-        ),
-    ] = None
-    weather: Annotated[
-        Path | None, option("Weather file that holds the time.", metavar="F")
-    ] = None
+    sky: str | None = option(
+        None,
+        "Scene file of the sky, or a command: 'gensky 9 21 12 +s …', 'gendaylit …'.",
+        metavar="F",
+    )
+    time: str | None = option(
+        None,
+        "In place of --sky, with --weather: a time such as 2026-09-21T12:00.",
+        metavar="T",
+    )
+    weather: Path | None = option(
+        None, "Weather file that holds the time.", metavar="F"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

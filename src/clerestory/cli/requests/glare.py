@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import Quiet
 from clerestory.glare.evalglare_options import Circle, EvalglareOptions
-from clerestory.options import Argument, option
+from clerestory.options import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,42 +18,30 @@ class GlareRequest:
     --background here.
     """
 
-    files: Annotated[
-        list[Path], Argument("Fisheye pictures, .hdr, .pic or .exr.", "PICTURE…")
-    ]
-    form: Annotated[
-        Literal["text", "json", "csv"],
-        option("text prints the lines of evalglare.", "--format"),
-    ] = "text"
-    detail: Annotated[
-        bool, option("Print all indices, and the table of sources.", "-d")
-    ] = False
+    files: list[Path] = argument("Fisheye pictures, .hdr, .pic or .exr.", "PICTURE…")
+    form: Literal["text", "json", "csv"] = option(
+        "text", "text prints the lines of evalglare.", "--format"
+    )
+    detail: bool = option(False, "Print all indices, and the table of sources.", "-d")
     options: EvalglareOptions
-    shown_task: Annotated[
-        Circle | None,
-        option(
-            "As --task; blue in the check picture.", "-T", "--", metavar="X Y ANGLE"
-        ),
-    ] = None
-    check: Annotated[
-        Path | None,
-        option("Picture with coloured sources to write.", "-c", metavar="F"),
-    ] = None
-    colour: Annotated[
-        tuple[float, float, float] | None,
-        option("One colour for all sources.", "-u", metavar="R G B"),
-    ] = None
-    only_illuminance: Annotated[
-        bool, option("Print only the vertical eye illuminance.", "-V", "--")
-    ] = False
-    annual: Annotated[
-        Path | None,
-        option(
-            "Evaluate the pictures as time steps of one view; write the indices to"
-            " .nc or .csv.",
-            metavar="OUT",
-        ),
-    ] = None
+    shown_task: Circle | None = option(
+        None, "As --task; blue in the check picture.", "-T", "--", metavar="X Y ANGLE"
+    )
+    check: Path | None = option(
+        None, "Picture with coloured sources to write.", "-c", metavar="F"
+    )
+    colour: tuple[float, float, float] | None = option(
+        None, "One colour for all sources.", "-u", metavar="R G B"
+    )
+    only_illuminance: bool = option(
+        False, "Print only the vertical eye illuminance.", "-V", "--"
+    )
+    annual: Path | None = option(
+        None,
+        "Evaluate the pictures as time steps of one view; write the indices to"
+        " .nc or .csv.",
+        metavar="OUT",
+    )
     quiet: Quiet = False
 
 

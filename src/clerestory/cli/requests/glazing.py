@@ -2,44 +2,33 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import Quiet, Seed
-from clerestory.options import Argument, option
+from clerestory.options import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)
 class StackLayers:
     """Combine layers into one BSDF, and print its transmittance and reflectance."""
 
-    layer: Annotated[
-        list[Path],
-        Argument(
-            "Layers from outdoors to the room: .json, .dat, .xml; or one .toml.",
-            "LAYER…",
-        ),
-    ]
-    output: Annotated[Path | None, option("BSDF file to write.", "-o")] = None
-    gap: Annotated[float, option("Thickness of all gaps [mm].", least=0.01)] = 12.7
-    gas: Annotated[str, option("Gas in the gaps, such as argon=0.9,air=0.1.")] = "air"
-    basis: Annotated[Literal["full", "half", "quarter"], option("Klems basis.")] = (
-        "full"
+    layer: list[Path] = argument(
+        "Layers from outdoors to the room: .json, .dat, .xml; or one .toml.", "LAYER…"
     )
-    standard: Annotated[
-        Literal["nfrc", "en410"], option("Standard of the spectral averages.")
-    ] = "nfrc"
-    bands: Annotated[bool, option("Combine band averages, not each wavelength.")] = (
-        False
+    output: Path | None = option(None, "BSDF file to write.", "-o")
+    gap: float = option(12.7, "Thickness of all gaps [mm].", least=0.01)
+    gas: str = option("air", "Gas in the gaps, such as argon=0.9,air=0.1.")
+    basis: Literal["full", "half", "quarter"] = option("full", "Klems basis.")
+    standard: Literal["nfrc", "en410"] = option(
+        "nfrc", "Standard of the spectral averages."
     )
-    tree: Annotated[
-        int | None,
-        option("Tensor tree of 2^N cells per side, by a random walk.", least=1, most=6),
-    ] = None
-    walkers: Annotated[
-        int, option("Random walks per incident cell, for --tree.", least=8)
-    ] = 256
-    thermal: Annotated[bool, option("Print U, SHGC and temperatures too.")] = False
+    bands: bool = option(False, "Combine band averages, not each wavelength.")
+    tree: int | None = option(
+        None, "Tensor tree of 2^N cells per side, by a random walk.", least=1, most=6
+    )
+    walkers: int = option(256, "Random walks per incident cell, for --tree.", least=8)
+    thermal: bool = option(False, "Print U, SHGC and temperatures too.")
     seed: Seed = 1
     quiet: Quiet = False
 
@@ -48,7 +37,7 @@ class StackLayers:
 class GlazingInfo:
     """Describe products; list the products of a folder."""
 
-    file: Annotated[list[Path], Argument("Product files, or folders of them.", "FILE…")]
+    file: list[Path] = argument("Product files, or folders of them.", "FILE…")
 
 
 HELP = "Stacks of panes, gaps and shades."

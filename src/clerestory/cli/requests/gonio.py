@@ -6,51 +6,44 @@ from typing import Annotated, Literal
 
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import FigureOutput, Function, Halvings, Quiet
-from clerestory.options import Argument, option
+from clerestory.options import Option, argument, option, required
 
 Symmetry = Literal[
     "isotropic", "quadrilateral", "bilateral-x", "bilateral-y", "rotational", "none"
 ]
 SymmetryOption = Annotated[
     Symmetry | None,
-    option("Symmetry of the layer; inferred from the directions if not given."),
+    Option("Symmetry of the layer; inferred from the directions if not given."),
 ]
-Lobes = Annotated[int, option("Maximum number of lobes per incident direction.")]
+Lobes = Annotated[int, Option("Maximum number of lobes per incident direction.")]
 Smoothing = Annotated[
-    float, option("Factor on the width of lobes; 1 makes a uniform sum.")
+    float, Option("Factor on the width of lobes; 1 makes a uniform sum.")
 ]
-Processes = Annotated[int, option("Number of processes.", "-n", least=1)]
+Processes = Annotated[int, Option("Number of processes.", "-n", least=1)]
 
 
 @dataclass(frozen=True, kw_only=True)
 class MeasurementFiles:
     """Files of measurements, and how to read them."""
 
-    files: Annotated[
-        list[Path],
-        Argument("Files of one sample: pab-opto, VIAVI, RT-300S, …", "FILE…"),
-    ]
-    form: Annotated[
-        str | None,
-        option(
-            "Format of the files, such as pabopto or astm; recognized from the first"
-            " file if not given.",
-            "--format",
-            metavar="NAME",
-        ),
-    ] = None
-    function: Annotated[
-        Function | None, option("Function measured, if the files do not name it.")
-    ] = None
-    facing: Annotated[
-        Literal["room", "sky"], option("Side towards which the sample's normal points.")
-    ] = "room"
-    blank: Annotated[Path | None, option("Readings without the sample (RT-300S).")] = (
-        None
+    files: list[Path] = argument(
+        "Files of one sample: pab-opto, VIAVI, RT-300S, …", "FILE…"
     )
-    merge: Annotated[bool, option("Merge scans of the same incident direction.")] = (
-        False
+    form: str | None = option(
+        None,
+        "Format of the files, such as pabopto or astm; recognized from the first"
+        " file if not given.",
+        "--format",
+        metavar="NAME",
     )
+    function: Function | None = option(
+        None, "Function measured, if the files do not name it."
+    )
+    facing: Literal["room", "sky"] = option(
+        "room", "Side towards which the sample's normal points."
+    )
+    blank: Path | None = option(None, "Readings without the sample (RT-300S).")
+    merge: bool = option(False, "Merge scans of the same incident direction.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +71,7 @@ class FitMeasurement:
     """Fit lobes to every scan, and compute transport plans between neighbours."""
 
     measurement: MeasurementFiles
-    output: Annotated[Path, option("File to write, .nc.", "-o")]
+    output: Path = required("File to write, .nc.", "-o")
     fit: Fit
     quiet: Quiet = False
 
@@ -88,19 +81,15 @@ class CrossValidation:
     """Cross-validate: predict each incident direction from the others."""
 
     measurement: MeasurementFiles
-    output: Annotated[Path | None, option("Map of the errors to write.", "-o")] = None
+    output: Path | None = option(None, "Map of the errors to write.", "-o")
     symmetry: SymmetryOption = None
     lobes: Lobes = 200
-    smoothing: Annotated[
-        list[float] | None,
-        option("Smoothing factor to try; repeatable. 1 if not given."),
-    ] = None
-    more: Annotated[
-        int,
-        option(
-            "Number of further directions to recommend for scans.", "--next", least=0
-        ),
-    ] = 0
+    smoothing: list[float] | None = option(
+        None, "Smoothing factor to try; repeatable. 1 if not given."
+    )
+    more: int = option(
+        0, "Number of further directions to recommend for scans.", "--next", least=0
+    )
     processes: Processes = 1
     quiet: Quiet = False
 
@@ -109,18 +98,17 @@ class CrossValidation:
 class ExportBsdf:
     """Write fits as one BSDF file for Radiance, WINDOW and Clerestory."""
 
-    files: Annotated[list[Path], Argument("Files of clerestory gonio fit.", "FIT…")]
-    output: Annotated[Path, option("BSDF file to write, .xml.", "-o")]
-    to: Annotated[
-        Literal["full", "half", "quarter", "tree"],
-        option("Klems basis, or a tensor tree."),
-    ] = "full"
+    files: list[Path] = argument("Files of clerestory gonio fit.", "FIT…")
+    output: Path = required("BSDF file to write, .xml.", "-o")
+    to: Literal["full", "half", "quarter", "tree"] = option(
+        "full", "Klems basis, or a tensor tree."
+    )
     halvings: Halvings = 5
-    tolerance: Annotated[float, option("Merge cells that differ by less.")] = 0.05
-    reciprocal: Annotated[bool, option("Average with the reverse function.")] = False
-    conserve: Annotated[
-        bool, option("Scale down directions that scatter more than they receive.")
-    ] = False
+    tolerance: float = option(0.05, "Merge cells that differ by less.")
+    reciprocal: bool = option(False, "Average with the reverse function.")
+    conserve: bool = option(
+        False, "Scale down directions that scatter more than they receive."
+    )
     processes: Processes = 1
     quiet: Quiet = False
 
@@ -131,14 +119,12 @@ class PlotMeasurement:
 
     measurement: MeasurementFiles
     output: FigureOutput
-    scan: Annotated[int, option("Number of the scan, from 0.", least=0)] = 0
-    between: Annotated[
-        list[str] | None,
-        option(
-            "Two incident directions; plot the interpolation half-way between them.",
-            metavar="THETA,PHI",
-        ),
-    ] = None
+    scan: int = option(0, "Number of the scan, from 0.", least=0)
+    between: list[str] | None = option(
+        None,
+        "Two incident directions; plot the interpolation half-way between them.",
+        metavar="THETA,PHI",
+    )
     fit: Fit
     quiet: Quiet = False
 

@@ -2,29 +2,26 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import FigureOutput
-from clerestory.options import Argument, option
+from clerestory.options import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)
 class LuminaireInfo:
     """Describe photometric files: flux, power, intensities, luminous dimensions."""
 
-    files: Annotated[list[Path], Argument("IES or EULUMDAT files.", "FILE…")]
+    files: list[Path] = argument("IES or EULUMDAT files.", "FILE…")
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlotLuminaire:
     """Draw the polar diagram, in the planes of 0° and 90° or in those given."""
 
-    file: Annotated[Path, Argument("IES or EULUMDAT file.")]
+    file: Path = argument("IES or EULUMDAT file.")
     output: FigureOutput
-    plane: Annotated[
-        list[float] | None, option("Horizontal angle [°]; repeatable.")
-    ] = None
+    plane: list[float] | None = option(None, "Horizontal angle [°]; repeatable.")
 
 
 HELP = "Luminaires: IES and EULUMDAT files."

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import PictureFile, PictureOutput, Quiet
-from clerestory.options import Argument, option
+from clerestory.options import argument, option, required
 
 Mapping = Literal[
     "equidistant", "equisolid", "orthographic", "stereographic", "polynomial"
@@ -20,33 +20,25 @@ class MergePhotographs:
     Its radiances are known up to one factor, which `picture calibrate` finds.
     """
 
-    files: Annotated[
-        list[Path], Argument("Exposure bracket, .jpg, .png or .tif.", "PHOTO…")
-    ]
+    files: list[Path] = argument("Exposure bracket, .jpg, .png or .tif.", "PHOTO…")
     output: PictureOutput
-    times: Annotated[
-        list[float] | None,
-        option(
-            "Exposure time of each photograph in turn [s], repeatable; from the EXIF"
-            " data if not given.",
-            "--time",
-            metavar="S",
-        ),
-    ] = None
-    response: Annotated[
-        str,
-        option(
-            "Camera response: recovered by debevec or robertson, srgb, linear, or a"
-            " file (.csv as written here, .rsp of hdrgen).",
-            metavar="R",
-        ),
-    ] = "debevec"
-    save_response: Annotated[
-        Path | None, option("Write the camera response to a .csv file.", metavar="F")
-    ] = None
-    align: Annotated[bool, option("Align the photographs of a camera that moved.")] = (
-        False
+    times: list[float] | None = option(
+        None,
+        "Exposure time of each photograph in turn [s], repeatable; from the EXIF"
+        " data if not given.",
+        "--time",
+        metavar="S",
     )
+    response: str = option(
+        "debevec",
+        "Camera response: recovered by debevec or robertson, srgb, linear, or a"
+        " file (.csv as written here, .rsp of hdrgen).",
+        metavar="R",
+    )
+    save_response: Path | None = option(
+        None, "Write the camera response to a .csv file.", metavar="F"
+    )
+    align: bool = option(False, "Align the photographs of a camera that moved.")
     quiet: Quiet = False
 
 
@@ -56,36 +48,26 @@ class ReprojectPhotograph:
 
     file: PictureFile
     output: PictureOutput
-    lens: Annotated[Mapping, option("Projection of the lens.")] = "equisolid"
-    coefficients: Annotated[
-        list[float] | None,
-        option(
-            "Coefficient of θ, θ², … of a polynomial lens, repeatable.",
-            "--coefficient",
-            metavar="X",
-        ),
-    ] = None
-    circle: Annotated[
-        tuple[float, float, float] | None,
-        option(
-            "Image circle: column and row of its centre from the upper left, radius at"
-            " 90°. The largest centred circle if not given.",
-            metavar="X Y R",
-        ),
-    ] = None
-    view: Annotated[str, option("View to make.", metavar="VIEW")] = (
-        "-vta -vh 180 -vv 180"
+    lens: Mapping = option("equisolid", "Projection of the lens.")
+    coefficients: list[float] | None = option(
+        None,
+        "Coefficient of θ, θ², … of a polynomial lens, repeatable.",
+        "--coefficient",
+        metavar="X",
     )
-    resolution: Annotated[int, option("Columns and rows.", metavar="N", least=21)] = (
-        1000
+    circle: tuple[float, float, float] | None = option(
+        None,
+        "Image circle: column and row of its centre from the upper left, radius at"
+        " 90°. The largest centred circle if not given.",
+        metavar="X Y R",
     )
-    vignetting: Annotated[
-        list[float] | None,
-        option(
-            "Coefficient of θ², θ⁴, … of the lens transmission, repeatable.",
-            metavar="X",
-        ),
-    ] = None
+    view: str = option("-vta -vh 180 -vv 180", "View to make.", metavar="VIEW")
+    resolution: int = option(1000, "Columns and rows.", metavar="N", least=21)
+    vignetting: list[float] | None = option(
+        None,
+        "Coefficient of θ², θ⁴, … of the lens transmission, repeatable.",
+        metavar="X",
+    )
     quiet: Quiet = False
 
 
@@ -95,15 +77,11 @@ class CalibratePicture:
 
     file: PictureFile
     output: PictureOutput
-    before: Annotated[
-        float, option("Illuminance at the lens before the bracket [lux].")
-    ]
-    after: Annotated[
-        float | None, option("… and after it; as before if not given.")
-    ] = None
-    resolution: Annotated[
-        int | None, option("Reduce to this many columns.", metavar="N", least=21)
-    ] = None
+    before: float = required("Illuminance at the lens before the bracket [lux].")
+    after: float | None = option(None, "… and after it; as before if not given.")
+    resolution: int | None = option(
+        None, "Reduce to this many columns.", metavar="N", least=21
+    )
     quiet: Quiet = False
 
 

@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import PictureFile, PictureOutput, Quiet
 from clerestory.cli.requests.photograph import COMMANDS as PHOTOGRAPH_COMMANDS
-from clerestory.options import Argument, option
+from clerestory.options import Argument, Option, option, required
 
 PictureFiles = Annotated[list[Path], Argument("Pictures, .hdr or .exr.", "PICTURE…")]
-ImageOutput = Annotated[Path, option("Image to write: .png or .jpg.", "-o")]
+ImageOutput = Annotated[Path, Option("Image to write: .png or .jpg.", "-o")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +18,7 @@ class PictureInfo:
     """Describe pictures: size, view, and the distribution of luminance."""
 
     files: PictureFiles
-    header: Annotated[bool, option("Print the lines of the header too.")] = False
+    header: bool = option(False, "Print the lines of the header too.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,23 +38,20 @@ class ToneMap:
 
     file: PictureFile
     output: ImageOutput
-    method: Annotated[
-        Literal["human", "filmic", "linear"],
-        option(
-            "Visibility matching of human vision, the response of a film, or linear."
-        ),
-    ] = "human"
-    white: Annotated[
-        float | None,
-        option("Luminance of white [cd/m²] for filmic and linear; else automatic."),
-    ] = None
-    veil: Annotated[bool, option("human: add the veiling glare in the eye.")] = False
-    screen_white: Annotated[
-        float, option("human: the display's maximum luminance [cd/m²].")
-    ] = 100.0
-    screen_contrast: Annotated[
-        float, option("human: the display's maximum over minimum luminance.")
-    ] = 100.0
+    method: Literal["human", "filmic", "linear"] = option(
+        "human",
+        "Visibility matching of human vision, the response of a film, or linear.",
+    )
+    white: float | None = option(
+        None, "Luminance of white [cd/m²] for filmic and linear; else automatic."
+    )
+    veil: bool = option(False, "human: add the veiling glare in the eye.")
+    screen_white: float = option(
+        100.0, "human: the display's maximum luminance [cd/m²]."
+    )
+    screen_contrast: float = option(
+        100.0, "human: the display's maximum over minimum luminance."
+    )
     quiet: Quiet = False
 
 
@@ -64,28 +61,20 @@ class FalseColour:
 
     file: PictureFile
     output: ImageOutput
-    style: Annotated[
-        Literal["fill", "steps", "lines", "bands"],
-        option("Continuous colours, colour steps, contour lines or contour bands."),
-    ] = "fill"
-    to: Annotated[
-        float | None, option("Largest value of the scale; else automatic.")
-    ] = None
-    start: Annotated[float, option("Smallest value of a linear scale.", "--from")] = 0.0
-    decades: Annotated[
-        float | None,
-        option("Logarithmic scale over this many decades.", "--log", metavar="N"),
-    ] = None
-    divisions: Annotated[int, option("Steps of a linear scale.", least=1, most=100)] = (
-        10
+    style: Literal["fill", "steps", "lines", "bands"] = option(
+        "fill", "Continuous colours, colour steps, contour lines or contour bands."
     )
-    palette: Annotated[
-        str, option("A colour map of Matplotlib; gnuplot is like pm3d.")
-    ] = "turbo"
-    extremes: Annotated[bool, option("Mark the minimum and the maximum.", "-e")] = False
-    legend: Annotated[
-        bool, option("Put a legend beside the picture.", "--legend/--no-legend")
-    ] = True
+    to: float | None = option(None, "Largest value of the scale; else automatic.")
+    start: float = option(0.0, "Smallest value of a linear scale.", "--from")
+    decades: float | None = option(
+        None, "Logarithmic scale over this many decades.", "--log", metavar="N"
+    )
+    divisions: int = option(10, "Steps of a linear scale.", least=1, most=100)
+    palette: str = option("turbo", "A colour map of Matplotlib; gnuplot is like pm3d.")
+    extremes: bool = option(False, "Mark the minimum and the maximum.", "-e")
+    legend: bool = option(
+        True, "Put a legend beside the picture.", "--legend/--no-legend"
+    )
     quiet: Quiet = False
 
 
@@ -95,10 +84,9 @@ class SumPictures:
 
     files: PictureFiles
     output: PictureOutput
-    weight: Annotated[
-        list[float] | None,
-        option("Factor of each picture, in order; 1 if none is given."),
-    ] = None
+    weight: list[float] | None = option(
+        None, "Factor of each picture, in order; 1 if none is given."
+    )
     quiet: Quiet = False
 
 
@@ -108,12 +96,10 @@ class ReducePicture:
 
     file: PictureFile
     output: PictureOutput
-    factor: Annotated[
-        float | None, option("Reduction of both columns and rows; or …", least=1)
-    ] = None
-    size: Annotated[
-        tuple[int, int] | None, option("… columns and rows.", metavar="C R")
-    ] = None
+    factor: float | None = option(
+        None, "Reduction of both columns and rows; or …", least=1
+    )
+    size: tuple[int, int] | None = option(None, "… columns and rows.", metavar="C R")
     quiet: Quiet = False
 
 
@@ -123,11 +109,10 @@ class CropPicture:
 
     file: PictureFile
     output: PictureOutput
-    corner: Annotated[
-        tuple[int, int],
-        option("First column from the left and first row from the top, from 0."),
-    ]
-    size: Annotated[tuple[int, int], option("Columns and rows to keep.")]
+    corner: tuple[int, int] = required(
+        "First column from the left and first row from the top, from 0."
+    )
+    size: tuple[int, int] = required("Columns and rows to keep.")
     quiet: Quiet = False
 
 
@@ -137,12 +122,12 @@ class ConvertPicture:
 
     file: PictureFile
     output: PictureOutput
-    factor: Annotated[float, option("Multiply all values.", "--scale")] = 1.0
-    exposure: Annotated[
-        float, option(".hdr: exposure of the pixels, recorded in the header.")
-    ] = 1.0
-    xyz: Annotated[bool, option(".hdr: CIE XYZ instead of RGB.")] = False
-    half: Annotated[bool, option(".exr: 16 instead of 32 bits.")] = False
+    factor: float = option(1.0, "Multiply all values.", "--scale")
+    exposure: float = option(
+        1.0, ".hdr: exposure of the pixels, recorded in the header."
+    )
+    xyz: bool = option(False, ".hdr: CIE XYZ instead of RGB.")
+    half: bool = option(False, ".exr: 16 instead of 32 bits.")
     quiet: Quiet = False
 
 

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import (
@@ -16,7 +15,7 @@ from clerestory.cli.requests.common import (
     SkyChoice,
     ViewText,
 )
-from clerestory.options import Argument, option
+from clerestory.options import argument, option, required
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,15 +32,13 @@ class Render:
     sky: SkyChoice
     resolution: Resolution = 512
     effort: EffortOptions
-    error: Annotated[
-        Path | None, option("Picture of the standard errors to write.")
-    ] = None
-    illuminance: Annotated[
-        bool, option("Render the irradiance of surfaces, as rpict -i does.")
-    ] = False
-    denoise: Annotated[
-        bool, option("Denoise the picture for display; its header records it.")
-    ] = False
+    error: Path | None = option(None, "Picture of the standard errors to write.")
+    illuminance: bool = option(
+        False, "Render the irradiance of surfaces, as rpict -i does."
+    )
+    denoise: bool = option(
+        False, "Denoise the picture for display; its header records it."
+    )
     quiet: Quiet = False
 
 
@@ -55,24 +52,19 @@ class Illum:
     """
 
     scene: SceneFiles
-    panes: Annotated[
-        Path,
-        option(
-            "Scene file of the window panes, in materials of the scene; fronts face the"
-            " room.",
-            metavar="F",
-        ),
-    ]
-    output: Annotated[
-        Path, option("Scene file to write; its data files are written beside it.", "-o")
-    ]
+    panes: Path = required(
+        "Scene file of the window panes, in materials of the scene; fronts face the"
+        " room.",
+        metavar="F",
+    )
+    output: Path = required(
+        "Scene file to write; its data files are written beside it.", "-o"
+    )
     sky: SkyChoice
-    zone: Annotated[
-        float, option("Longest edge of a part with an emission table of its own [m].")
-    ] = float("inf")
-    rings: Annotated[
-        int, option("Rings of directions; twice as many directions in azimuth.")
-    ] = 18
+    zone: float = option(
+        float("inf"), "Longest edge of a part with an emission table of its own [m]."
+    )
+    rings: int = option(18, "Rings of directions; twice as many directions in azimuth.")
     effort: EffortOptions
     quiet: Quiet = False
 
@@ -88,14 +80,11 @@ class Multiply:
     window.
     """
 
-    factors: Annotated[
-        list[Path],
-        Argument(
-            "Matrix files (.mtx .smx .nc), a BSDF (.xml) for its transmission, or first"
-            " a set of pictures (V_%03d.hdr). A + adds products.",
-            "A B [C D E] [+ A B …]",
-        ),
-    ]
+    factors: list[Path] = argument(
+        "Matrix files (.mtx .smx .nc), a BSDF (.xml) for its transmission, or first"
+        " a set of pictures (V_%03d.hdr). A + adds products.",
+        "A B [C D E] [+ A B …]",
+    )
     output: MatrixOutput
     encoding: MatrixEncoding = "float"
     quiet: Quiet = False

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import MatrixEncoding, MatrixOutput, Quiet
-from clerestory.options import Argument, option
+from clerestory.options import Argument, Option, argument, option, required
 
 WeatherFile = Annotated[
     Path,
@@ -16,11 +16,11 @@ WeatherFile = Annotated[
 ]
 Subdivision = Annotated[
     int,
-    option("Subdivision of the Reinhart sky (MF).", metavar="1..6", least=1, most=6),
+    Option("Subdivision of the Reinhart sky (MF).", metavar="1..6", least=1, most=6),
 ]
 SunSize = Annotated[
     float | None,
-    option(
+    Option(
         "Put the sun, of this diameter [°], into its nearest patch: 0.533 is the real"
         " sun, 0 the whole patch. Spread over the four nearest patches if not given.",
         metavar="DEG",
@@ -28,15 +28,15 @@ SunSize = Annotated[
 ]
 SunFormula = Annotated[
     Literal["spa", "radiance"],
-    option("Formula of the sun position; radiance reproduces gendaymtx exactly."),
+    Option("Formula of the sun position; radiance reproduces gendaymtx exactly."),
 ]
 Rotation = Annotated[
-    float, option("Angle of the scene's +y east of north [°].", metavar="DEG")
+    float, Option("Angle of the scene's +y east of north [°].", metavar="DEG")
 ]
-NoDirect = Annotated[bool, option("The sky without the direct sun.")]
+NoDirect = Annotated[bool, Option("The sky without the direct sun.")]
 Moment = Annotated[
     str | None,
-    option("One time step, local standard time.", metavar='"MM-DD HH:MM"'),
+    Option("One time step, local standard time.", metavar='"MM-DD HH:MM"'),
 ]
 
 
@@ -44,10 +44,8 @@ Moment = Annotated[
 class Days:
     """First and last day of a part of the weather."""
 
-    first_day: Annotated[
-        str | None, option("First day.", "--from", metavar="MM-DD")
-    ] = None
-    last_day: Annotated[str | None, option("Last day.", "--to", metavar="MM-DD")] = None
+    first_day: str | None = option(None, "First day.", "--from", metavar="MM-DD")
+    last_day: str | None = option(None, "Last day.", "--to", metavar="MM-DD")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,33 +55,27 @@ class SkyMatrixRequest:
     weather: WeatherFile
     output: MatrixOutput
     subdivision: Subdivision = 4
-    sun_only: Annotated[bool, option("The direct sun only.")] = False
+    sun_only: bool = option(False, "The direct sun only.")
     no_direct: NoDirect = False
     sun_size: SunSize = None
     sun_formula: SunFormula = "spa"
-    ground_reflectance: Annotated[
-        str,
-        option(
-            "Reflectance of the ground, one number or R,G,B.",
-            "--ground-reflectance",
-            "--ground",
-            metavar="X",
-        ),
-    ] = "0.2"
-    sky_colour: Annotated[
-        str, option("Factor of each channel of the sky.", metavar="R,G,B")
-    ] = "0.960,1.004,1.118"
-    solar: Annotated[
-        bool, option("The whole solar spectrum instead of the visible.")
-    ] = False
+    ground_reflectance: str = option(
+        "0.2",
+        "Reflectance of the ground, one number or R,G,B.",
+        "--ground-reflectance",
+        "--ground",
+        metavar="X",
+    )
+    sky_colour: str = option(
+        "0.960,1.004,1.118", "Factor of each channel of the sky.", metavar="R,G,B"
+    )
+    solar: bool = option(False, "The whole solar spectrum instead of the visible.")
     rotation: Rotation = 0.0
     days: Days
     time: Moment = None
-    daylight_only: Annotated[bool, option("Only time steps with the sun up.")] = False
-    average: Annotated[bool, option("One column, the mean of all time steps.")] = False
-    luminance: Annotated[
-        bool, option("Luminance [cd/m²], one number instead of three.")
-    ] = False
+    daylight_only: bool = option(False, "Only time steps with the sun up.")
+    average: bool = option(False, "One column, the mean of all time steps.")
+    luminance: bool = option(False, "Luminance [cd/m²], one number instead of three.")
     encoding: MatrixEncoding = "float"
     quiet: Quiet = False
 
@@ -95,41 +87,29 @@ class SkyVectorRequest:
     For an instant of a weather file: `sky matrix WEATHER --time`.
     """
 
-    kind: Annotated[
-        str,
-        Argument(
-            "uniform, overcast, intermediate, clear, a CIE general sky 1..15, or"
-            " perez.",
-            "SKY",
-        ),
-    ]
+    kind: str = argument(
+        "uniform, overcast, intermediate, clear, a CIE general sky 1..15, or perez.",
+        "SKY",
+    )
     output: MatrixOutput
-    sun: Annotated[
-        tuple[float, float],
-        option(
-            "Altitude of the sun, and its azimuth clockwise from north [°].",
-            metavar="ALT AZI",
-        ),
-    ]
-    diffuse: Annotated[
-        float | None,
-        option(
-            "Diffuse horizontal visible irradiance [W/m²], lux over 179; gensky's if"
-            " not given.",
-            least=0,
-        ),
-    ] = None
-    direct: Annotated[
-        float | None,
-        option(
-            "Direct normal visible irradiance [W/m²]; gensky's if not given.", least=0
-        ),
-    ] = None
+    sun: tuple[float, float] = required(
+        "Altitude of the sun, and its azimuth clockwise from north [°].",
+        metavar="ALT AZI",
+    )
+    diffuse: float | None = option(
+        None,
+        "Diffuse horizontal visible irradiance [W/m²], lux over 179; gensky's if"
+        " not given.",
+        least=0,
+    )
+    direct: float | None = option(
+        None, "Direct normal visible irradiance [W/m²]; gensky's if not given.", least=0
+    )
     no_direct: NoDirect = False
-    turbidity: Annotated[float, option("Linke turbidity of clear skies.")] = 2.45
-    ground_reflectance: Annotated[
-        float, option("Reflectance of the ground.", least=0, most=1)
-    ] = 0.2
+    turbidity: float = option(2.45, "Linke turbidity of clear skies.")
+    ground_reflectance: float = option(
+        0.2, "Reflectance of the ground.", least=0, most=1
+    )
     subdivision: Subdivision = 4
     sun_size: SunSize = None
     encoding: MatrixEncoding = "float"
@@ -146,25 +126,21 @@ class SunTable:
 
     weather: WeatherFile
     output: MatrixOutput
-    occurring: Annotated[
-        bool, option("The distinct sun positions, instead of all time steps.")
-    ] = False
-    tolerance: Annotated[
-        float,
-        option(
-            "Suns no farther apart than this are one sun [°]; with --occurring.",
-            metavar="DEG",
-        ),
-    ] = 0.0
-    reinhart: Annotated[
-        int | None,
-        option(
-            "Suns at the centres of Reinhart sky patches: 5185 for 6.",
-            metavar="1..6",
-            least=1,
-            most=6,
-        ),
-    ] = None
+    occurring: bool = option(
+        False, "The distinct sun positions, instead of all time steps."
+    )
+    tolerance: float = option(
+        0.0,
+        "Suns no farther apart than this are one sun [°]; with --occurring.",
+        metavar="DEG",
+    )
+    reinhart: int | None = option(
+        None,
+        "Suns at the centres of Reinhart sky patches: 5185 for 6.",
+        metavar="1..6",
+        least=1,
+        most=6,
+    )
     sun_formula: SunFormula = "spa"
     rotation: Rotation = 0.0
     days: Days

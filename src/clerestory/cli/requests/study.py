@@ -12,13 +12,13 @@ from clerestory.cli.requests.common import (
     SceneFiles,
     WindowFiles,
 )
-from clerestory.options import Argument, option
+from clerestory.options import Option, argument, option, required
 
 DeviceChoice = Annotated[
-    Device | None, option("Device in place of the study's.", "--device")
+    Device | None, Option("Device in place of the study's.", "--device")
 ]
 SeedChoice = Annotated[
-    int | None, option("Seed in place of the study's.", "--seed", least=0)
+    int | None, Option("Seed in place of the study's.", "--seed", least=0)
 ]
 
 
@@ -30,18 +30,16 @@ class NewStudy:
     A window whose front does not face the room is reversed in a copy.
     """
 
-    folder: Annotated[Path, Argument("Folder for the study; made if missing.", "DIR")]
+    folder: Path = argument("Folder for the study; made if missing.", "DIR")
     scene: SceneFiles
     window: WindowFiles
-    bsdf: Annotated[Path, option("BSDF file (.xml).")]
-    weather: Annotated[Path, option("Weather file (.epw, .wea, .csv).")]
-    sensors: Annotated[
-        Path | None, option("Sensor file in place of a grid over the floor.")
-    ] = None
-    spacing: Annotated[float, option("Spacing of the grid [m].", least=0.05)] = 0.5
-    height: Annotated[
-        float, option("Height of the grid above the floor [m].", least=0)
-    ] = 0.76
+    bsdf: Path = required("BSDF file (.xml).")
+    weather: Path = required("Weather file (.epw, .wea, .csv).")
+    sensors: Path | None = option(
+        None, "Sensor file in place of a grid over the floor."
+    )
+    spacing: float = option(0.5, "Spacing of the grid [m].", least=0.05)
+    height: float = option(0.76, "Height of the grid above the floor [m].", least=0)
     quiet: Quiet = False
 
 
@@ -53,17 +51,14 @@ class RunStudy:
     resumes.
     """
 
-    study: Annotated[Path, Argument("The study.", "STUDY.toml")]
-    out: Annotated[
-        Path | None,
-        option("Folder for the results; NAME_results beside NAME.toml if not given."),
-    ] = None
+    study: Path = argument("The study.", "STUDY.toml")
+    out: Path | None = option(
+        None, "Folder for the results; NAME_results beside NAME.toml if not given."
+    )
     device: DeviceChoice = None
     seed: SeedChoice = None
     cluster: ClusterAddress = None
-    plan: Annotated[
-        bool, option("Print what will be traced and the cost, and stop.")
-    ] = False
+    plan: bool = option(False, "Print what will be traced and the cost, and stop.")
     quiet: Quiet = False
 
 
@@ -74,9 +69,9 @@ class Demo:
     Files already in DIR are kept.
     """
 
-    folder: Annotated[
-        Path, Argument("Folder for the study and its results.", "DIR")
-    ] = Path("clerestory_demo")
+    folder: Path = argument(
+        "Folder for the study and its results.", "DIR", default=Path("clerestory_demo")
+    )
     device: DeviceChoice = None
     seed: SeedChoice = None
     quiet: Quiet = False
@@ -89,8 +84,8 @@ class WriteReport:
     Pictures are taken from the folder `pictures` beside results.nc.
     """
 
-    results: Annotated[Path, Argument("Results folder or results.nc.", "RESULTS")]
-    output: Annotated[Path | None, option("HTML file to write.", "-o")] = None
+    results: Path = argument("Results folder or results.nc.", "RESULTS")
+    output: Path | None = option(None, "HTML file to write.", "-o")
     quiet: Quiet = False
 
 
@@ -98,37 +93,27 @@ class WriteReport:
 class Metrics:
     """Print daylight autonomy, UDI, sDA, ASE, EN 17037 and LEED points per grid."""
 
-    results: Annotated[
-        Path,
-        Argument(
-            "Folder of a run (results.nc), or honeybee's results folder.", "RESULTS"
-        ),
-    ]
-    grid: Annotated[list[str] | None, option("Only these grids.")] = None
-    from_hour: Annotated[
-        float, option("Start of the day [h].", "--from", least=0, most=24)
-    ] = 8.0
-    to_hour: Annotated[
-        float, option("End of the day [h].", "--to", least=0, most=24)
-    ] = 18.0
-    target: Annotated[
-        float, option("Target illuminance of daylight autonomy [lux].", least=1)
-    ] = 300.0
-    weather: Annotated[
-        Path | None,
-        option("Weather file for EN 17037, which counts half of the daylight hours."),
-    ] = None
-    states: Annotated[
-        Path | None, option("CSV of shading states over the year (honeybee).")
-    ] = None
-    operate: Annotated[
-        bool, option("Operate blinds by the rule of LM-83 (honeybee).", "--lm83")
-    ] = False
-    leed: Annotated[Literal["v4", "v4.1"], option("Version of LEED.")] = "v4.1"
-    output: Annotated[Path | None, option("CSV with one line per sensor.", "-o")] = None
-    honeybee: Annotated[
-        Path | None, option("Write a results folder that honeybee loads.")
-    ] = None
+    results: Path = argument(
+        "Folder of a run (results.nc), or honeybee's results folder.", "RESULTS"
+    )
+    grid: list[str] | None = option(None, "Only these grids.")
+    from_hour: float = option(8.0, "Start of the day [h].", "--from", least=0, most=24)
+    to_hour: float = option(18.0, "End of the day [h].", "--to", least=0, most=24)
+    target: float = option(
+        300.0, "Target illuminance of daylight autonomy [lux].", least=1
+    )
+    weather: Path | None = option(
+        None, "Weather file for EN 17037, which counts half of the daylight hours."
+    )
+    states: Path | None = option(
+        None, "CSV of shading states over the year (honeybee)."
+    )
+    operate: bool = option(
+        False, "Operate blinds by the rule of LM-83 (honeybee).", "--lm83"
+    )
+    leed: Literal["v4", "v4.1"] = option("v4.1", "Version of LEED.")
+    output: Path | None = option(None, "CSV with one line per sensor.", "-o")
+    honeybee: Path | None = option(None, "Write a results folder that honeybee loads.")
     quiet: Quiet = False
 
 
@@ -139,37 +124,28 @@ class Compare:
     A clock shift that would improve the agreement is reported, never applied.
     """
 
-    measured: Annotated[
-        Path,
-        Argument(
-            "CSV with a column of times and one per sensor; or a mapping (.toml) of"
-            " files and columns to sensors.",
-            "MEASURED",
-        ),
-    ]
-    simulated: Annotated[
-        list[Path] | None,
-        Argument(
-            "Folders of runs (results.nc), or CSV files; several side by side.",
-            "SIMULATED…",
-        ),
-    ] = None
-    output: Annotated[
-        Path, option("Folder for the page, tables and figures.", "-o")
-    ] = Path("comparison")
-    name: Annotated[list[str] | None, option("Name of a simulation; one each.")] = None
-    above: Annotated[float, option("Ignore measured values below [lux].", least=0)] = (
-        100.0
+    measured: Path = argument(
+        "CSV with a column of times and one per sensor; or a mapping (.toml) of"
+        " files and columns to sensors.",
+        "MEASURED",
     )
-    shift: Annotated[float, option("Shift the measured times by [min].")] = 0.0
-    coverage: Annotated[
-        float,
-        option("Least share of a time step with measurements.", least=0, most=1),
-    ] = 0.75
-    sensors: Annotated[
-        Path | None,
-        option("Write the sensors of a mapping's scans to this file, and stop."),
-    ] = None
+    simulated: list[Path] | None = argument(
+        "Folders of runs (results.nc), or CSV files; several side by side.",
+        "SIMULATED…",
+        default=None,
+    )
+    output: Path = option(
+        Path("comparison"), "Folder for the page, tables and figures.", "-o"
+    )
+    name: list[str] | None = option(None, "Name of a simulation; one each.")
+    above: float = option(100.0, "Ignore measured values below [lux].", least=0)
+    shift: float = option(0.0, "Shift the measured times by [min].")
+    coverage: float = option(
+        0.75, "Least share of a time step with measurements.", least=0, most=1
+    )
+    sensors: Path | None = option(
+        None, "Write the sensors of a mapping's scans to this file, and stop."
+    )
     quiet: Quiet = False
 
 
@@ -181,14 +157,14 @@ class ImportModel:
     study. Objects that cannot be converted are listed.
     """
 
-    model: Annotated[Path, Argument("A .hbjson, .obj, .gltf or .glb file.", "MODEL")]
-    output: Annotated[Path, option("Folder for the files.", "-o")]
-    weather: Annotated[
-        Path | None, option("Weather file for the study of a honeybee model.")
-    ] = None
-    materials: Annotated[
-        Path | None, option("Material map (.toml) of an OBJ or glTF file.")
-    ] = None
+    model: Path = argument("A .hbjson, .obj, .gltf or .glb file.", "MODEL")
+    output: Path = required("Folder for the files.", "-o")
+    weather: Path | None = option(
+        None, "Weather file for the study of a honeybee model."
+    )
+    materials: Path | None = option(
+        None, "Material map (.toml) of an OBJ or glTF file."
+    )
     quiet: Quiet = False
 
 

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 from clerestory.cli.command import Command
 from clerestory.cli.requests.common import (
@@ -17,7 +16,7 @@ from clerestory.cli.requests.common import (
     SkySubdivision,
     WindowFiles,
 )
-from clerestory.options import option
+from clerestory.options import option, required
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,9 +31,7 @@ class ViewMatrix:
     scene: SceneFiles
     window: WindowFiles
     receiver: SensorsOrView
-    direct: Annotated[
-        bool, option("Direct light only: V_d of the five-phase method.")
-    ] = False
+    direct: bool = option(False, "Direct light only: V_d of the five-phase method.")
     effort: EffortOptions
     file: MatrixFile
 
@@ -75,10 +72,9 @@ class FacadeMatrix:
 
     scene: SceneFiles
     window: WindowFiles
-    port: Annotated[
-        list[Path],
-        option("Radiance files of ports whose front faces the window.", metavar="F…"),
-    ]
+    port: list[Path] = required(
+        "Radiance files of ports whose front faces the window.", metavar="F…"
+    )
     effort: EffortOptions
     file: MatrixFile
 
@@ -93,19 +89,16 @@ class SunCoefficients:
 
     scene: SceneFiles
     window: WindowFiles
-    bsdf: Annotated[Path, option("BSDF of the windows (.xml).", metavar="F")]
-    weather: Annotated[
-        Path, option("Weather file that gives the sun positions.", metavar="F")
-    ]
+    bsdf: Path = required("BSDF of the windows (.xml).", metavar="F")
+    weather: Path = required("Weather file that gives the sun positions.", metavar="F")
     receiver: SensorsOrView
-    tolerance: Annotated[
-        float, option("Suns no farther apart than this are one sun [°].", least=0)
-    ] = 0.25
-    peak: Annotated[
-        bool,
-        option("Extract the direct peak of the BSDF: it stays as sharp as the sun."),
-    ] = False
-    samples: Annotated[int, option("Paths per row and sun.", metavar="N", least=1)] = 64
+    tolerance: float = option(
+        0.25, "Suns no farther apart than this are one sun [°].", least=0
+    )
+    peak: bool = option(
+        False, "Extract the direct peak of the BSDF: it stays as sharp as the sun."
+    )
+    samples: int = option(64, "Paths per row and sun.", metavar="N", least=1)
     seed: Seed = 1
     device: DeviceName = "auto"
     cluster: ClusterAddress = None

@@ -22,7 +22,7 @@ from jaxtyping import Float
 from clerestory.array_types import Directions, Points2, Vector
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
-from clerestory.gonio.angles import from_degrees, upright
+from clerestory.gonio.angles import from_degrees, upper_hemisphere
 from clerestory.gonio.formats.file_format import (
     Facing,
     FileFormat,
@@ -71,9 +71,9 @@ def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...
     for path in paths:
         file = _read_file(path, options.facing)
         name = file.name or name
-        incident = upright(file.incident)
+        incident = upper_hemisphere(file.incident)
         for channel, values in file.values.items():
-            scan = Scan(incident, upright(file.leaving), values, str(path))
+            scan = Scan(incident, upper_hemisphere(file.leaving), values, str(path))
             groups.setdefault((file.function, channel), []).append(scan)
     return tuple(
         Measurement(tuple(scans), function, channel, name)

@@ -23,7 +23,7 @@ from jaxtyping import Float
 from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.errors import InputError
-from clerestory.gonio.angles import angle_between, from_degrees, straight_on
+from clerestory.gonio.angles import angle_between, from_degrees, undeviated
 from clerestory.gonio.formats.file_format import FileFormat, ReadOptions, single_file
 from clerestory.gonio.formats.text_tables import (
     Line,
@@ -155,7 +155,7 @@ def _scan(
 ) -> Scan:
     azimuth, radius = np.radians(found.axes[2]), np.radians(found.axes[3])
     source = from_degrees(incidence, 180.0 - rotation)
-    centre = straight_on(source)
+    centre = undeviated(source)
     ahead = np.array([0.0, 0, 1]) - centre[2] * centre
     if np.linalg.norm(ahead) < _SAME:
         ahead = np.array(
