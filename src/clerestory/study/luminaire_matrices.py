@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float
 
-from clerestory import __version__
 from clerestory.errors import InputError
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
@@ -176,17 +175,16 @@ def _brighter(material: Material, factor: float) -> Material:
 
 
 def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
-    sensors, options = job.inputs.sensors(), job.options(LAMPS + number)
-    key = fingerprint("lamps", __version__, room, zone.light, sensors, options)
+    sensors, effort = job.inputs.sensors(), job.effort(LAMPS + number)
+    key = fingerprint("lamps", room, zone.light, sensors, effort)
 
     def make() -> TransferMatrix:
         progress = job.display(f"electric light of {zone.table.label or 'the room'}")
         found = irradiance(
             room + zone.light,
             sensors,
-            executor=job.executor,
+            effort=effort,
             progress=progress,
-            **options,
         )
         return TransferMatrix(
             found.irradiance.T[:, :, None],
@@ -201,10 +199,8 @@ def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
 
 def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.ndarray:
     table, camera = job.study.view[view], job.inputs.cameras[view]
-    options = job.options(LAMPS + number)
-    del options["relative_error" if "relative_error" in options else "samples"]
-    options["samples"] = table.samples
-    key = fingerprint("lamps seen", __version__, room, zone.light, camera, options)
+    effort = job.pixel_effort(table.samples, LAMPS + number)
+    key = fingerprint("lamps seen", room, zone.light, camera, effort)
 
     def make() -> TransferMatrix:
         picture = render(
@@ -212,9 +208,8 @@ def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.nda
             camera.view,
             columns=camera.columns,
             rows=camera.rows,
-            executor=job.executor,
+            effort=effort,
             progress=job.display(f"electric light in {table.label}"),
-            **options,
         ).picture
         values = np.moveaxis(picture.radiance, -1, 0).reshape(-1, len(camera), 1)
         axes = pixel_axis(len(camera)), unknown_axis(1)

@@ -9,7 +9,7 @@ forgotten as the pictures pass.
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -104,24 +104,20 @@ class ViewMatrices:
         chosen = group.states[state]
         directions = np.zeros((0, 3)) if suns is None else suns.directions
         windows = [each.inner for each in job.inputs.groups]
-        options: dict[str, Any] = {
-            "peak": chosen.peak,
-            "samples": job.study.sun.picture_samples,
-            "seed": job.seed(SUN + number + STATE * state),
-            "device": job.device,
-        }
+        samples, stream = job.study.sun.picture_samples, SUN + number + STATE * state
+        effort = job.direct_effort(stream, samples)
         scene = job.scene
         if METHODS[job.study.method].facade:
             scene = scene + chosen.shade
         where = (scene, windows, group.name, chosen.fine, self.camera)
         if self._bytes(len(directions)) > job.study.sun.keep_gb * 1e9:
             return sun_pictures(
-                *where, suns=directions, executor=job.executor, **options
+                *where, suns=directions, peak=chosen.peak, effort=effort
             )
         label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
         key = fingerprint(
             "picture sun", job.scene_key, chosen.shade, windows, number, chosen.fine,
-            self.camera, directions, options,
+            chosen.peak, self.camera, directions, effort,
         )  # fmt: skip
 
         def make() -> TransferMatrix:
@@ -129,9 +125,9 @@ class ViewMatrices:
             traced = picture_sun_coefficients(
                 *where,
                 suns=directions,
-                executor=job.executor,
+                peak=chosen.peak,
+                effort=effort,
                 progress=progress,
-                **options,
             )
             return _half(traced)
 
@@ -202,24 +198,21 @@ def _view(
 def _view_matrices(
     job: Job, table: ViewTable, camera: Camera, *, direct: bool
 ) -> dict[str, TransferMatrix]:
-    options = job.options(DIRECT * direct)
-    del options["relative_error" if "relative_error" in options else "samples"]
-    options |= {"samples": table.samples, "direct": direct}
+    effort = job.pixel_effort(table.samples, DIRECT * direct)
     prefix = "direct-picture" if direct else "picture"
     inner = {f"{prefix}-{table.label}-{g.name}": g.inner for g in job.inputs.groups}
-    key = fingerprint(
-        "half picture", job.scene_key, list(inner.values()), camera, options
-    )
+    windows = list(inner.values())
+    key = fingerprint("half picture", job.scene_key, windows, camera, effort, direct)
 
     def make() -> dict[str, TransferMatrix]:
         progress = job.display(f"{prefix} matrices of {table.label}")
         traced = picture_view_matrices(
             job.scene,
-            list(inner.values()),
+            windows,
             camera,
-            executor=job.executor,
+            direct=direct,
+            effort=effort,
             progress=progress,
-            **options,
         )
         return {name: _half(traced[window.name]) for name, window in inner.items()}
 
