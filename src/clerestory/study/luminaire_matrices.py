@@ -5,6 +5,7 @@ What else shines in the scene's files is left out.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -15,12 +16,12 @@ from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.rendering import irradiance, render
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.material import altered
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
 from clerestory.study.job import LAMPS, Job
+from clerestory.study.kept_matrices import kept
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 
 
@@ -176,18 +177,10 @@ def _brighter(material: Material, factor: float) -> Material:
 
 
 def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
-    sensors, options = job.inputs.sensors(), job.options(LAMPS + number)
-    key = fingerprint("lamps", __version__, room, zone.light, sensors, options)
+    sensors = job.inputs.sensors()
 
-    def make() -> TransferMatrix:
-        progress = job.display(f"electric light of {zone.table.label or 'the room'}")
-        found = irradiance(
-            room + zone.light,
-            sensors,
-            executor=job.executor,
-            progress=progress,
-            **options,
-        )
+    def trace(**how: Any) -> TransferMatrix:
+        found = irradiance(room + zone.light, sensors, **how)
         return TransferMatrix(
             found.irradiance.T[:, :, None],
             sensor_axis(len(sensors)),
@@ -195,7 +188,14 @@ def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
             found.error.T[None, :, :, None],
         )
 
-    return job.matrix(f"lamps-{zone.table.label}", key, make)
+    return kept(
+        job,
+        f"lamps-{zone.table.label}",
+        trace,
+        ("lamps", __version__, room, zone.light, sensors),
+        job.options(LAMPS + number),
+        shown=f"electric light of {zone.table.label or 'the room'}",
+    )
 
 
 def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.ndarray:
@@ -203,20 +203,24 @@ def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.nda
     options = job.options(LAMPS + number)
     del options["relative_error" if "relative_error" in options else "samples"]
     options["samples"] = table.samples
-    key = fingerprint("lamps seen", __version__, room, zone.light, camera, options)
 
-    def make() -> TransferMatrix:
+    def trace(**how: Any) -> TransferMatrix:
         picture = render(
             room + zone.light,
             camera.view,
             columns=camera.columns,
             rows=camera.rows,
-            executor=job.executor,
-            progress=job.display(f"electric light in {table.label}"),
-            **options,
+            **how,
         ).picture
-        values = picture.radiance.reshape(-1, 3).T[:, :, None]
+        values = picture.radiance.reshape(len(camera), -1).T[:, :, None]
         return TransferMatrix(values, pixel_axis(len(camera)), unknown_axis(1))
 
-    name = f"lamps-{table.label}-{zone.table.label}"
-    return job.matrix(name, key, make).values[:, :, 0].T
+    matrix = kept(
+        job,
+        f"lamps-{table.label}-{zone.table.label}",
+        trace,
+        ("lamps seen", __version__, room, zone.light, camera),
+        options,
+        shown=f"electric light in {table.label}",
+    )
+    return matrix.values[:, :, 0].T

@@ -16,7 +16,6 @@ from jaxtyping import Float, Int
 
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     Skies,
@@ -34,6 +33,7 @@ from clerestory.phases.picture_matrices import (
 from clerestory.phases.picture_series import pictures_over_time
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, STATE, SUN, Job
+from clerestory.study.kept_matrices import kept, kept_together
 from clerestory.study.study_matrices import StudyMatrices
 
 # Bytes of a pixel's coefficient for one sun: three half-precision numbers
@@ -119,24 +119,24 @@ class ViewMatrices:
                 *where, suns=directions, executor=job.executor, **options
             )
         label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
-        key = fingerprint(
-            "picture sun", job.scene_key, chosen.shade, windows, number, chosen.fine,
-            self.camera, directions, options,
-        )  # fmt: skip
-
-        def make() -> TransferMatrix:
-            progress = job.display(f"direct sun in pictures, {label}")
-            traced = picture_sun_coefficients(
-                *where,
-                suns=directions,
-                executor=job.executor,
-                progress=progress,
-                **options,
-            )
-            return _half(traced)
-
-        values = job.matrix(f"picture-sun-{label}", key, make).values
-        return lambda asked: values[:, :, asked]
+        found = kept(
+            job,
+            f"picture-sun-{label}",
+            lambda **how: _half(
+                picture_sun_coefficients(*where, suns=directions, **how)
+            ),
+            (
+                "picture sun",
+                job.scene_key,
+                chosen.shade,
+                number,
+                *where[1:],
+                directions,
+            ),
+            options,
+            shown=f"direct sun in pictures, {label}",
+        )
+        return lambda asked: found.values[:, :, asked]
 
     def _bytes(self, suns: int) -> int:
         # What the direct suns of all views and states take
@@ -147,11 +147,11 @@ class ViewMatrices:
 
 
 def _half(matrix: TransferMatrix) -> TransferMatrix:
-    # Three digits are enough for a pixel, whose noise is larger. Grey rooms have three
-    # equal channels, which are one in memory: one is enough
+    # Three digits are enough for a pixel, whose noise is larger. Channels of grey rooms
+    # are one in memory: one is enough
     values = matrix.values
     alike = values.strides[0] == 0
-    return replace(matrix, values=values[: 1 if alike else 3].astype(np.float16))
+    return replace(matrix, values=values[: 1 if alike else None].astype(np.float16))
 
 
 def _combinations(
@@ -206,22 +206,18 @@ def _view_matrices(
     del options["relative_error" if "relative_error" in options else "samples"]
     options |= {"samples": table.samples, "direct": direct}
     prefix = "direct-picture" if direct else "picture"
-    inner = {f"{prefix}-{table.label}-{g.name}": g.inner for g in job.inputs.groups}
-    key = fingerprint(
-        "half picture", job.scene_key, list(inner.values()), camera, options
+    windows = [group.inner for group in job.inputs.groups]
+
+    def trace(**how: Any) -> dict[str, TransferMatrix]:
+        traced = picture_view_matrices(job.scene, windows, camera, **how)
+        return {name: _half(matrix) for name, matrix in traced.items()}
+
+    return kept_together(
+        job,
+        f"{prefix}-{table.label}",
+        windows,
+        trace,
+        ("half picture", job.scene_key, windows, camera),
+        options,
+        shown=f"{prefix} matrices of {table.label}",
     )
-
-    def make() -> dict[str, TransferMatrix]:
-        progress = job.display(f"{prefix} matrices of {table.label}")
-        traced = picture_view_matrices(
-            job.scene,
-            list(inner.values()),
-            camera,
-            executor=job.executor,
-            progress=progress,
-            **options,
-        )
-        return {name: _half(traced[window.name]) for name, window in inner.items()}
-
-    found = job.matrices(list(inner), key, make)
-    return {window.name: found[name] for name, window in inner.items()}
