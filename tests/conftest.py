@@ -39,11 +39,11 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    config.pluginmanager.register(slow_share.Durations(), "slow-durations")
+    config.pluginmanager.register(slow_share.Durations(), "slow_durations")
 
 
 def pytest_collection_modifyitems(config, items):
-    slow = [item for item in items if "slow" in item.keywords]
+    slow = [item for item in items if item.get_closest_marker("slow")]
     known = slow_share.read_record()
     chosen = {item.nodeid for item in slow}
     if not config.getoption("--all"):
@@ -53,6 +53,7 @@ def pytest_collection_modifyitems(config, items):
             choice=config.getoption("--slow-choice"),
             known=known,
         )
+    config.pluginmanager.get_plugin("slow_durations").tests.update(chosen)
     config.slow_report = slow_share.describe(chosen, len(slow), known)
     skip = pytest.mark.skip(reason="slow: not in this run's share; run with --all")
     for item in slow:

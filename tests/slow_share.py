@@ -76,11 +76,12 @@ class Durations:
     """Plugin that adds up what slow tests take: set-up, call and tear-down."""
 
     def __init__(self) -> None:
+        self.tests: set[str] = set()
         self.seconds: dict[str, float] = defaultdict(float)
 
     def pytest_runtest_logreport(self, report) -> None:
         """Add one phase of a test that was run."""
-        if "slow" in report.keywords and not report.skipped:
+        if report.nodeid in self.tests and not report.skipped:
             self.seconds[report.nodeid] += report.duration
 
     def pytest_sessionfinish(self, session) -> None:

@@ -19,12 +19,8 @@ def lambertian(
 ) -> Bsdf:
     """Return a Lambertian diffuser, equal on both sides.
 
-    Parameters
-    ----------
-    transmittance, reflectance : 0…1, with a sum of at most 1
+    `transmittance`, `reflectance`: 0…1, with a sum of at most 1.
 
-    Examples
-    --------
     >>> from clerestory.hemisphere.klems import klems
     >>> lambertian(0.4, klems("half")).direct_hemispherical().round(9)[:2].tolist()
     [0.4, 0.4]

@@ -36,9 +36,7 @@ def sample_square(
 ) -> tuple[Float[np.ndarray, "samples 3"], _Samples]:
     """Directions distributed like the flux of a square grid, and their density [1/sr].
 
-    Parameters
-    ----------
-    value : BSDF of the cells of the Shirley–Chiu square, the second axis fastest
+    `value`: BSDF of the cells of the Shirley–Chiu square, the second axis fastest.
     """
     first = np.zeros(len(u), dtype=int)
     cell, rest, total = choose_cells(value, first, first + len(value), u[:, 0])

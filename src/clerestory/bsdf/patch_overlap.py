@@ -24,12 +24,8 @@ _QUARTERS = (((1, 0), (0, 1)), ((0, 1), (-1, 0)), ((-1, 0), (0, -1)), ((0, -1), 
 def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_array:
     """Overlap of patches and cells of the unit square [sr], (patch, cell).
 
-    Parameters
-    ----------
-    halvings : 2^halvings cells along each axis, the second axis fastest
+    `halvings`: 2^halvings cells along each axis, the second axis fastest.
 
-    Examples
-    --------
     >>> from clerestory.hemisphere.klems import klems
     >>> quarter = klems("quarter")
     >>> overlap = patches_in_cells(quarter, 3)

@@ -47,9 +47,7 @@ def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
 def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
     """Return the BSDF as tensor trees of rank 4; existing trees are kept.
 
-    Parameters
-    ----------
-    halvings : 2^halvings smallest cells along each axis, 6 at most
+    `halvings`: 2^halvings smallest cells along each axis, 6 at most.
     """
     functions = {
         key: part if isinstance(part, ScatteringTree) else tree_from(part, halvings)
@@ -100,10 +98,8 @@ def full_tree(
 ) -> ScatteringTree:
     """Return the rank 4 tree of a full grid of cells.
 
-    Parameters
-    ----------
-    value : BSDF [1/sr] of the finest cells; incident cells are numbered by the
-        undeviated direction, the second coordinate of the square fastest
+    `value`: BSDF [1/sr] of the finest cells; incident cells are numbered by the
+    undeviated direction, the second coordinate of the square fastest.
     """
     # Branches of all levels, then the values in their order
     starts = np.cumsum([1 << 4 * level for level in range(halvings + 1)])

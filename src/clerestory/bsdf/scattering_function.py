@@ -43,12 +43,8 @@ def pairs_by_function(
 ) -> dict[Function, Int[np.ndarray, " some"]]:
     """Numbers of the pairs of directions that each of the four functions is for.
 
-    Parameters
-    ----------
-    incident, leaving : away from the layer; z points into the room
+    `incident`, `leaving`: away from the layer; z points into the room.
 
-    Examples
-    --------
     >>> up, down = np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 0.0, -1.0]])
     >>> pairs_by_function(down, up)["transmission_front"].tolist()
     [0]
@@ -81,9 +77,7 @@ class ScatteringFunction(ABC):
         directional-hemispherical value; directions have z ≥ 0 on either side. Where
         nothing is scattered the density is 0 and the direction the normal.
 
-        Parameters
-        ----------
-        u : points of the unit square [0, 1)², one per direction
+        `u`: points of the unit square [0, 1)², one per direction.
         """
 
     @abstractmethod

@@ -57,9 +57,7 @@ class _Level:
 def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
     """Return a tree with similar cells merged; flux is conserved.
 
-    Parameters
-    ----------
-    percent : blocks of smallest cells to merge [%]; 0 merges only equal cells
+    `percent`: blocks of smallest cells to merge [%]; 0 merges only equal cells.
     """
     if not 0 <= percent < 100:
         raise InputError(f"reduction by {percent} %; 0 to below 100 % expected")

@@ -235,12 +235,8 @@ def _format_table(table: ExitIncident, digits: int | None) -> str:
 def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
     """Return the text of a tree: branches and values in braces.
 
-    Parameters
-    ----------
-    digits : significant digits; None for all
+    `digits`: significant digits; None for all.
 
-    Examples
-    --------
     >>> even = ScatteringTree(np.array([0.25], dtype=np.float32).view(np.int32), 4, 0)
     >>> format_tree(even)
     '{ 0.25 }'

@@ -13,12 +13,8 @@ from clerestory.scene.model import Glass, Material, Polygon, Scene
 def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
     """Return a Lambertian sheet.
 
-    Parameters
-    ----------
-    transmittance, reflectance : with a sum of at most 1
+    `transmittance`, `reflectance`: with a sum of at most 1.
 
-    Examples
-    --------
     >>> diffuse_pane(transmittance=0.5).area.periodic
     True
     """

@@ -130,9 +130,7 @@ def sheet_with_holes(
 ) -> Scene:
     """Return a sheet of one material with holes and their walls.
 
-    Parameters
-    ----------
-    faces : of a thick sheet; a single one for materials that transmit
+    `faces`: of a thick sheet; a single one for materials that transmit.
     """
     check_positive(pitch=pitch, hole=hole)
     check_not_negative(thickness=thickness)

@@ -56,8 +56,6 @@ def agreement(
 ) -> Agreement:
     """Return the statistics of pairs of values.
 
-    Examples
-    --------
     >>> found = agreement(np.array([100.0, 200.0]), np.array([104.0, 230.0]))
     >>> found.within, found.mean_bias, round(found.relative_bias, 4)
     ((0.5, 0.5, 1.0), 17.0, 0.1133)

@@ -138,14 +138,14 @@ def compare_series(
     chosen = pairs.where(counts)
     if not chosen.measured.size:
         raise InputError(_nothing(pairs, rules, simulated))
-    asked = {name for series in measured for name in series.names}
+    names = {name for series in measured for name in series.names}
     return Comparison(
         name,
         chosen,
         below,
         rules,
         _offsets(moved, simulated, rules),
-        tuple(sorted(asked - set(simulated.names))),
+        tuple(sorted(names - set(simulated.names))),
         ignored,
         simulated.step_minutes,
     )

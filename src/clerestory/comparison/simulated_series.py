@@ -13,7 +13,7 @@ from clerestory.study.results import read_results
 def simulated_series(path: str | Path) -> Series:
     """Return the series in a run's folder or its `results.nc`.
 
-    Sensors keep their names; a view gives `VIEW.dgp`, `VIEW.dgi` … and
+    Sensors have their names; a view has `VIEW.dgp`, `VIEW.dgi` … and
     `VIEW.illuminance`, the vertical illuminance at the eye [lux].
 
     Raises

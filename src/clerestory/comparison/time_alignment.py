@@ -87,8 +87,8 @@ def pair_series(
                 error, _ = _averaged(simulated, measured, coverage, error)
         else:
             simulated_at, error = _interpolated(simulated, steps)
-    known, told = ~np.isnan(measured_at), ~np.isnan(simulated_at)
-    row, column = np.nonzero(known & told)
+    known, computed = ~np.isnan(measured_at), ~np.isnan(simulated_at)
+    row, column = np.nonzero(known & computed)
     errors = np.full(measured_at.shape, np.nan) if error is None else error
     return Pairs(
         measured.names,
@@ -98,7 +98,7 @@ def pair_series(
         simulated_at[row, column],
         errors[row, column],
         gaps,
-        (known & ~told).sum(axis=1),
+        (known & ~computed).sum(axis=1),
     )
 
 

@@ -56,8 +56,6 @@ Rule = Callable[[Situation], Int[np.ndarray, " time"]]
 def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
     """Return the states of a rule, after a check.
 
-    Examples
-    --------
     >>> hours = np.array(["2001-06-21T09:30", "2001-06-21T12:30"], "datetime64[s]")
     >>> here = Situation(hours, 2, np.array([True, True]),
     ...                  {"irradiance": np.array([90.0, 400.0])})
@@ -84,8 +82,6 @@ def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
 def load_rule(path: str | Path, name: str) -> Rule:
     r"""Return a function from a Python file.
 
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder, "rules.py")

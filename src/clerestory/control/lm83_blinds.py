@@ -59,8 +59,6 @@ def operate_by_direct_sun(
     of the groups. Beyond 256 combinations groups are closed successively, the one with
     most sensors in direct sunlight first.
 
-    Examples
-    --------
     >>> sun = np.array([[[2000.0, 500.0]], [[100.0, 25.0]]])  # open, closed; two hours
     >>> operate_by_direct_sun({"south": sun}).states["south"].tolist()
     [1, 0]

@@ -22,8 +22,6 @@ def profile_angle(
     NaN where the sun is behind the window. For vertical slats the angle is measured to
     the right, seen from the room.
 
-    Examples
-    --------
     >>> y, z = np.eye(3)[1:]
     >>> south = Frame.from_normal_up(y, z)
     >>> high = np.array([[0.0, -0.5, np.sqrt(0.75)]])
@@ -43,8 +41,6 @@ def cut_off_tilt(
     Slats are horizontal at 0; positive tilts turn the outer edge down. Where even
     closed slats transmit, the tilt is that of the smallest transmission. NaN stays NaN.
 
-    Examples
-    --------
     >>> wide = cut_off_tilt(np.array([0.0]), width=0.08, spacing=0.04)
     >>> np.degrees(wide).round(6).tolist()  # sin β = s/w
     [30.0]
@@ -85,8 +81,6 @@ def blocking_states(
     tilts : of the states, from the most open [rad]
     sunny : steps with direct light; None for all
 
-    Examples
-    --------
     >>> tilts = np.radians([0.0, 60.0, 75.0])
     >>> sun = np.radians([60.0, 10.0, np.nan])
     >>> blocking_states(sun, tilts=tilts, width=0.08, spacing=0.072).tolist()

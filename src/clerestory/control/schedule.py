@@ -80,8 +80,6 @@ def select_states(
 ) -> Float[np.ndarray, "*rest time"]:
     """Return the values of the state of each step.
 
-    Examples
-    --------
     >>> values = np.array([[10.0, 20.0], [1.0, 2.0]])
     >>> select_states(values, np.array([0, 1])).tolist()
     [10.0, 2.0]
@@ -104,8 +102,6 @@ def states_at(
 
     Years are ignored: the last line is valid until the first one.
 
-    Examples
-    --------
     >>> lines = np.array(["2001-01-01T08:00", "2001-01-01T18:00"], "datetime64[s]")
     >>> schedule = StateSchedule(lines, {"south": np.array([1, 0])})
     >>> day = np.array(["2023-01-01T07:30", "2023-01-01T09:30"], "datetime64[s]")

@@ -43,8 +43,6 @@ def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
 
     With one limit on DGP this is glare control.
 
-    Examples
-    --------
     >>> dgp = np.array([[0.5, 0.3, 0.6], [0.38, 0.2, 0.5], [0.2, 0.2, 0.45]])
     >>> least_closed([Limit(dgp, 0.40)]).tolist()
     [1, 0, 2]
@@ -67,8 +65,6 @@ def best_states(
     ----------
     score : quantity to be maximised, such as daylight at the desk or view out
 
-    Examples
-    --------
     >>> lux = np.array([[900.0, 800.0], [500.0, 300.0]])
     >>> dgp = np.array([[0.5, 0.3], [0.3, 0.2]])
     >>> best_states(lux, [Limit(dgp, 0.4)]).tolist()

@@ -30,8 +30,6 @@ def threshold_states(
     close_after, open_after : consecutive steps beyond the threshold before a movement
     start : state before the first step
 
-    Examples
-    --------
     >>> lux = np.array([10.0, 60.0, 45.0, 60.0, 20.0, 20.0])
     >>> threshold_states(lux, close_above=50, open_below=30).tolist()
     [0, 1, 1, 1, 0, 0]
@@ -74,8 +72,6 @@ def staged_states(
     Each stage has its own thresholds, in increasing order; the state is the number of
     closed stages.
 
-    Examples
-    --------
     >>> w = np.array([100.0, 300.0, 600.0, 200.0])
     >>> staged_states(w, close_above=np.array([250.0, 500.0])).tolist()
     [0, 1, 2, 0]

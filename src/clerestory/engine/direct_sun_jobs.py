@@ -106,7 +106,8 @@ class SunJob(_DirectSensorJob):
     @property
     def shape(self) -> tuple[int, int, int, int]:
         """Sensors, batches, suns and channels: one for a grey BSDF."""
-        channels = 3 if self.bsdf.in_colour("transmission_front") else 1
+        colour = self.bsdf.in_colour("transmission_front")
+        channels = len(self.scene.bands) if colour else 1
         return len(self.sensors), self.batches, len(self.suns), channels
 
     @property

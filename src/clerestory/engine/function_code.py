@@ -18,7 +18,7 @@ from clerestory.engine.function_library import FUNCTIONS, Value, either_bad, whe
 from clerestory.errors import InputError
 from clerestory.radiance.cal.library import PRELUDE
 from clerestory.radiance.cal.program import Program
-from clerestory.radiance.cal.rows import Frame
+from clerestory.radiance.cal.run import Frame
 from clerestory.radiance.cal.syntax import (
     Call,
     Chain,

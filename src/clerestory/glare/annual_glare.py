@@ -156,8 +156,6 @@ def glare_of_steps(
 ) -> Iterator[Glare]:
     """Yield the glare of each picture, with its sources.
 
-    Examples
-    --------
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> next(glare_of_steps(np.full((1, 160, 160), 100.0), eye)).sources.count
     0

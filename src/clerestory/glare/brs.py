@@ -18,8 +18,6 @@ def brs_glare_index(sources: GlareSources, *, background: float) -> float:
     Reference: Petherbridge, P., Hopkinson, R. G. (1950): Discomfort glare and the
     lighting of buildings. Transactions of the Illuminating Engineering Society 15(2).
 
-    Examples
-    --------
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(brs_glare_index(lamp, background=40.0), 1)
     18.0

@@ -17,8 +17,6 @@ def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
     Reference: Einhorn, H. D. (1979): Discomfort glare: a formula to bridge differences.
     Lighting Research and Technology 11(2).
 
-    Examples
-    --------
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(cgi(lamp, illuminance=190.0, direct=52.0), 2)
     21.75

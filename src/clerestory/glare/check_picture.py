@@ -37,8 +37,6 @@ def check_picture(
 ) -> Picture:
     """Return the picture in grey with its glare sources in colours.
 
-    Examples
-    --------
     >>> grey = Picture(np.ones((30, 30, 3), dtype=np.float32))
     >>> one = Members(np.array([1]), np.array([4]), np.array([7]))
     >>> shown = check_picture(grey, one, colour=(1, 0, 0))

@@ -28,8 +28,6 @@ def exceeded_dgp(
 ) -> Float[np.ndarray, "*shape"]:
     """DGP that is exceeded in at most a given fraction of the steps.
 
-    Examples
-    --------
     >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
     0.95
     """
@@ -49,8 +47,6 @@ def protection_level(exceeded: float) -> Protection:
     ----------
     exceeded : DGP exceeded in no more than 5 % of the time of use
 
-    Examples
-    --------
     >>> protection_level(0.38), protection_level(0.5)
     ('medium', 'none')
     """
@@ -65,8 +61,6 @@ def glare_autonomy(
 
     Reference: Jones, N. L. (2019), as in `imageless`.
 
-    Examples
-    --------
     >>> float(glare_autonomy(np.array([0.2, 0.3, 0.39, 0.6])))
     0.75
     """
@@ -79,8 +73,6 @@ def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
     The table is that printed by manufacturers of fabrics; it was not compared with the
     standard. The finer table of the edition of 2021 is not implemented.
 
-    Examples
-    --------
     >>> glare_control_class(normal_normal=0.03, normal_diffuse=0.05)
     1
     """

@@ -36,8 +36,6 @@ def fill_cut(
     As by option -I of evalglare, columns are extrapolated upwards only where the first
     captured row lies within the field of view.
 
-    Examples
-    --------
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)

@@ -19,8 +19,8 @@ class Zone:
 
     Attributes
     ----------
-    row, column : pixel in its middle
-    opening : angle across the circle [rad]
+    row, column : central pixel
+    opening : opening angle [rad]
     """
 
     row: int
@@ -49,8 +49,6 @@ class SourceRules:
     smallest : sources of a smaller solid angle are ignored [sr]
     field_of_view : ignore sources outside of Guth's field of view
 
-    Examples
-    --------
     >>> SourceRules(threshold=5, threshold_kind="times_task", task=Zone(400, 400, 0.6))
     ... # doctest: +ELLIPSIS
     SourceRules(threshold=5, threshold_kind='times_task', ...)

@@ -29,8 +29,6 @@ def dgi(
     Ergonomics 3(4). Chauvel, P. et al. (1982): Glare from windows: current views of
     the problem. Lighting Research and Technology 14(1).
 
-    Examples
-    --------
     >>> window = GlareSources.of(luminance=[5e3], solid_angle=[0.5], position_index=[2])
     >>> round(dgi(window, background=300.0), 1)
     21.4
@@ -48,8 +46,6 @@ def modified_dgi(sources: GlareSources, *, average: float) -> float:
     Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
     Lighting Research and Technology 35(4), equation 11.
 
-    Examples
-    --------
     >>> window = GlareSources.of(luminance=[5e3], solid_angle=[0.5], position_index=[2])
     >>> round(modified_dgi(window, average=800.0), 1)
     21.4

@@ -55,8 +55,6 @@ def dgp(
     development of a new glare prediction model for daylight environments with the use
     of CCD cameras. Energy and Buildings 38(7), equation 4.
 
-    Examples
-    --------
     >>> sun = GlareSources.of(luminance=[1e6], solid_angle=[6.8e-5], position_index=[3])
     >>> round(dgp(sun, illuminance=3000.0), 3)
     0.384
@@ -83,8 +81,6 @@ def simplified_dgp(illuminance: _Values) -> _Values:
     Reference: Wienold, J. (2007): Dynamic simulation of blind control strategies for
     visual comfort and energy balance analysis. Building Simulation, Beijing.
 
-    Examples
-    --------
     >>> simplified_dgp(np.array([2000.0])).round(4).tolist()
     [0.3084]
     """
@@ -98,8 +94,6 @@ def low_light_correction(illuminance: _Values) -> _Values:
     Reference: Wienold, J. (2012): New features of evalglare. 11th International
     Radiance Workshop, Copenhagen.
 
-    Examples
-    --------
     >>> low_light_correction(np.array([100.0, 300.0, 2000.0])).round(3).tolist()
     [0.168, 0.961, 1.0]
     """
@@ -115,8 +109,6 @@ def age_correction(age: float) -> float:
 
     Reference: Wienold, J. (2012), as above.
 
-    Examples
-    --------
     >>> age_correction(20.0), round(age_correction(60.0), 3)
     (1.0, 1.25)
     """

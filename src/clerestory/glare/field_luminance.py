@@ -32,8 +32,6 @@ def field_luminances(
 
     evalglare divides av_lum_pos2 twice by the solid angle of the view, this once.
 
-    Examples
-    --------
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)

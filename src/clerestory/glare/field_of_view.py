@@ -36,8 +36,6 @@ def in_field(
     Reference: Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery
     27. The fits are those of evalglare 3.06 (options -g and -G).
 
-    Examples
-    --------
     >>> up, far_up = np.radians(40), np.radians(80)
     >>> in_field(
     ...     np.array([up, far_up]), np.zeros(2), np.zeros(2, bool), field="total"

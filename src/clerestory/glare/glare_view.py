@@ -137,8 +137,6 @@ def glare_view(
     columns, rows : size of the pictures
     model : of the position index
 
-    Examples
-    --------
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
     >>> round(float(eye.eye_weight.sum() / np.pi), 3)
     1.0

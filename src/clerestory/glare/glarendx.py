@@ -33,8 +33,6 @@ def weighted_solid_angle(
     view : its direction and up vector are perpendicular
     model : of the position index
 
-    Examples
-    --------
     >>> eye = View(direction=np.array([0.0, 1.0, 0.0]))
     >>> ahead = np.array([[0.0, 1.0, 0.0]])
     >>> float(weighted_solid_angle(ahead, np.array([0.01]), eye).round(4)[0])

@@ -40,8 +40,6 @@ def imageless_dgp(
     mapping. Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient
     simulation for visual comfort evaluations. Energy and Buildings 267.
 
-    Examples
-    --------
     >>> one = np.ones((1, 1))
     >>> dgp = imageless_dgp(
     ...     np.array([3000.0]),
@@ -79,8 +77,6 @@ def position_of(
     The vertical is the view's up vector projected to the plane across the line of
     sight.
 
-    Examples
-    --------
     >>> eye = View(direction=np.array([0.0, 1.0, 0.0]))
     >>> position_of(np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]), eye).tolist()
     [1.0, inf]

@@ -1,8 +1,7 @@
 """Glare index: formula, reference, thresholds and scale.
 
-Every index stands in a module of its own, with its formula and a `GlareIndex` that
-describes it. Results, tables, printed lines and comparisons are made from the list of
-them in `indices`.
+Every index is a module with its formula and a `GlareIndex`. Results, annual tables,
+printed lines and comparisons read the list of them in `indices`.
 """
 
 import math

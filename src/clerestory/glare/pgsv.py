@@ -20,8 +20,6 @@ def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -
     limitations of predicted glare sensation vote (PGSV). Lighting Research and
     Technology 30(2).
 
-    Examples
-    --------
     >>> round(contrast_pgsv(window=3e3, window_solid_angle=0.5, average=600), 2)
     0.92
     """
@@ -78,8 +76,6 @@ def pgsv(
     illuminance : vertical illuminance at the eye [lux]
     task : luminance of the task [cd/m²]
 
-    Examples
-    --------
     >>> window = {"window": 3000.0, "window_solid_angle": 0.5, "average": 600.0}
     >>> round(pgsv(**window, illuminance=1900.0, task=200.0), 2)
     0.92

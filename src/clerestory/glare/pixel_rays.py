@@ -41,8 +41,6 @@ def pixel_rays(
     columns, rows : size of the picture
     some : rows wanted, counted from the top; all if not given
 
-    Examples
-    --------
     >>> rays = pixel_rays(View(kind="angular", horizontal=180, vertical=180), 3, 3)
     >>> rays.direction[1, 1].tolist()
     [0.0, 1.0, 0.0]

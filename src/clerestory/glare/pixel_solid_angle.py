@@ -20,8 +20,6 @@ def quadrilaterals(
 ) -> Float[np.ndarray, "row column"]:
     """Return the solid angles of the pixels of a picture [sr].
 
-    Examples
-    --------
     >>> view = View(kind="angular", horizontal=180, vertical=180)
     >>> float(quadrilaterals(view, 100, 100)[50, 50].round(8))
     0.00098696

@@ -43,8 +43,6 @@ def position_index(
     comfort and discomfort (BCD) in the whole visual field. Building and Environment
     44(5).
 
-    Examples
-    --------
     >>> sigma = np.radians([0.0, 30.0, 30.0])
     >>> position_index(sigma, np.zeros(3), np.array([False, False, True])).round(2)
     array([1.  , 3.35, 1.58])

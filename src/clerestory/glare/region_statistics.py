@@ -44,8 +44,6 @@ def region_statistics(
 ) -> RegionStatistics:
     """Return the statistics of the pixels of a region that are in view.
 
-    Examples
-    --------
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
@@ -80,7 +78,7 @@ def _percentile(values: np.ndarray, share: float) -> float:
 
 
 def band(eye: GlareView, half_width: float) -> Bool[np.ndarray, "row column"]:
-    """Pixels within an angle [rad] of the horizontal middle line of the picture.
+    """Pixels within an angle [rad] of the horizontal centre line of the picture.
 
     The angle is measured within each column.
     """

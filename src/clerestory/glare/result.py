@@ -33,7 +33,7 @@ class Glare(EyePhotometry):
 
     @cached_property
     def dgp(self) -> float:
-        """Daylight glare probability with the corrections asked for."""
+        """Daylight glare probability with the chosen corrections."""
         level = self.eye_illuminance
         value = dgp(self.sources, illuminance=level, coefficients=self.coefficients)
         if self.low_light:

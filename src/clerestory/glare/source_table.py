@@ -25,8 +25,6 @@ class GlareSources:
     row, column : of the source's centre, weighted by luminance
     zone : 0 outside of all zones, 1 in the inner zone, 2 in the outer
 
-    Examples
-    --------
     >>> lamp = GlareSources.of(luminance=[5000], solid_angle=[0.01], position_index=[2])
     >>> lamp.count
     1

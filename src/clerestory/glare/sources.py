@@ -90,8 +90,6 @@ def find_sources(
 ) -> Members:
     """Return the pixels of the glare sources of a picture.
 
-    Examples
-    --------
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 160, 160)

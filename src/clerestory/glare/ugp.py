@@ -16,8 +16,6 @@ def ugp(sources: GlareSources, *, background: float) -> float:
     Reference: Hirning, M. B., Isoardi, G. L. and Cowling, I. (2014): Discomfort glare
     in open plan green buildings. Energy and Buildings 70.
 
-    Examples
-    --------
     >>> window = GlareSources.of(luminance=[3e3], solid_angle=[0.2], position_index=[2])
     >>> round(ugp(window, background=300.0), 3)
     0.669
@@ -33,8 +31,6 @@ def logistic_ugp(sources: GlareSources, *, background: float) -> float:
 
     Reference: Hirning, M. B. et al. (2016), as UGP2 of evalglare.
 
-    Examples
-    --------
     >>> window = GlareSources.of(luminance=[3e3], solid_angle=[0.2], position_index=[2])
     >>> round(logistic_ugp(window, background=300.0), 3)
     0.527

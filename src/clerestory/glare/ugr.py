@@ -17,8 +17,6 @@ def ugr(sources: GlareSources, *, background: float) -> float:
 
     Reference: CIE 117-1995: Discomfort glare in interior lighting.
 
-    Examples
-    --------
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(ugr(lamp, background=40.0), 2)
     19.59
@@ -42,8 +40,6 @@ def experimental_ugr(
     Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
     Lighting Research and Technology 35(4).
 
-    Examples
-    --------
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(experimental_ugr(lamp, average=100.0, background=40.0), 2)
     12.59

@@ -19,8 +19,6 @@ def dgr(sources: GlareSources, *, average: float) -> float:
     Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
     Illuminating Engineering 57. IESNA Lighting Handbook, 9th edition, chapter 9.
 
-    Examples
-    --------
     >>> lamp = GlareSources.of(luminance=[3e3], solid_angle=[0.02], position_index=[2])
     >>> round(dgr(lamp, average=60.0), 1)
     127.3
@@ -38,8 +36,6 @@ def dgr(sources: GlareSources, *, average: float) -> float:
 def vcp(rating: float) -> float:
     """Visual comfort probability at a discomfort glare rating [%].
 
-    Examples
-    --------
     >>> round(vcp(120.0), 1)
     51.7
     """

@@ -20,8 +20,6 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
     glare angle, age and ocular pigmentation. Clinical and Experimental Optometry 86(6).
     CIE 146:2002.
 
-    Examples
-    --------
     >>> at = np.radians(10)
     >>> lamp = GlareSources.of(
     ...     luminance=[1e4], solid_angle=[0.01], position_index=[1], sigma=[at]
@@ -37,8 +35,6 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
 def poynter_veiling_luminance(sources: GlareSources) -> float:
     """Veiling luminance of all sources after Poynter, Lveil of evalglare [cd/m²].
 
-    Examples
-    --------
     >>> at = np.radians(10)
     >>> lamp = GlareSources.of(
     ...     luminance=[1e4], solid_angle=[0.01], position_index=[1], sigma=[at]

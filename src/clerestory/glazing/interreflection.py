@@ -36,12 +36,8 @@ class StackProperties(NamedTuple):
 def stack_properties(layers: Sequence[Optics]) -> StackProperties:
     """Return the optical properties of a stack from flux matrices of its layers.
 
-    Parameters
-    ----------
-    layers : from the sky to the room, each of (…, n, n)
+    `layers`: from the sky to the room, each of (…, n, n).
 
-    Examples
-    --------
     >>> half = Optics.alike(0.5, 0.2).map(lambda share: share.reshape(1, 1))
     >>> passage = stack_properties([half, half])
     >>> round(passage.system.transmission_front.item(), 6)  # 0.25 / (1 - 0.04)

@@ -63,9 +63,7 @@ class Layer(ABC):
     def openness(self, direction: Directions) -> Values:
         """Fraction of light along each direction that passes without scattering.
 
-        Parameters
-        ----------
-        direction : of travel, into the room; opposite directions are equal
+        `direction`: of travel, into the room; opposite directions are equal.
         """
         return np.zeros(len(direction))
 

@@ -122,9 +122,7 @@ class Pane:
     ) -> Optics:
         """Total values at other angles over (wavelength, angle).
 
-        Parameters
-        ----------
-        cosine : of the angle of incidence
+        `cosine`: of the angle of incidence.
         """
         course = coated if self.coated else uncoated
         normal = self.at(wavelength_nm).map(lambda share: share[:, None])

@@ -56,9 +56,7 @@ class Scatterer:
     def shares(self, travel: _Directions) -> tuple[Values, Values]:
         """Transmittance and reflectance for each direction.
 
-        Parameters
-        ----------
-        travel : directions of travel, all with the same sign of z
+        `travel`: directions of travel, all with the same sign of z.
         """
         if self.mirror is not None:
             cosine, grid = np.abs(travel[:, 2]), np.linspace(0, 1, _TABLE)

@@ -54,9 +54,7 @@ def engine_gap(engine: ModuleType, gap: Gap) -> Any:
 def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> Any:
     """Return a layer for the engine.
 
-    Parameters
-    ----------
-    partition : Klems full for layers that are passed as matrices
+    `partition`: Klems full for layers that are passed as matrices.
     """
     if isinstance(layer, Glass):
         return _sheet(engine, layer.material)

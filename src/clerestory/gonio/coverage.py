@@ -98,7 +98,7 @@ class Coverage:
                 lines.append(f"{place}: {report.negative:.0%} of values are negative")
             if report.flux > 1:
                 lines.append(
-                    f"{place}: {report.flux:.3f} is the total flux; 1 at most expected"
+                    f"{place}: a total flux of {report.flux:.3f}; at most 1 expected"
                 )
         symmetry = self.claimed or self.implied
         found = None if symmetry is None else self.asymmetry.get(symmetry)

@@ -86,12 +86,8 @@ def with_total(flux: Values, change: Values, total: float) -> Values:
     Each flux is multiplied by exp(power · change), with a common power found by
     Newton's method, so that none becomes negative.
 
-    Parameters
-    ----------
-    change : mean relative deviation of the corner fluxes from the interpolated one
+    `change`: mean relative deviation of the corner fluxes from the interpolated one.
 
-    Examples
-    --------
     >>> with_total(np.array([0.3, 0.2]), np.array([1.0, 0.0]), 0.4).round(6).tolist()
     [0.2, 0.2]
     >>> with_total(np.array([0.3, 0.2]), np.ones(2), 0.25).round(6).tolist()

@@ -123,9 +123,7 @@ def flux_surface(
 ) -> Flux:
     """Return the interpolation of the values at the vertices of a mesh.
 
-    Parameters
-    ----------
-    quadrant : signs of x and y of the measured part
+    `quadrant`: signs of x and y of the measured part.
     """
     if mesh.arc:
         return _curve(mesh.vertices, totals)

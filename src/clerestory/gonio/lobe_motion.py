@@ -133,9 +133,7 @@ def _moves(
 def with_unmatched_lobes(network: Network, *, follow: float) -> Network:
     """Return a network in which lobes without a partner move while they fade.
 
-    Parameters
-    ----------
-    follow : mean rotation of lobes over that of the incident direction
+    `follow`: mean rotation of lobes over that of the incident direction.
     """
     turns = [
         LobeMotion(network, vertex, follow) for vertex in range(len(network.lobes))

@@ -161,12 +161,8 @@ def angles_among(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
 def norm(height: Values, radius: Values) -> Values:
     """Integral of exp((cos α − 1)/r²) times the cosine over the hemisphere [sr].
 
-    Parameters
-    ----------
-    height : z of the centre of the lobe
+    `height`: z of the centre of the lobe.
 
-    Examples
-    --------
     >>> small = norm(np.array([1.0]), np.array([0.01]))  # nearly 2π r²
     >>> round(float(small[0] / (2 * np.pi * 0.01**2)), 3)
     1.0

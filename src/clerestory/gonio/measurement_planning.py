@@ -25,12 +25,8 @@ def recommended_directions(
     They are in the measured part of the hemisphere, within the largest measured polar
     angle.
 
-    Parameters
-    ----------
-    symmetry : of the layer
+    `symmetry`: of the layer.
 
-    Examples
-    --------
     >>> from clerestory.gonio.cross_validation import LeftOut
     >>> scans = [LeftOut(t, 0, True, 0.5, 0.5, 1.0, 1.0, m, 0.01)
     ...          for t, m in ((0, 0.05), (20, 0.05), (40, 0.6), (60, 0.6))]

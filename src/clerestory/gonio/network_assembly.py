@@ -46,9 +46,7 @@ def join(
 ) -> Network:
     """Return fits joined by initial plans, which `refine_plans` refines.
 
-    Parameters
-    ----------
-    known : initial plans of another network of the same fits, which are reused
+    `known`: initial plans of another network of the same fits, which are reused.
     """
     if len(fits) < 2:
         raise InputError(

@@ -26,12 +26,8 @@ def non_negative(
 ) -> Float[np.ndarray, " unknowns"]:
     """Return x ≥ 0 that minimizes xᵀ·gram·x/2 − targetᵀ·x.
 
-    Parameters
-    ----------
-    gram : symmetric and positive definite
+    `gram`: symmetric and positive definite.
 
-    Examples
-    --------
     >>> gram = np.array([[2.0, 1.0], [1.0, 2.0]])
     >>> non_negative(gram, np.array([2.0, -1.0])).round(9).tolist()
     [1.0, 0.0]

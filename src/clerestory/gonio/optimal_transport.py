@@ -67,12 +67,8 @@ class Plan:
 def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
     """Return the plan of least cost between two sets of lobes.
 
-    Parameters
-    ----------
-    angle : between the two incident directions [rad]
+    `angle`: between the two incident directions [rad].
 
-    Examples
-    --------
     >>> up = np.array([[0, 0, 1.0]])
     >>> one = Lobes(up, np.array([0.1]), np.array([0.5]))
     >>> other = Lobes(up, np.array([0.1]), np.array([0.3]))

@@ -102,9 +102,7 @@ class Quadtree:
     def cut(self, most: int, *, coarsest: int = 0) -> Cells:
         """Return at most `most` cells, small where a plane fits worst.
 
-        Parameters
-        ----------
-        coarsest : halvings of the largest cells, where points allow them
+        `coarsest`: halvings of the largest cells, where points allow them.
         """
         levels = self._levels
         # A cell is split if a residual below it is large and its quarters are occupied

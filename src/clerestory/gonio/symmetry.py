@@ -93,9 +93,7 @@ def fold(
 ) -> tuple[Directions, Directions]:
     """Directions mapped to the measured part, and the factors of the inverse.
 
-    Parameters
-    ----------
-    quadrant : signs of x and y of the measured part
+    `quadrant`: signs of x and y of the measured part.
     """
     factor = np.ones_like(incident)
     if symmetry in ("quadrilateral", "bilateral-x"):

@@ -39,9 +39,7 @@ def refine_some_plans(
 ) -> Network:
     """Return a network with some plans refined, as by `refine_plans`.
 
-    Parameters
-    ----------
-    chosen : numbers of the edges
+    `chosen`: numbers of the edges.
     """
     follow = mean_motion(network)
     edges = network.mesh.edges[chosen]

@@ -47,8 +47,6 @@ def illuminance_criterion(
     mean_lux, worst_lux, hours : limits of the criterion
     step_hours : length of a time step [h]
 
-    Examples
-    --------
     >>> lux = xr.DataArray(np.full((2, 2100), 350.0), dims=("sensor", "time"))
     >>> illuminance_criterion(lux).passed
     True

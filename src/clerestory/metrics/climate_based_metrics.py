@@ -32,8 +32,6 @@ def annual_mean(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.Data
     The mean of the hourly standard errors is an upper limit of the standard error of
     the mean: all hours share the traced matrices, so their errors are correlated.
 
-    Examples
-    --------
     >>> lux = xr.DataArray([[100.0, 300.0, 999.0]], dims=("sensor", "time"))
     >>> float(annual_mean(lux, np.array([True, True, False]))[0])
     200.0
@@ -61,8 +59,6 @@ def daylight_autonomy(
 ) -> xr.DataArray:
     """Fraction of the hours in which each sensor reaches the target, 0…1.
 
-    Examples
-    --------
     >>> lux = xr.DataArray([[100.0, 300.0, 500.0, 900.0]], dims=("sensor", "time"))
     >>> float(daylight_autonomy(lux, np.ones(4, bool))[0])
     0.75
@@ -79,8 +75,6 @@ def continuous_autonomy(
 ) -> xr.DataArray:
     """Daylight autonomy with partial credit E / target for hours below the target.
 
-    Examples
-    --------
     >>> lux = xr.DataArray([[150.0, 900.0]], dims=("sensor", "time"))
     >>> float(continuous_autonomy(lux, np.ones(2, bool))[0])
     0.75
@@ -106,8 +100,6 @@ def useful_illuminance(
     -------
     fractions over (band, sensor)
 
-    Examples
-    --------
     >>> lux = xr.DataArray([[50.0, 100.0, 300.0, 4000.0]], dims=("sensor", "time"))
     >>> useful_illuminance(lux, np.ones(4, bool)).sel(sensor=0).values.tolist()
     [0.25, 0.25, 0.25, 0.25]
@@ -129,8 +121,6 @@ def light_exposure(
 ) -> xr.DataArray:
     """Annual light exposure of each sensor over the hours that count [lux h].
 
-    Examples
-    --------
     >>> lux = xr.DataArray([[100.0, 50.0]], dims=("sensor", "time"))
     >>> float(light_exposure(lux, np.ones(2, bool))[0])
     150.0

@@ -67,8 +67,6 @@ def daylight_hours(
 ) -> Bool[np.ndarray, " time"]:
     """Daylight hours: the half of the year with the most diffuse light.
 
-    Examples
-    --------
     >>> daylight_hours(np.array([0.0, 5.0, 9.0, 0.0])).tolist()
     [False, True, True, False]
     """
@@ -95,8 +93,6 @@ def daylight_provision(
     area : represented by each sensor [m²]
     roof : horizontal daylight openings, which need the target on 95 % of the area
 
-    Examples
-    --------
     >>> lux = xr.DataArray([[600.0], [350.0]], dims=("sensor", "time"))
     >>> provision = daylight_provision(lux, np.ones(1, bool))
     >>> provision.target_level, provision.minimum_level
@@ -153,8 +149,6 @@ def reference_point(
     floor : height of the floor [m]
     depth : from the opening's plane to the inner face of the wall [m]
 
-    Examples
-    --------
     >>> window = np.array([[1.0, 0, 0.8], [3, 0, 0.8], [3, 0, 2.2], [1, 0, 2.2]])
     >>> inwards = np.array([0.0, 1, 0])
     >>> reference_point(window, inwards).tolist()
@@ -184,8 +178,6 @@ def hours_of_sun(
 
     Minutes with sun at several openings count once.
 
-    Examples
-    --------
     >>> morning, noon = [True] * 90 + [False] * 90, [False] * 60 + [True] * 120
     >>> each, room = hours_of_sun(np.array([morning, noon]))
     >>> each.tolist(), room

@@ -57,8 +57,6 @@ def simulated_daylight(
     ----------
     autonomy, exposure : sDA and ASE of all regularly occupied floor area, 0…1
 
-    Examples
-    --------
     >>> simulated_daylight(0.60, 0.05).points
     2
     >>> simulated_daylight(0.60, 0.15, version="v4").points
@@ -89,8 +87,6 @@ def clear_sky_illuminance(
     illuminance : at 9 h and at 15 h of a clear equinox day [lux]
     view_preserving_blinds : automatic blinds, for which only the lower limit applies
 
-    Examples
-    --------
     >>> lux = np.array([200.0, 400.0, 900.0, 2000.0])
     >>> clear_sky_illuminance([lux, lux]).points  # 75 % of the sensors
     2

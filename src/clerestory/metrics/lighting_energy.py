@@ -91,8 +91,6 @@ def lighting_use(
     occupied : whether the zone is occupied; the luminaires are off otherwise
     step_hours : length of a time step [h]
 
-    Examples
-    --------
     >>> zone = LightingZone(power=100, full_lux=500, least_output=0, least_power=0)
     >>> use = lighting_use(zone, np.array([0.0, 250.0, 900.0]), np.ones(3, bool))
     >>> use.power.tolist(), use.energy

@@ -12,8 +12,6 @@ def occupied_hours(
 ) -> Bool[np.ndarray, " time"]:
     """Whether the centre of each step lies between two hours, every day of the week.
 
-    Examples
-    --------
     >>> day = np.datetime64("2001-06-21T00:30") + np.arange(24) * np.timedelta64(1, "h")
     >>> int(occupied_hours(day).sum())
     10

@@ -91,8 +91,6 @@ def metric_error(
 ) -> xr.DataArray:
     """Error of a metric that increases with the illuminance.
 
-    Examples
-    --------
     >>> axes = ("sensor", "time")
     >>> lux, error = [[290.0, 310.0, 900.0]], [[20.0, 20.0, 20.0]]
     >>> data = {"illuminance": (axes, lux), "standard_error": (axes, error)}

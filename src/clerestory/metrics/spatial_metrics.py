@@ -60,8 +60,6 @@ def spatial_autonomy(
     hours : time steps that count; in LM-83, 8 to 18 h every day
     area : represented by each sensor [m²]
 
-    Examples
-    --------
     >>> lux = xr.DataArray([[400.0, 100.0], [100.0, 100.0]], dims=("sensor", "time"))
     >>> spatial_autonomy(lux, np.ones(2, bool)).value
     0.5
@@ -93,8 +91,6 @@ def sunlight_exposure(
     hours : time steps that count; in LM-83, 8 to 18 h every day
     step_hours : length of a time step [h]
 
-    Examples
-    --------
     >>> sun = xr.DataArray([[2000.0] * 300, [900.0] * 300], dims=("sensor", "time"))
     >>> sunlight_exposure(sun, np.ones(300, bool)).value
     0.5
@@ -124,8 +120,6 @@ def area_share(
 ) -> float:
     """Fraction of the area, or of the sensors, that meets a criterion, 0…1.
 
-    Examples
-    --------
     >>> area_share(np.array([True, False]), np.array([3.0, 1.0]))
     0.75
     """

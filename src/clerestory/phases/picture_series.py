@@ -70,4 +70,4 @@ def pictures_over_time(
             for step, moment in enumerate(skies.times[block.times]):
                 stamp = np.datetime_as_string(moment, unit="m")
                 pixels = np.maximum(light[:, :, step], 0)
-                yield camera.picture(pixels, f"TIME= {stamp}")
+                yield camera.picture(pixels, f"TIME= {stamp}", bands=bands)

@@ -11,6 +11,7 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import RGB
 from clerestory.directions import unit
 from clerestory.engine.effort import EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
@@ -73,8 +74,11 @@ def precompute_illums(
     if not pieces:
         raise InputError("no panes given; at least one polygon expected")
     patches = _patches(pieces)
+    whole = room + panes
+    if whole.bands != RGB:
+        raise InputError(f"a scene in the bands {whole.bands}; {RGB} expected")
     job = ExitingRadianceJob(
-        scene=room + panes,
+        scene=whole,
         patches=patches,
         rings=rings,
         sectors=2 * rings,

@@ -128,17 +128,16 @@ class Scene:
     def __add__(self, other: "Scene") -> "Scene":
         """Both scenes in one; equal names of different materials are kept apart.
 
+        A grey scene fits one in any bands.
+
         Raises
         ------
-        InputError : the scenes have materials in different bands
+        InputError : both scenes are coloured, in different bands
         """
-        if other.bands != self.bands and other.materials:
-            if self.materials:
-                raise InputError(
-                    f"scenes in the bands {self.bands} and {other.bands}; the same"
-                    " expected: convert one with `in_bands`"
-                )
+        if self.bands == RGB != other.bands:
             return replace(self, bands=other.bands) + other
+        if other.bands != self.bands:
+            other = replace(other, bands=self.bands)
         materials = dict(self.materials)
         key = {
             name: insert_material(materials, m) for name, m in other.materials.items()

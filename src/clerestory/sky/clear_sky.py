@@ -35,8 +35,6 @@ def clear_sky_weather(
     turbidity : Linke turbidity of the whole year: 2 very clear, 3 usual, 5 hazy
     step_minutes : length of a step, a divisor of an hour
 
-    Examples
-    --------
     >>> place = Site(51.5, 0.0, 0.0, place="London")
     >>> year = clear_sky_weather(place, step_minutes=30)
     >>> len(year), str(year.times[0]), bool(800 < year.direct_normal.max() < 1000)

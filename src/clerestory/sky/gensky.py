@@ -10,7 +10,6 @@ R. G. Hopkinson (overcast).
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.constants import GROUND_REFLECTANCE
 from clerestory.errors import InputError
@@ -30,10 +29,10 @@ _SKY_EFFICACY = 203.0
 _SUN_EFFICACY = 208.0
 
 # Solid angle of gensky's sun, half a degree wide [sr]
-_SUN_SOLID_ANGLE = 6e-5
+SUN_SOLID_ANGLE = 6e-5
 
 # Largest solar altitude of a clear sky [rad]
-_HIGHEST_SUN = np.radians(87.0)
+HIGHEST_SUN = np.radians(87.0)
 
 
 def cie_sky(
@@ -61,7 +60,7 @@ def cie_sky(
     direct_normal : irradiance from the sun [W/m²]; None takes gensky's
     """
     overcast = kind in ("uniform", "overcast")
-    altitude = sun_altitude if overcast else min(sun_altitude, _HIGHEST_SUN)
+    altitude = sun_altitude if overcast else min(sun_altitude, HIGHEST_SUN)
     flat = np.cos(altitude)
     sun = np.array(
         [flat * np.sin(sun_azimuth), flat * np.cos(sun_azimuth), np.sin(altitude)]
@@ -77,12 +76,13 @@ def cie_sky(
     else:
         up = np.array([0.0, 0.0, 1.0])
         at_zenith = float(distribution.relative(up, sun=sun))
-        scale = _zenith_radiance(kind, sun, turbidity) / at_zenith
+        scale = zenith_radiance(kind, altitude, turbidity) / at_zenith
 
     # The ground reflects the light of sky and sun
     direct = 0.0
     if not overcast and sun[2] > 0:
-        direct = _direct_normal(kind, sun) if direct_normal is None else direct_normal
+        direct = sun_radiance(kind, float(sun[2])) * SUN_SOLID_ANGLE
+        direct = direct if direct_normal is None else direct_normal
     level = scale * total + direct * max(float(sun[2]), 0.0)
     ground = ground_reflectance * level / np.pi
     return PointSky(distribution, scale, sun, direct if with_sun else 0.0, ground)
@@ -104,12 +104,11 @@ def _distribution(kind: CieSky | int) -> Distribution:
     return named[kind]
 
 
-def _zenith_radiance(
-    kind: CieSky, sun: Float[np.ndarray, "3"], turbidity: float
-) -> float:
-    # kcd/m² to W/(m²·sr)
-    cloudy = 8.6 * sun[2] + 0.123
-    clear = (1.376 * turbidity - 1.81) * sun[2] / np.hypot(sun[0], sun[1]) + 0.38
+def zenith_radiance(kind: CieSky, altitude: float, turbidity: float) -> float:
+    """Return the zenith radiance of gensky's sky [W/(m²·sr)], without a measurement."""
+    # Zenith luminance [kcd/m²]
+    cloudy = 8.6 * np.sin(altitude) + 0.123
+    clear = (1.376 * turbidity - 1.81) * np.tan(altitude) + 0.38
     level = {
         "uniform": cloudy,
         "overcast": cloudy,
@@ -119,7 +118,7 @@ def _zenith_radiance(
     return max(float(level), 0.0) * 1000 / _SKY_EFFICACY
 
 
-def _direct_normal(kind: CieSky | int, sun: Float[np.ndarray, "3"]) -> float:
-    radiance = 1.5e9 / _SUN_EFFICACY * (1.147 - 0.147 / max(float(sun[2]), 0.16))
-    share = 0.15 if kind == "intermediate" else 1.0
-    return radiance * share * _SUN_SOLID_ANGLE
+def sun_radiance(kind: CieSky | int, height: float) -> float:
+    """Return the radiance of gensky's sun [W/(m²·sr)], by the sine of its altitude."""
+    radiance = 1.5e9 / _SUN_EFFICACY * (1.147 - 0.147 / max(height, 0.16))
+    return radiance * (0.15 if kind == "intermediate" else 1.0)

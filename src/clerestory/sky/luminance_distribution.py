@@ -16,7 +16,7 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 
-# Directions are kept this far above the horizon, where b / cos ζ is infinite
+# Smallest cos ζ, since b / cos ζ is infinite at the horizon
 _LOWEST_COSINE = 1e-3
 
 
@@ -128,8 +128,6 @@ def cie_general(number: int) -> FiveParameters:
 
     Reference: ISO 15469:2004 / CIE S 011, Spatial distribution of daylight.
 
-    Examples
-    --------
     >>> up, sun = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0])
     >>> float(cie_general(5).relative(up, sun=sun))
     1.0

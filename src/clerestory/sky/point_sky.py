@@ -130,8 +130,6 @@ def perez_moment(
     ground_reflectance, sky_colour : as for `perez_point`
     time : its day determines the distance to the sun
 
-    Examples
-    --------
     >>> sky = perez_moment(
     ...     sun_altitude=0.7, sun_azimuth=3.1, diffuse_horizontal=90, direct_normal=400
     ... )

@@ -86,7 +86,7 @@ def sky_matrix(
         spectrum=spectrum,
     )
 
-    # Leave out the parts that are not asked for
+    # Compute the parts that are included
     diffuse = _sky_and_ground(conditions, partition, quadrature, empty=include == "sun")
     added = sun_radiance(
         conditions.direct_normal * (include != "sky"),
@@ -131,7 +131,7 @@ def _sky_and_ground(
     *,
     empty: bool,
 ) -> Float32[np.ndarray, "patch time"]:
-    # Time comes first in memory: each step is written, and later read, whole
+    # Time is the first axis in memory, since whole steps are written and read
     lit = conditions.lit
     radiance = np.zeros((len(lit), len(partition)), np.float32)
     if not empty:

@@ -102,8 +102,6 @@ def nearest_patches(
 ) -> Nearest:
     """Return the patches of a sky whose centres are nearest to some directions.
 
-    Examples
-    --------
     >>> from clerestory.hemisphere.reinhart import reinhart
     >>> dome = reinhart(1).dome
     >>> nearest_patches(dome, dome.centres()[[7]], count=2).patch[0].tolist()[0]

@@ -154,6 +154,6 @@ def read_station(path: str | Path) -> Weather:
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(map(str, first["loc"]))
-        told = first["msg"]
-        raise InputError(f"{key}: {told}" if key else told, file=path) from error
+        message = f"{key}: {first['msg']}" if key else first["msg"]
+        raise InputError(message, file=path) from error
     return read_with(Path(path).parent / station.file, station)

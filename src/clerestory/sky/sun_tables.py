@@ -30,8 +30,6 @@ def sun_path_table(
 def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
     """Return every solar position [°], its number of steps and its irradiation.
 
-    Examples
-    --------
     >>> from scipy.sparse import csc_array
     >>> noon = np.array([[0.0, -0.6, 0.8]])
     >>> hour = np.array(["2023-06-21T12:00"], "datetime64[s]")

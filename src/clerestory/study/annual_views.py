@@ -5,6 +5,7 @@ asked for by name are written.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -189,7 +190,7 @@ def _with_lamps(
         for lit, share in zip(lamps, output[:, step], strict=True):
             if share > 0:
                 pixels = pixels + np.float32(share) * lit.reshape(pixels.shape)
-        yield step, Picture(pixels, view=picture.view, header=picture.header)
+        yield step, replace(picture, radiance=pixels)
 
 
 def _written(

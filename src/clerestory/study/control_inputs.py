@@ -4,7 +4,7 @@ Everything is worked out when a rule asks for it.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -100,6 +100,7 @@ class ControlInputs:
             ground_reflectance=table.ground_reflectance,
             rotation_deg=table.rotation_deg,
             spectrum="solar",
+            bands=self.skies.whole.bands,
         )
 
     def _on_facade(self, name: str, group: int, sky: SkyMatrix) -> np.ndarray:
@@ -115,7 +116,9 @@ class ControlInputs:
             daylight = factors[0][-1]  # with the shades most open
             outer = self.inputs.groups[group].outer.partition
             values = outer.projected_solid_angles()[None, :] @ daylight.values
-            return TransferMatrix(values, sensor_axis(1), daylight.columns)
+            return replace(
+                daylight, values=values, rows=sensor_axis(1), components=None
+            )
         partition = self.skies.whole.partition
         outward = -self.inputs.groups[group].inner.frame.normal
         slant = np.maximum(partition.dome.centres() @ outward, 0)

@@ -113,7 +113,7 @@ def unlit(scene: Scene) -> Scene:
         return material
 
     materials = {name: dark(material) for name, material in scene.materials.items()}
-    return Scene(materials, scene.surfaces)
+    return Scene(materials, scene.surfaces, bands=scene.bands)
 
 
 def _zone(job: Job, table: LightingTable) -> Zone:
@@ -158,7 +158,7 @@ def _emitters(table: LuminaireTable) -> Scene:
         name: _brighter(material, table.output)
         for name, material in scene.materials.items()
     }
-    lit = Scene(materials, scene.surfaces)
+    lit = Scene(materials, scene.surfaces, bands=scene.bands)
     if not any(_shines(materials[surface.material]) for surface in scene.surfaces):
         raise InputError(
             "nothing shines in it; a light or glow expected", file=table.file
@@ -186,6 +186,7 @@ def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
             sensor_axis(len(sensors)),
             unknown_axis(1),
             found.error.T[None, :, :, None],
+            found.bands,
         )
 
     return kept(
@@ -212,8 +213,9 @@ def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.nda
             rows=camera.rows,
             **how,
         ).picture
-        values = picture.radiance.reshape(len(camera), -1).T[:, :, None]
-        return TransferMatrix(values, pixel_axis(len(camera)), unknown_axis(1))
+        values = np.moveaxis(picture.radiance, -1, 0).reshape(-1, len(camera), 1)
+        axes = pixel_axis(len(camera)), unknown_axis(1)
+        return TransferMatrix(values, *axes, bands=picture.bands)
 
     matrix = kept(
         job,

@@ -115,7 +115,7 @@ def _simulate(
         views = trace_views(job, matrices)
         lamps = trace_lamps(job)
     with log.phase("sky"):
-        skies = study_skies(study, inputs.weather, matrices.suns)
+        skies = study_skies(study, inputs, matrices.suns)
     with log.phase("control"):
         glare_of = glare_function(views, skies, display=display)
         signals = ControlInputs(study, inputs, matrices, skies, glare_of)

@@ -32,6 +32,7 @@ from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.study.config import Study
+from clerestory.study.inputs import Inputs
 from clerestory.study.job import DIRECT, STATE, Job
 from clerestory.study.kept_matrices import kept, kept_together
 from clerestory.study.memory_size import is_stored, most_sensors
@@ -43,14 +44,15 @@ from clerestory.study.window_groups import WindowGroup, state_label
 FACADE, PORTS = 0x100000, 0x200000
 
 
-def study_skies(study: Study, weather: Weather, suns: SunMatrix | None) -> Skies:
-    """Return the skies that the method of a study multiplies."""
+def study_skies(study: Study, inputs: Inputs, suns: SunMatrix | None) -> Skies:
+    """Return the skies that the method of a study multiplies, in the scene's bands."""
     make = partial(
         sky_matrix,
-        weather,
+        inputs.weather,
         subdivision=study.sky.subdivision,
         ground_reflectance=study.sky.ground_reflectance,
         rotation_deg=study.sky.rotation_deg,
+        bands=inputs.scene.bands,
     )
     return Skies(make(), make(include="sun") if needs_direct(study) else None, suns)
 

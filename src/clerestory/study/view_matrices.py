@@ -147,11 +147,11 @@ class ViewMatrices:
 
 
 def _half(matrix: TransferMatrix) -> TransferMatrix:
-    # Three digits are enough for a pixel, whose noise is larger. Channels of grey rooms
-    # are one in memory: one is enough
+    # Three digits are enough for a pixel, whose noise is larger. The channels of grey
+    # rooms are equal and one in memory: one is enough
     values = matrix.values
     alike = values.strides[0] == 0
-    return replace(matrix, values=values[: 1 if alike else None].astype(np.float16))
+    return replace(matrix, values=(values[:1] if alike else values).astype(np.float16))
 
 
 def _combinations(

@@ -22,12 +22,13 @@ from clerestory.glare.dgp import (
     simplified_dgp,
 )
 from clerestory.glare.imageless import imageless_dgp, position_of
+from clerestory.glare.indices import INDICES, REPORTED
 from clerestory.glare.pgsv import contrast_pgsv, saturation_pgsv
 from clerestory.glare.position_index import position_index
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.ugp import ugp
 from clerestory.glare.ugr import experimental_ugr, ugr
-from clerestory.glare.vcp import dgr, vcp
+from clerestory.glare.vcp import VCP, dgr, vcp
 from clerestory.glare.veiling import veiling_luminance
 from clerestory.scene.view import View
 
@@ -153,6 +154,15 @@ def test_five_percent_of_the_hours_may_exceed_a_limit():
     assert protection_level(0.35) == "high"
     assert protection_level(0.451) == "none"
     assert DGP.category(np.array([0.35, 0.36])).tolist() == [0, 1]
+    assert VCP.category(np.array([90.0, 70.0, 50.0, 30.0])).tolist() == [0, 1, 2, 3]
+
+
+def test_every_index_is_reported_once_with_its_thresholds_in_order():
+    assert len({one.name for one in REPORTED}) == len(REPORTED)
+    for index in INDICES:
+        sign = 1 if index.glare_increases else -1
+        assert index.reference
+        assert (np.diff(index.thresholds) * sign > 0).all()
 
 
 def test_classes_of_fabrics():

@@ -113,7 +113,7 @@ def test_a_layer_without_the_symmetry_of_its_directions_is_told():
     )
     coverage = measure_coverage(measurement)
     assert coverage.implied == "isotropic"
-    assert any("differs between images" in doubt for doubt in coverage.doubts())
+    assert any("differs between mirror images" in doubt for doubt in coverage.doubts())
 
 
 def test_a_direction_that_is_predicted_dark_has_no_earth_movers_distance():

@@ -48,10 +48,13 @@ def test_steps_need_wavelengths():
 
 
 def test_a_scene_has_one_set_of_bands():
-    """Scenes of other bands are not added; an empty one has any bands."""
+    """A coloured scene in other bands is not added; a grey one has any bands."""
     spectral = Scene({"leaf": Plastic("leaf", np.linspace(0, 1, 9))}, bands=NINE)
-    with pytest.raises(InputError, match="red, green, blue"):
-        spectral + Scene({"red": RED})
+    coloured, grey = Scene({"red": RED}), Scene({"grey": GREY})
+    for pair in ((spectral, coloured), (coloured, spectral)):
+        with pytest.raises(InputError, match="one value per band expected"):
+            pair[0] + pair[1]
+    assert (spectral + grey).bands == (grey + spectral).bands == NINE
     assert (Scene() + spectral).bands == NINE
     assert (spectral + Scene()).bands == NINE
     assert len((spectral + spectral).materials) == 1

@@ -25,9 +25,7 @@ _LARGEST_THETA_DEG = 89.99
 def numbered_lines(path: Path, *, comment: str | None = None) -> list[Line]:
     """Return the lines of a file that are not blank, with their numbers from 1.
 
-    Parameters
-    ----------
-    comment : text at the start of lines that are left out
+    `comment`: text at the start of lines that are left out.
     """
     return [
         (number, text)

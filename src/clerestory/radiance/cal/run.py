@@ -5,15 +5,14 @@ recursion ends where the file says. Arguments and variables are evaluated when t
 are asked for, once for a set of rays. Depth and work are bounded.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from clerestory.errors import InputError
 from clerestory.radiance.cal.library import Native, Values, divide, power
-from clerestory.radiance.cal.rows import Frame, Rows
 from clerestory.radiance.cal.syntax import (
     Call,
     Chain,
@@ -33,6 +32,62 @@ MOST_STEPS = 50_000
 
 # Functions that evaluate only the arguments they need
 SPECIAL = ("if", "select")
+
+
+class Rows:
+    """Some of the rays, and what is known of them.
+
+    Attributes
+    ----------
+    index : which of all rays
+    parent, place : the rays these were chosen from, and which of them
+    known : values computed for them so far
+    """
+
+    def __init__(
+        self,
+        index: Int[np.ndarray, " rays"],
+        parent: "Rows | None" = None,
+        place: Bool[np.ndarray, " all"] | None = None,
+    ) -> None:
+        self.index, self.parent, self.place = index, parent, place
+        self.known: dict[Hashable, Values] = {}
+
+    def part(self, place: Bool[np.ndarray, " all"]) -> "Rows":
+        """Return some of these rays."""
+        return Rows(self.index[place], self, place)
+
+    def find(self, key: Hashable) -> Values | None:
+        """Return what is known under a key here or among the rays chosen from."""
+        value = self.known.get(key)
+        if value is None and self.parent is not None:
+            outer = self.parent.find(key)
+            if outer is not None:
+                value = self.known[key] = outer[self.place]
+        return value
+
+    def once(self, key: Hashable, compute: Callable[[], Values]) -> Values:
+        """Return what is known under a key, computed now if nothing is."""
+        value = self.find(key)
+        if value is None:
+            value = self.known[key] = compute()
+        return value
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A call in progress.
+
+    Attributes
+    ----------
+    parameters : their names
+    arguments : what was given for them
+    outer : the call in which the arguments have their meaning
+    """
+
+    parameters: tuple[str, ...]
+    arguments: tuple[Node, ...]
+    outer: "Frame | None"
 
 
 @dataclass(eq=False)

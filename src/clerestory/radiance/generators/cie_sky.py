@@ -14,19 +14,25 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import primitive
 from clerestory.radiance.generators.sun_place import Moment, direction, read_moment
+from clerestory.sky.gensky import (
+    HIGHEST_SUN,
+    SUN_SOLID_ANGLE,
+    CieSky,
+    sun_radiance,
+    zenith_radiance,
+)
 
-# Luminous efficacy of sky and sun [lm/W]
-_SKY_EFFICACY = 203.0
-_SUN_EFFICACY = 208.0
-
-# Solid angle of gensky's sun, half a degree wide [sr]
-_SUN_SOLID_ANGLE = 6e-5
+# Angular diameter of its sun [deg]
 _SUN_ANGLE_DEG = 0.5
-
-_HIGHEST_SUN = np.radians(87.0)
 
 # Kinds of sky by the numbers of skybright.cal
 CLEAR, OVERCAST, UNIFORM, INTERMEDIATE = 1, 2, 3, 4
+_NAMES: dict[int, CieSky] = {
+    CLEAR: "clear",
+    OVERCAST: "overcast",
+    UNIFORM: "uniform",
+    INTERMEDIATE: "intermediate",
+}
 
 # Horizontal irradiance over zenith radiance as a polynomial of the sun's altitude
 _NORMAL = {
@@ -93,14 +99,14 @@ def _sky(request: _Request, moment: Moment, words: WordReader) -> list[str]:
     altitude, azimuth = moment.sun()
     kind = request.kind
     overcast = kind in (OVERCAST, UNIFORM)
-    if not overcast and altitude > _HIGHEST_SUN:
+    if not overcast and altitude > HIGHEST_SUN:
         warnings.warn(
             f"{words.program}: the sun stands {np.degrees(altitude):.1f}° high; its"
             " clear sky takes 87°",
             ClerestoryWarning,
             stacklevel=2,
         )
-        altitude = _HIGHEST_SUN
+        altitude = HIGHEST_SUN
     sun = direction(altitude, azimuth)
 
     # Radiance of the zenith, and what the sky alone makes of a white level plane
@@ -109,14 +115,14 @@ def _sky(request: _Request, moment: Moment, words: WordReader) -> list[str]:
     if request.horizontal is not None:
         zenith = request.horizontal / (share * np.pi)
     elif zenith is None:
-        zenith = _default_zenith(kind, altitude, request.turbidity)
+        zenith = zenith_radiance(_NAMES[kind], altitude, request.turbidity)
     ambient = zenith * share
 
     # Radiance of the sun; the ground is lit by it whether it is shown or not
     radiance = None if overcast else _sun_radiance(request, float(sun[2]))
     made = []
     if radiance is not None:
-        ambient += _SUN_SOLID_ANGLE / np.pi * radiance * float(sun[2])
+        ambient += SUN_SOLID_ANGLE / np.pi * radiance * float(sun[2])
         if request.sun:
             made = [
                 primitive("void", "light", "solar", reals=(radiance,) * 3),
@@ -160,23 +166,13 @@ def levels(kind: int, altitude: float, height: float) -> tuple[float, float]:
     return float(near_sun), float(polynomial / near_sun / np.pi)
 
 
-def _default_zenith(kind: int, altitude: float, turbidity: float) -> float:
-    # kcd/m² to W/(m²·sr)
-    cloudy = 8.6 * np.sin(altitude) + 0.123
-    clear = (1.376 * turbidity - 1.81) * np.tan(altitude) + 0.38
-    level = {CLEAR: clear, INTERMEDIATE: (clear + cloudy) / 2}.get(kind, cloudy)
-    return max(float(level), 0.0) * 1000 / _SKY_EFFICACY
-
-
 def _sun_radiance(request: _Request, height: float) -> float | None:
     # None: no sun in the sky
     if height <= 0:
         return None
-    if request.sun_radiance is not None:
-        given = request.sun_radiance
-        return given if given > 0 else None
+    given = request.sun_radiance
     if request.sun_horizontal is not None:
-        given = request.sun_horizontal / (_SUN_SOLID_ANGLE * height)
-        return given if given > 0 else None
-    radiance = 1.5e9 / _SUN_EFFICACY * (1.147 - 0.147 / max(height, 0.16))
-    return radiance * (0.15 if request.kind == INTERMEDIATE else 1.0)
+        given = request.sun_horizontal / (SUN_SOLID_ANGLE * height)
+    if given is None:
+        return sun_radiance(_NAMES[request.kind], height)
+    return given if given > 0 else None

@@ -20,9 +20,9 @@ from clerestory.radiance.generators import cie_sky
 from clerestory.radiance.generators.perez_light import DEW_POINT_C, Air, Light, Request
 from clerestory.radiance.generators.scene_text import primitive
 from clerestory.radiance.generators.sun_place import Moment, direction, read_moment
+from clerestory.sky.gensky import HIGHEST_SUN
+from clerestory.sky.luminance_distribution import FiveParameters
 from clerestory.sky.perez import perez_sky
-
-_HIGHEST_SUN = np.radians(87.0)
 
 _DEW_POINTS = (-40.0, 40.0)
 
@@ -76,8 +76,8 @@ def _sky(
     request: Request, moment: Moment, words: WordReader, *, quiet: bool
 ) -> list[str]:
     altitude, azimuth = moment.sun()
-    sun = direction(min(altitude, _HIGHEST_SUN), azimuth)
-    air = Air(min(altitude, _HIGHEST_SUN), moment.day_of_year, request.dew_point_c)
+    sun = direction(min(altitude, HIGHEST_SUN), azimuth)
+    air = Air(min(altitude, HIGHEST_SUN), moment.day_of_year, request.dew_point_c)
     light = None if altitude <= 0 else air.light(request, words)
     if light is None:
         if not quiet:
@@ -106,17 +106,19 @@ def _lit_sky(
             f"Perez's parameter b is {shape[1]:.3g}, which has no sky; other values"
             " expected"
         )
-    seen = air.output(light, state, request, words)
-    scale = seen.diffuse / _tregenza_integral(shape, air.zenith)
-    radiance = seen.direct / (2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2)))
+    sent = air.output(light, state, request, words)
+    distribution = FiveParameters(*shape)
+    towards = np.array([np.sin(air.zenith), 0.0, np.cos(air.zenith)])
+    scale = sent.diffuse / _tregenza_integral(distribution, towards)
+    radiance = sent.direct / (2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2)))
 
     # Light the ground as the sky of gensky nearest in clearness would
     clearness = float(state.clearness[0])
     kind = cie_sky.OVERCAST if clearness <= 1 else cie_sky.INTERMEDIATE
     kind = cie_sky.CLEAR if clearness >= 6 else kind
     share = cie_sky.levels(kind, air.altitude, float(sun[2]))[1]
-    zenith = scale * float(_relative(shape, np.ones(1), np.cos([air.zenith]))[0])
-    ground = zenith * share
+    up = np.array([0.0, 0.0, 1.0])
+    ground = scale * float(distribution.relative(up, sun=towards)) * share
     shown = request.sun and clearness > 1
     ground += _SUN_ON_GROUND / np.pi * radiance * float(sun[2]) if shown else 0.0
     made = [_skyfunc([scale, ground * request.ground, *shape], sun)]
@@ -137,25 +139,13 @@ def _skyfunc(reals: list[float], sun: Float[np.ndarray, "3"]) -> str:
     )
 
 
-def _relative(
-    shape: list[float],
-    cos_zeta: Float[np.ndarray, " n"],
-    cos_gamma: Float[np.ndarray, " n"],
-) -> Float[np.ndarray, " n"]:
-    # Perez et al. 1993, eq. 1
-    a, b, c, d, e = shape
-    gamma = np.arccos(np.clip(cos_gamma, -1, 1))
-    gradation = 1 + a * np.exp(b / cos_zeta)
-    value: np.ndarray = gradation * (1 + c * np.exp(d * gamma) + e * cos_gamma**2)
-    return value
-
-
-def _tregenza_integral(shape: list[float], zenith: float) -> float:
-    # Level plane under the sky, by the centres of 145 patches of equal weight
+def _tregenza_integral(
+    distribution: FiveParameters, sun: Float[np.ndarray, "3"]
+) -> float:
+    # Irradiance of a level plane, by the centres of 145 patches of equal weight
     theta = np.radians(np.repeat([t for t, _ in _RINGS], [n for _, n in _RINGS]))
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])
-    cos_gamma = np.cos(zenith) * np.cos(theta) + np.sin(zenith) * np.sin(
-        theta
-    ) * np.cos(phi)
-    value = _relative(shape, np.cos(theta), cos_gamma)
-    return float((value * np.cos(theta)).sum() * 2 * np.pi / len(theta))
+    sine, cosine = np.sin(theta), np.cos(theta)
+    direction = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=1)
+    value = distribution.relative(direction, sun=sun)
+    return float((value * cosine).sum() * 2 * np.pi / len(theta))
