@@ -80,7 +80,7 @@ def located(
         if error.file is not None:
             raise
         message = f"{subject}: {error.message}" if subject else error.message
-        raise InputError(message, file=file, line=line) from error
+        raise InputError(message, file=file, line=error.line or line) from error
 
 
 class ClerestoryWarning(UserWarning):

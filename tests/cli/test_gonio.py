@@ -60,7 +60,9 @@ def test_a_check_writes_a_table_and_a_map(call, room, scans):
 def test_a_check_names_directions_worth_a_scan(call, room, scans):
     outcome = call("gonio", "check", *scans, "--next", "2", "--quiet")
     assert outcome.status == 0
-    rows = outcome.out.split("worth a scan, the best first:")[1].split()[4:]
+    rows = outcome.out.split(
+        "directions recommended for scans, the most useful first:"
+    )[1].split()[4:]
     assert len(rows) == 4
     assert all(0 <= float(word) < 360 for word in rows)
 

@@ -16,15 +16,7 @@ from clerestory.cli.bsdf_report import (
     findings_json,
     info_lines,
 )
-from clerestory.cli.requests.bsdf import (
-    BsdfInfo,
-    CheckBsdf,
-    CompareBsdfs,
-    Drawing,
-    InsertBsdf,
-    PlotBsdf,
-    ViewBsdf,
-)
+from clerestory.cli.requests import bsdf as requests
 from clerestory.errors import InputError
 from clerestory.report.bsdf_plot import (
     direction_from_angles,
@@ -38,13 +30,13 @@ from clerestory.report.figure_file import figure_format, write_figure
 _UNREADABLE = 2
 
 
-def info(request: BsdfInfo) -> None:
+def info(request: requests.BsdfInfo) -> None:
     """Print a description of a BSDF file."""
     for line in info_lines(read_bsdf(request.file)):
         typer.echo(line)
 
 
-def check(request: CheckBsdf) -> int:
+def check(request: requests.CheckBsdf) -> int:
     """Print the findings of the quality checks; return the exit status."""
     reports: list[tuple[Path, tuple[Finding, ...], str]] = []
     for file in request.files:
@@ -65,12 +57,12 @@ def check(request: CheckBsdf) -> int:
     return int(any(f.matters for _, findings, _ in reports for f in findings))
 
 
-def plot(request: PlotBsdf) -> None:
+def plot(request: requests.PlotBsdf) -> None:
     """Plot a BSDF."""
     _draw([request.file], request.output, request.drawing)
 
 
-def compare(request: CompareBsdfs) -> None:
+def compare(request: requests.CompareBsdfs) -> None:
     """Print the differences to the first BSDF, and draw all of them."""
     files, drawing = request.files, request.drawing
     if len(files) < 2:
@@ -86,14 +78,14 @@ def compare(request: CompareBsdfs) -> None:
         _draw(files, request.output, drawing)
 
 
-def view(request: ViewBsdf) -> None:
+def view(request: requests.ViewBsdf) -> None:
     """Write an interactive view of a BSDF."""
     write_view(read_bsdf(request.file), request.output)
     size = request.output.stat().st_size / 1e6
     typer.echo(f"{request.output}: {size:.1f} MB")
 
 
-def insert(request: InsertBsdf) -> None:
+def insert(request: requests.InsertBsdf) -> None:
     """Insert data into a template, and check that the result can be read."""
     source, template, output = request.source, request.template, request.output
     wanted = [name.strip() for name in request.channels.split(",") if name.strip()]
@@ -110,7 +102,7 @@ def insert(request: InsertBsdf) -> None:
         typer.echo(f"{output}: {', '.join(result.kept)} as in {template}")
 
 
-def _draw(files: list[Path], output: Path, drawing: Drawing) -> None:
+def _draw(files: list[Path], output: Path, drawing: requests.Drawing) -> None:
     figure_format(output)
     function, channel = drawing.function, drawing.channel
     directions = [patch_direction(k, function) for k in drawing.patch or []]

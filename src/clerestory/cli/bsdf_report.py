@@ -1,4 +1,4 @@
-"""What `clerestory bsdf` prints: lines about a file, findings, differences."""
+"""Text of `clerestory bsdf`: descriptions, findings, differences."""
 
 import json
 from collections.abc import Iterator, Sequence

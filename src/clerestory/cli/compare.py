@@ -73,7 +73,7 @@ def _simulated(path: Path) -> Series:
 
 
 def _label(path: Path, all_paths: list[Path]) -> str:
-    # The method tells runs of one room apart; else the name of the folder
+    # Name of the method where it is unique, otherwise that of the folder
     if path.suffix.lower() == ".csv":
         return path.stem
     methods = [

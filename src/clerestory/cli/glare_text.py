@@ -1,4 +1,4 @@
-"""Glare as text: the lines that evalglare prints."""
+"""Text of a glare evaluation in the format of evalglare."""
 
 import math
 

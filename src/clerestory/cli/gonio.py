@@ -14,14 +14,7 @@ from clerestory.cli.gonio_text import (
     validation_lines,
 )
 from clerestory.cli.progress import progress_display
-from clerestory.cli.requests.gonio import (
-    CrossValidation,
-    ExportBsdf,
-    FitMeasurement,
-    MeasurementFiles,
-    MeasurementInfo,
-    PlotMeasurement,
-)
+from clerestory.cli.requests import gonio as requests
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.bsdf_export import export_bsdf
@@ -40,7 +33,7 @@ from clerestory.report.gonio_plots import between_figure, error_figure, fit_figu
 _DIGITS = 6
 
 
-def info(request: MeasurementInfo) -> int:
+def info(request: requests.MeasurementInfo) -> int:
     """Print the coverage of measurements."""
     findings = 0
     for measurement in _read(request.measurement):
@@ -51,7 +44,7 @@ def info(request: MeasurementInfo) -> int:
     return int(findings > 0)
 
 
-def fit(request: FitMeasurement) -> None:
+def fit(request: requests.FitMeasurement) -> None:
     """Fit lobes and transport plans."""
     with progress_display(quiet=request.quiet) as progress:
         fits = [
@@ -72,7 +65,7 @@ def fit(request: FitMeasurement) -> None:
             typer.echo(line)
 
 
-def check(request: CrossValidation) -> None:
+def check(request: requests.CrossValidation) -> None:
     """Print the errors of a cross-validation, and draw a map of them."""
     output = request.output
     if output is not None:
@@ -106,7 +99,7 @@ def check(request: CrossValidation) -> None:
             write_figure(error_figure(results[0]), output)
 
 
-def export(request: ExportBsdf) -> None:
+def export(request: requests.ExportBsdf) -> None:
     """Write fits as a BSDF file."""
     fits: tuple[Fitted, ...] = tuple(
         part for file in request.files for part in read_fits(file)
@@ -146,7 +139,7 @@ def export(request: ExportBsdf) -> None:
         typer.echo(f"{request.output}: {request.output.stat().st_size / 1e6:.1f} MB")
 
 
-def plot(request: PlotMeasurement) -> None:
+def plot(request: requests.PlotMeasurement) -> None:
     """Plot a scan and its fit, or the interpolation between two directions."""
     figure_format(request.output)
     scan, between = request.scan, request.between
@@ -173,7 +166,7 @@ def plot(request: PlotMeasurement) -> None:
     write_figure(figure, request.output)
 
 
-def _read(files: MeasurementFiles) -> tuple[Measurement, ...]:
+def _read(files: requests.MeasurementFiles) -> tuple[Measurement, ...]:
     return read_measurement(
         *files.files,
         form=files.form,

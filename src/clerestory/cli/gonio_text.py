@@ -1,4 +1,4 @@
-"""Lines that `clerestory gonio` prints."""
+"""Text of `clerestory gonio`: coverage, fits, errors."""
 
 from collections.abc import Iterator, Sequence
 
@@ -39,8 +39,8 @@ def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[
             f"{scan.noise:.0%}",
             f"{scan.flux:.4f}",
         )
-    for doubt in coverage.doubts():
-        yield f"  doubt: {doubt}"
+    for finding in coverage.doubts():
+        yield f"  finding: {finding}"
 
 
 def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
@@ -97,8 +97,8 @@ def validation_lines(validation: CrossValidation) -> Iterator[str]:
 
 
 def direction_lines(directions: Float[np.ndarray, "directions 3"]) -> Iterator[str]:
-    """Yield incident directions that are worth a scan."""
-    yield "worth a scan, the best first:"
+    """Yield incident directions recommended for further scans."""
+    yield "directions recommended for scans, the most useful first:"
     yield _TABLE.format("θ [°]", "φ [°]", *[""] * 6).rstrip()
     for x, y, z in directions:
         theta, phi = np.degrees([np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)])

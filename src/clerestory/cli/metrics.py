@@ -122,14 +122,14 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
     found = read_results(path)
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
-        # The limits of ASE are meant for a sun at its place, not spread over patches
+        # The limits of ASE assume the sun at its position, not spread over patches
         direct = part["direct_open"] if "sun_hours" in part else None
         step = float(found.data.attrs.get("step_minutes", 60)) / 60
         yield _Grid(name, part["illuminance"], part["standard_error"], direct, step)
 
 
 def _rest(path: Path, from_hour: float, to_hour: float) -> Iterator[str]:
-    # What a run tells of its room and of its views
+    # Metrics of the room and of the views of a run
     if path.is_dir() and (path / "grids_info.json").is_file():
         return
     data = read_results(path).data
@@ -144,15 +144,15 @@ def _rest(path: Path, from_hour: float, to_hour: float) -> Iterator[str]:
 
 
 def _views(data: xr.Dataset, from_hour: float, to_hour: float) -> Iterator[str]:
-    # Protection from glare of each view that a run judged
+    # Protection from glare of each view
     hours = occupied_hours(data["time"].values, from_hour=from_hour, to_hour=to_hour)
     for view in data["view"].values:
         dgp = data["glare_dgp"].sel(view=view).values
-        judged = hours & ~np.isnan(dgp)
-        if not np.any(judged):
+        valid = hours & ~np.isnan(dgp)
+        if not np.any(valid):
             continue
-        level = LEVELS[glare_level(dgp, judged)]
-        top = float(np.quantile(dgp[judged], 1 - GLARE_SHARE))
+        level = LEVELS[glare_level(dgp, valid)]
+        top = float(np.quantile(dgp[valid], 1 - GLARE_SHARE))
         yield f"{view}: view"
         yield f"  {'EN 17037 glare':28}{level} (DGP {top:.2f} in 5 % of the hours)"
 

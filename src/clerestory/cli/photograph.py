@@ -3,11 +3,7 @@
 import typer
 
 from clerestory.cli.progress import progress_display
-from clerestory.cli.requests.photograph import (
-    CalibratePicture,
-    MergePhotographs,
-    ReprojectPhotograph,
-)
+from clerestory.cli.requests import photograph as requests
 from clerestory.image.arithmetic import reduce
 from clerestory.image.camera_response import write_response
 from clerestory.image.exposure_bracket import merge_photographs
@@ -19,7 +15,7 @@ from clerestory.image.vignetting import Vignetting, correct_vignetting
 from clerestory.radiance.view_text import parse_view
 
 
-def merge(request: MergePhotographs) -> None:
+def merge(request: requests.MergePhotographs) -> None:
     """Merge an exposure bracket."""
     with progress_display(quiet=request.quiet) as display:
         merged, curve = merge_photographs(
@@ -41,7 +37,7 @@ def merge(request: MergePhotographs) -> None:
         )
 
 
-def reproject(request: ReprojectPhotograph) -> None:
+def reproject(request: requests.ReprojectPhotograph) -> None:
     """Reproject a fisheye photograph."""
     picture = read_picture(request.file)
     circle = largest_circle(picture)
@@ -66,7 +62,7 @@ def reproject(request: ReprojectPhotograph) -> None:
         progress(1.0, "done")
 
 
-def calibrate(request: CalibratePicture) -> None:
+def calibrate(request: requests.CalibratePicture) -> None:
     """Scale a picture to measured illuminance."""
     before, after, columns = request.before, request.after, request.resolution
     result = calibrate_picture(

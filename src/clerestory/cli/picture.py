@@ -5,16 +5,7 @@ from pathlib import Path
 import typer
 
 from clerestory.cli.progress import progress_display
-from clerestory.cli.requests.picture import (
-    ConvertPicture,
-    CropPicture,
-    DenoisePicture,
-    FalseColour,
-    PictureInfo,
-    ReducePicture,
-    SumPictures,
-    ToneMap,
-)
+from clerestory.cli.requests import picture as requests
 from clerestory.errors import InputError
 from clerestory.image import arithmetic
 from clerestory.image.colour_scale import ColourScale, linear_scale, logarithmic_scale
@@ -32,7 +23,7 @@ from clerestory.image.visibility_matching import Screen, human_vision
 from clerestory.radiance.view_text import format_view
 
 
-def info(request: PictureInfo) -> None:
+def info(request: requests.PictureInfo) -> None:
     """Print size, view and luminance of pictures."""
     for file in request.files:
         picture = read_picture(file)
@@ -63,12 +54,12 @@ def _statistics_lines(picture: Picture) -> list[str]:
     return [f"{name} [{found.unit}]  {words}", f"below  {shares}"]
 
 
-def denoise(request: DenoisePicture) -> None:
+def denoise(request: requests.DenoisePicture) -> None:
     """Denoise a picture."""
     write_picture(denoise_picture(read_picture(request.file)), request.output)
 
 
-def tonemap(request: ToneMap) -> None:
+def tonemap(request: requests.ToneMap) -> None:
     """Tone-map a picture."""
     method, white = request.method, request.white
     if white is not None and method == "human":
@@ -88,7 +79,7 @@ def tonemap(request: ToneMap) -> None:
     _say_written(request.output, quiet=request.quiet)
 
 
-def falsecolour(request: FalseColour) -> None:
+def falsecolour(request: requests.FalseColour) -> None:
     """Write a false-colour image."""
     picture = read_picture(request.file)
     decades, palette = request.decades, request.palette
@@ -118,14 +109,14 @@ def falsecolour(request: FalseColour) -> None:
     _say_written(request.output, quiet=request.quiet)
 
 
-def add(request: SumPictures) -> None:
+def add(request: requests.SumPictures) -> None:
     """Add pictures with weights."""
     pictures = [read_picture(file) for file in request.files]
     total = arithmetic.weighted_sum(pictures, request.weight or None)
     _write(total, request.output, quiet=request.quiet)
 
 
-def reduce(request: ReducePicture) -> None:
+def reduce(request: requests.ReducePicture) -> None:
     """Reduce the resolution of a picture."""
     factor, size = request.factor, request.size
     if (factor is None) == (size is None):
@@ -137,7 +128,7 @@ def reduce(request: ReducePicture) -> None:
     _write(reduced, request.output, quiet=request.quiet)
 
 
-def crop(request: CropPicture) -> None:
+def crop(request: requests.CropPicture) -> None:
     """Crop a picture."""
     (left, top), (columns, rows) = request.corner, request.size
     part = arithmetic.crop(
@@ -146,7 +137,7 @@ def crop(request: CropPicture) -> None:
     _write(part, request.output, quiet=request.quiet)
 
 
-def convert(request: ConvertPicture) -> None:
+def convert(request: requests.ConvertPicture) -> None:
     """Write a picture in another format."""
     output, exposure, xyz = request.output, request.exposure, request.xyz
     picture = arithmetic.scale(read_picture(request.file), request.factor)

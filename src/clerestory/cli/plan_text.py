@@ -1,4 +1,4 @@
-"""The plan of a run as a table."""
+"""Table of the plan of a run."""
 
 from rich.table import Table
 

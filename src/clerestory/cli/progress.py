@@ -1,4 +1,4 @@
-"""Progress of anything over two seconds: a bar on a terminal, else a line at times."""
+"""Progress display: a bar on a terminal, otherwise a line every ten seconds."""
 
 import importlib
 import sys

@@ -8,13 +8,7 @@ import typer
 
 from clerestory.cli.matrix_output import write_sky, write_sky_luminance
 from clerestory.cli.progress import progress_display
-from clerestory.cli.requests.sky import (
-    Days,
-    SkyMatrixRequest,
-    SkyVectorRequest,
-    SunTable,
-    WeatherDescription,
-)
+from clerestory.cli.requests import sky as requests
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.sky.gensky import CieSky, cie_sky
@@ -30,7 +24,7 @@ from clerestory.sky.weather_formats import read_weather
 from clerestory.sky.weather_selection import select_days, select_moment
 
 
-def matrix(request: SkyMatrixRequest) -> None:
+def matrix(request: requests.SkyMatrixRequest) -> None:
     """Compute the sky matrix of a weather file."""
     _exclude(request, "luminance", "solar")
     _exclude(request, "sun_only", "no_direct")
@@ -66,7 +60,7 @@ def matrix(request: SkyMatrixRequest) -> None:
         typer.echo(f"{request.output}: {size}")
 
 
-def vector(request: SkyVectorRequest) -> None:
+def vector(request: requests.SkyVectorRequest) -> None:
     """Compute the sky vector of a CIE or Perez sky."""
     altitude, azimuth = (float(angle) for angle in np.radians(request.sun))
     if request.kind == "perez":
@@ -101,7 +95,7 @@ def vector(request: SkyVectorRequest) -> None:
         typer.echo(f"{request.output}: {column.rows.describe()}")
 
 
-def sun(request: SunTable) -> None:
+def sun(request: requests.SunTable) -> None:
     """Write a table of sun positions."""
     if request.occurring and request.reinhart is not None:
         raise InputError("both --occurring and --reinhart; one of them expected")
@@ -128,13 +122,13 @@ def sun(request: SunTable) -> None:
     write_text(request.output, text)
 
 
-def describe(request: WeatherDescription) -> None:
+def describe(request: requests.WeatherDescription) -> None:
     """Print a description of a weather file."""
     for name, value in describe_weather(read_weather(request.weather)):
         typer.echo(f"{name:20}{value}")
 
 
-def _exclude(request: SkyMatrixRequest, *names: str) -> None:
+def _exclude(request: requests.SkyMatrixRequest, *names: str) -> None:
     if all(getattr(request, name) for name in names):
         both = " and ".join(f"--{name.replace('_', '-')}" for name in names)
         raise InputError(f"both {both}; one of them expected")
@@ -146,7 +140,7 @@ def _placement(size: float | None) -> tuple[SunPlacement, float]:
     return ("patch", SUN_DIAMETER_DEG) if size == 0 else ("disc", size)
 
 
-def selected_weather(file: Path, days: Days, moment: str | None) -> Weather:
+def selected_weather(file: Path, days: requests.Days, moment: str | None) -> Weather:
     """Return the weather of one time step, or of some days; warn of a wrong clock."""
     weather = read_weather(file)
     warn_of_clock(weather)

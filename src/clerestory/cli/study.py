@@ -9,7 +9,7 @@ from rich.table import Table
 
 from clerestory.cli.plan_text import plan_table
 from clerestory.cli.progress import progress_display
-from clerestory.cli.requests.study import Demo, NewStudy, RunStudy, WriteReport
+from clerestory.cli.requests import study as requests
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
 from clerestory.study.config import Study, read_study
 from clerestory.study.demo_study import write_demo
@@ -19,7 +19,7 @@ from clerestory.study.run_plan import plan_study
 from clerestory.study.study_run import run_study
 
 
-def new(request: NewStudy) -> None:
+def new(request: requests.NewStudy) -> None:
     """Write a study file and what belongs to it."""
     begun = begin_study(
         request.folder,
@@ -38,7 +38,7 @@ def new(request: NewStudy) -> None:
         typer.echo(f"next: clerestory run {begun.study}")
 
 
-def run(request: RunStudy) -> None:
+def run(request: requests.RunStudy) -> None:
     """Run a study, or print the plan of its run."""
     study = read_study(request.study).with_trace(
         seed=request.seed, device=request.device, cluster=request.cluster
@@ -50,14 +50,14 @@ def run(request: RunStudy) -> None:
     _run(study, folder, quiet=request.quiet)
 
 
-def demo(request: Demo) -> None:
+def demo(request: requests.Demo) -> None:
     """Copy the bundled study and run it."""
     study = read_study(write_demo(request.folder))
     chosen = study.with_trace(seed=request.seed, device=request.device)
     _run(chosen, request.folder / "results", quiet=request.quiet)
 
 
-def report(request: WriteReport) -> None:
+def report(request: requests.WriteReport) -> None:
     """Write the report of an earlier run."""
     path = request.results
     folder = path if path.is_dir() else path.parent

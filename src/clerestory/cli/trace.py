@@ -13,14 +13,8 @@ import typer
 from clerestory.cli.effort import effort_of
 from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.progress import progress_display
-from clerestory.cli.requests.common import EffortOptions, MatrixFile, SensorsOrView
-from clerestory.cli.requests.trace import (
-    DaylightCoefficients,
-    DaylightMatrix,
-    FacadeMatrix,
-    SunCoefficients,
-    ViewMatrix,
-)
+from clerestory.cli.requests import common
+from clerestory.cli.requests import trace as requests
 from clerestory.cluster.cluster import executor_at
 from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Executor
@@ -53,7 +47,7 @@ from clerestory.sky.sun_matrix import sun_matrix
 from clerestory.sky.weather_formats import read_weather
 
 
-def view(request: ViewMatrix) -> None:
+def view(request: requests.ViewMatrix) -> None:
     """Trace view matrices."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     receiver = _receiver(request.receiver)
@@ -71,7 +65,7 @@ def view(request: ViewMatrix) -> None:
         run.write(traced, receiver)
 
 
-def daylight(request: DaylightMatrix) -> None:
+def daylight(request: requests.DaylightMatrix) -> None:
     """Trace daylight matrices."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     _warn_of_scene(room, windows)
@@ -84,7 +78,7 @@ def daylight(request: DaylightMatrix) -> None:
         )
 
 
-def coefficients(request: DaylightCoefficients) -> None:
+def coefficients(request: requests.DaylightCoefficients) -> None:
     """Trace daylight coefficients."""
     room, points = read_rad(*request.scene), read_sensors(request.sensors)
     _warn_of_scene(room, (), points)
@@ -96,7 +90,7 @@ def coefficients(request: DaylightCoefficients) -> None:
         run.write({"": found})
 
 
-def facade(request: FacadeMatrix) -> None:
+def facade(request: requests.FacadeMatrix) -> None:
     """Trace façade matrices of shades at a distance from their window."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     ports = read_windows(*request.port)
@@ -112,7 +106,7 @@ def facade(request: FacadeMatrix) -> None:
         run.write(traced)
 
 
-def sun(request: SunCoefficients) -> None:
+def sun(request: requests.SunCoefficients) -> None:
     """Trace direct-sun coefficients."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     layer, receiver = read_layer(request.bsdf), _receiver(request.receiver)
@@ -141,12 +135,12 @@ def sun(request: SunCoefficients) -> None:
 class _Run:
     # A command that traces: its workers, its progress display, its output
     kind: str
-    file: MatrixFile
+    file: common.MatrixFile
     executor: Executor
     progress: Callable[[str], Progress]
     begin: float
 
-    def effort(self, options: EffortOptions, title: str) -> Effort:
+    def effort(self, options: common.EffortOptions, title: str) -> Effort:
         """Return the effort of a matrix, with a progress display of its own."""
         return effort_of(options, self.executor, self.progress(title))
 
@@ -173,7 +167,7 @@ class _Run:
 
 
 @contextmanager
-def _run(kind: str, file: MatrixFile, cluster: str | None) -> Iterator[_Run]:
+def _run(kind: str, file: common.MatrixFile, cluster: str | None) -> Iterator[_Run]:
     begin = time.perf_counter()
     with (
         executor_at(cluster) as executor,
@@ -182,7 +176,7 @@ def _run(kind: str, file: MatrixFile, cluster: str | None) -> Iterator[_Run]:
         yield _Run(kind, file, executor, display, begin)
 
 
-def _receiver(chosen: SensorsOrView) -> Camera | Sensors:
+def _receiver(chosen: common.SensorsOrView) -> Camera | Sensors:
     if chosen.sensors is not None and chosen.view is None:
         return read_sensors(chosen.sensors)
     if chosen.view is not None and chosen.sensors is None:

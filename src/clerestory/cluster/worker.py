@@ -14,6 +14,7 @@ import numpy as np
 
 from clerestory import __version__
 from clerestory.engine.device import Device, resolve
+from clerestory.engine.revision import ESTIMATOR_REVISION
 from clerestory.engine.work_units import Job, Local, Unit
 from clerestory.scene.model import Scene
 
@@ -51,7 +52,8 @@ def do_unit(scene: Scene, job: Job, unit: Unit) -> np.ndarray:
 
 def versions() -> dict[str, str]:
     """Return the versions that results depend on."""
-    return {NAME: __version__, **{name: version(name) for name in _PACKAGES}}
+    ours = {NAME: __version__, "estimators": str(ESTIMATOR_REVISION)}
+    return {**ours, **{name: version(name) for name in _PACKAGES}}
 
 
 def device_of(wanted: Device) -> str:

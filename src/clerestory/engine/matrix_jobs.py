@@ -5,8 +5,7 @@
     F  exterior patches × exterior patches of ports     FacadeJob
     C  sensors × sky                              CoefficientsJob
 
-Jobs are plain values and need no compute device; `matrix_tracers` and
-ALREADY
+Jobs are plain values and need no compute device; `matrix_tracers` traces them.
 """
 
 from dataclasses import dataclass

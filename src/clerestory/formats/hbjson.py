@@ -16,14 +16,13 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import ClerestoryWarning
+from clerestory.formats.hbjson_geometry import plane_of, read_grids, read_views, seamed
 from clerestory.formats.hbjson_modifiers import (
     BsdfModifier,
     Modifier,
     Modifiers,
     read_modifiers,
 )
-from clerestory.formats.hbjson_outline import plane_of, seamed
-from clerestory.formats.hbjson_points import read_grids, read_views
 from clerestory.formats.json_item import Item, read_json
 from clerestory.scene.model import (
     Material,

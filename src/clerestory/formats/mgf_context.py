@@ -1,13 +1,12 @@
-"""What is in force at a place of an MGF text: named and unnamed contexts.
+"""Contexts of MGF: the current vertex, colour and material, and the named ones.
 
-The text speaks of a current vertex, a current colour and a current material. Each may
-have a name, by which it is taken up again or serves as template for another.
+A context with a name can be made current again, or be the template of another.
 
 Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
 """
 
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from clerestory.errors import InputError
 from clerestory.formats.mgf_colour import GREY, Chromaticity
@@ -23,35 +22,35 @@ class MgfVertex:
     normal: tuple[float, float, float] | None = None
 
 
+class Share(NamedTuple):
+    """A share of light: its value, its colour and, of a highlight, its roughness.
+
+    The value is 0…1, of the emittance ("ed") the luminous exitance [lm/m²].
+    """
+
+    value: float = 0.0
+    colour: Chromaticity = GREY
+    roughness: float = 0.0
+
+
 @dataclass(frozen=True)
 class MgfMaterial:
-    """Shares of light and their colours, as MGF has them.
+    """Shares of light as MGF has them.
 
     Attributes
     ----------
-    one_sided : whether nothing is there as seen from behind
+    one_sided : whether the back is transparent
     index : real part of the index of refraction
-    diffuse_reflectance, diffuse_transmittance : shares, 0…1
-    specular_reflectance, specular_transmittance : shares, 0…1
-    reflected_roughness, transmitted_roughness : rms slopes of the facets
-    emittance : luminous exitance [lm/m²]
-    colour : of each share, by its keyword
+    shares : by keyword: "rd", "td", "rs", "ts" and "ed"
     """
 
     one_sided: bool = False
     index: float = 1.0
-    diffuse_reflectance: float = 0.0
-    diffuse_transmittance: float = 0.0
-    specular_reflectance: float = 0.0
-    specular_transmittance: float = 0.0
-    reflected_roughness: float = 0.0
-    transmitted_roughness: float = 0.0
-    emittance: float = 0.0
-    colour: tuple[tuple[str, Chromaticity], ...] = ()
+    shares: tuple[tuple[str, Share], ...] = ()
 
-    def chromaticity(self, keyword: str) -> Chromaticity:
-        """Colour of the share that a keyword ("rd", "ts", …) has set; grey if none."""
-        return dict(self.colour).get(keyword, GREY)
+    def share(self, keyword: str) -> Share:
+        """Return the share of a keyword; none where it is not set."""
+        return dict(self.shares).get(keyword, Share())
 
 
 @dataclass

@@ -2,22 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from clerestory.errors import InputError
 from clerestory.formats import mgf_colour
-from clerestory.formats.mgf_context import Contexts, MgfMaterial, MgfVertex
+from clerestory.formats.mgf_context import Contexts, MgfMaterial, MgfVertex, Share
 from clerestory.scene.transform import LARGEST, number
 
-_SHARES = {
-    "rd": "diffuse_reflectance",
-    "td": "diffuse_transmittance",
-    "rs": "specular_reflectance",
-    "ts": "specular_transmittance",
-}
-_ROUGHNESS = {"rs": "reflected_roughness", "ts": "transmitted_roughness"}
+_SHARES = ("rd", "td", "rs", "ts")
+_HIGHLIGHTS = ("rs", "ts")
 
 
 @dataclass
@@ -75,18 +69,15 @@ class Definitions:
 
     def share(self, keyword: str, words: list[str]) -> None:
         """Set a share of light of the current material, in the current colour."""
-        value, *rough = numbers(keyword, words, 2 if keyword in _ROUGHNESS else 1)
+        value, *rough = numbers(keyword, words, 2 if keyword in _HIGHLIGHTS else 1)
         if not 0 <= value <= (1 if keyword in _SHARES else LARGEST):
             raise InputError(f"{keyword} {value:g}; 0 to 1 expected")
         if min(rough, default=0) < 0:
             raise InputError(f"{keyword} with roughness {rough[0]:g}; 0 or more")
         current = self.materials.current
-        colours = {**dict(current.colour), keyword: self.colours.current}
-        name = _SHARES.get(keyword, "emittance")
-        changes: dict[str, Any] = {name: value, "colour": tuple(colours.items())}
-        if rough:
-            changes[_ROUGHNESS[keyword]] = rough[0]
-        self.materials.current = replace(current, **changes)
+        share = Share(value, self.colours.current, *rough)
+        shares = {**dict(current.shares), keyword: share}
+        self.materials.current = replace(current, shares=tuple(shares.items()))
 
     def surface_kind(self, keyword: str, words: list[str]) -> None:
         """Set sides or index of refraction of the current material."""

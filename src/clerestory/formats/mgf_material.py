@@ -37,54 +37,51 @@ def scene_material(given: MgfMaterial, name: str, source: Source | None) -> Mate
 
     Examples
     --------
-    >>> scene_material(MgfMaterial(diffuse_reflectance=0.5), "grey", None).reflectance
+    >>> matt = MgfMaterial(shares=(("rd", Share(0.5)),))
+    >>> scene_material(matt, "grey", None).reflectance
     array([0.5, 0.5, 0.5])
     """
-    if given.emittance > _LEAST_EMITTANCE:
-        radiance = given.emittance / (np.pi * LUMINOUS_EFFICACY)
-        return Light(name, rgb(given.chromaticity("ed"), radiance), source)
-    reflected = given.diffuse_reflectance + given.specular_reflectance
-    passed = given.diffuse_transmittance + given.specular_transmittance
-    if reflected + passed > _MOST_LIGHT:
+    emitted = given.share("ed")
+    if emitted.value > _LEAST_EMITTANCE:
+        radiance = emitted.value / (np.pi * LUMINOUS_EFFICACY)
+        return Light(name, rgb(emitted.colour, radiance), source)
+    rd, td, rs, ts = (given.share(keyword) for keyword in ("rd", "td", "rs", "ts"))
+    total = rd.value + td.value + rs.value + ts.value
+    if total > _MOST_LIGHT:
         raise InputError(
-            f'material "{name}" reflects and transmits {reflected + passed:.3f} of the'
-            " light; 1 at most expected"
+            f'material "{name}" reflects and transmits {total:.3f} of the light; 1 at'
+            " most expected"
         )
     if _is_clear(given):
         return _clear(given, name, source)
-    if max(given.diffuse_transmittance, given.specular_transmittance) > _NEGLIGIBLE:
+    if max(td.value, ts.value) > _NEGLIGIBLE:
         return _trans(given, name, source)
-    rs, rd = given.specular_reflectance, given.diffuse_reflectance
-    if rs < 0.08 and (rs < 0.1 * rd or is_grey(given.chromaticity("rs"))):
-        colour = rgb(given.chromaticity("rd"), rd / (1 - rs))
-        return Plastic(name, colour, rs, given.reflected_roughness, source)
-    colour = rgb(given.chromaticity("rd"), rd) + rgb(given.chromaticity("rs"), rs)
-    share = rs / (rd + rs) if rs > 0 else 0.0
-    return Metal(name, colour, share, given.reflected_roughness, source)
+    if rs.value < 0.08 and (rs.value < 0.1 * rd.value or is_grey(rs.colour)):
+        colour = rgb(rd.colour, rd.value / (1 - rs.value))
+        return Plastic(name, colour, rs.value, rs.roughness, source)
+    colour = rgb(rd.colour, rd.value) + rgb(rs.colour, rs.value)
+    share = rs.value / (rd.value + rs.value) if rs.value > 0 else 0.0
+    return Metal(name, colour, share, rs.roughness, source)
 
 
 def _is_clear(given: MgfMaterial) -> bool:
-    small = (
-        given.diffuse_transmittance,
-        given.diffuse_reflectance,
-        given.reflected_roughness,
-        given.transmitted_roughness,
-    )
+    rd, td, rs, ts = (given.share(keyword) for keyword in ("rd", "td", "rs", "ts"))
     return (
         given.index > 1.1
-        and given.specular_transmittance > 0.25
-        and given.specular_reflectance <= 0.125
-        and max(small) <= _NEGLIGIBLE
+        and ts.value > 0.25
+        and rs.value <= 0.125
+        and max(td.value, rd.value, rs.roughness, ts.roughness) <= _NEGLIGIBLE
     )
 
 
 def _clear(given: MgfMaterial, name: str, source: Source | None) -> Material:
     # Two sides make a pane, one side the surface of a solid
-    passed = rgb(given.chromaticity("ts"), given.specular_transmittance)
+    through = given.share("ts")
     if given.one_sided:
-        share = given.specular_transmittance + given.specular_reflectance
-        inner = rgb(given.chromaticity("ts"), share) ** (1 / _SOLID_THICKNESS)
+        share = through.value + given.share("rs").value
+        inner = rgb(through.colour, share) ** (1 / _SOLID_THICKNESS)
         return Dielectric(name, inner, given.index, source)
+    passed = rgb(through.colour, through.value)
     return Glass(name, _between_faces(passed, given.index), given.index, source)
 
 
@@ -101,17 +98,11 @@ def _between_faces(
 
 
 def _trans(given: MgfMaterial, name: str, source: Source | None) -> Trans:
-    rd, td, ts = (
-        given.diffuse_reflectance,
-        given.diffuse_transmittance,
-        given.specular_transmittance,
-    )
-    rs, both = given.specular_reflectance, rd + td + ts
-    parts = {"rd": rd, "td": td, "ts": ts}
-    colour = np.sum(
-        [rgb(given.chromaticity(key), share) for key, share in parts.items()], axis=0
-    )
-    rough = rs * given.reflected_roughness + ts * given.transmitted_roughness
+    diffused = [given.share(keyword) for keyword in ("rd", "td", "ts")]
+    colour = np.sum([rgb(part.colour, part.value) for part in diffused], axis=0)
+    (rd, td, ts), mirrored = (part.value for part in diffused), given.share("rs")
+    rs, both = mirrored.value, rd + td + ts
+    rough = rs * mirrored.roughness + ts * diffused[2].roughness
     return Trans(
         name,
         # Shares are of all light; trans takes the highlight off first

@@ -1,7 +1,7 @@
-"""Sums, scalings, cut-outs and reductions of pictures.
+"""Sums, scaling, cropping and reduction of pictures.
 
-What comes out is a picture whose view belongs to its pixels: a cut-out sees less, so
-its view is narrower and shifted.
+The view of a result is that of its pixels: the view of a cropped picture is narrower
+and shifted.
 """
 
 from collections.abc import Sequence
@@ -105,12 +105,12 @@ def crop(picture: Picture, *, left: int, top: int, columns: int, rows: int) -> P
 
     Raises
     ------
-    InputError : a cut-out that is empty or leaves the picture
+    InputError : a crop that is empty or exceeds the picture
     """
     inside = 0 <= left < left + columns <= picture.columns
     if not (inside and 0 <= top < top + rows <= picture.rows):
         raise InputError(
-            f"a cut-out of {columns} × {rows} pixels from column {left}, row {top};"
+            f"a crop of {columns} × {rows} pixels from column {left}, row {top};"
             f" one within {picture.columns} × {picture.rows} expected"
         )
     view = picture.view

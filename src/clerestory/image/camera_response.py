@@ -1,4 +1,4 @@
-"""Response curves: which exposure makes which value of a photograph.
+"""Camera response curves: exposure as a function of pixel value.
 
 A curve belongs to a camera and its settings. It is recovered once from a bracket and
 kept in a file, or read from one of hdrgen's .rsp files.
@@ -123,12 +123,7 @@ def recover_response(
 def check_bracket(
     photographs: Sequence[Photograph], exposures: Sequence[Exposure]
 ) -> None:
-    """Refuse brackets whose parts do not fit each other.
-
-    Raises
-    ------
-    InputError : fewer than two photographs, sizes that differ, exposures missing
-    """
+    """Refuse brackets whose parts do not fit each other."""
     if len(photographs) < 2:
         raise InputError(f"{len(photographs)} photographs; two or more expected")
     if len(photographs) != len(exposures):

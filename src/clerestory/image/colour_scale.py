@@ -1,4 +1,4 @@
-"""Scales of false colour: which luminance has which colour, and where levels lie."""
+"""Colour scales of false-colour pictures: range, palette, levels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class ColourScale:
     Attributes
     ----------
     smallest, largest : values of the first and the last colour [cd/m² or lux]
-    levels : values told in the legend, and where contours run, growing
+    levels : increasing values of the legend and of contours
     logarithmic : equal ratios have equal steps of colour, else equal differences
     palette : a colour map of matplotlib; "gnuplot" is like Radiance's pm3d
 

@@ -1,8 +1,8 @@
-"""Smoothing of the noise in traced pictures by a neural network.
+"""Denoising of traced pictures by a neural network (Intel Open Image Denoise).
 
-Intel Open Image Denoise guesses what a picture would be without noise. A guess is for
-the eye: it has no error bar and may shift luminance where the picture is sharp. So
-pictures that went through it say so in their header, and metrics doubt them.
+Intel Open Image Denoise estimates the picture without noise, for display: the estimate
+has no standard error and may be biased near edges. The header of a denoised picture
+records the denoising, and metrics warn of it.
 
 Reference: A. Áfra, Intel Open Image Denoise, 2019–2026, openimagedenoise.org.
 """
@@ -42,7 +42,7 @@ def denoise(picture: Picture) -> Picture:
 
 
 def is_denoised(picture: Picture) -> bool:
-    """Whether a picture's header says that it was denoised.
+    """Whether the header of a picture records a denoising.
 
     Examples
     --------

@@ -162,10 +162,6 @@ def align(photographs: Sequence[Photograph]) -> list[Photograph]:
     ----------
     Ward, G. (2003): Fast, robust image registration for compositing high dynamic range
     photographs from hand-held exposures. Journal of Graphics Tools 8(2). As in OpenCV.
-
-    Raises
-    ------
-    InputError : no photographs
     """
     if not photographs:
         raise InputError("no photographs; two or more expected")

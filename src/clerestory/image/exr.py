@@ -1,4 +1,4 @@
-"""OpenEXR pictures: red, green and blue in 16 or 32 bits, with what a header says.
+"""OpenEXR pictures: red, green and blue in 16 or 32 bits, with header attributes.
 
 Attributes are those of the OpenEXR standard: chromaticities of the primaries,
 whiteLuminance [cd/m²] of the colour (1, 1, 1), pixelAspectRatio (width over height),
@@ -38,7 +38,7 @@ def read_exr(path: str | Path) -> Picture:
     InputError : the file is missing or broken, holds other channels, or values that
         are not finite
     """
-    read_bytes(path)  # tells why, where a file cannot be read
+    read_bytes(path)  # raises the reason if the file cannot be read
     try:
         header = OpenEXR.File(str(path), header_only=True).header()
         low, high = header["dataWindow"]

@@ -1,4 +1,4 @@
-"""False colour: luminance as colour, contour lines or bands, with a legend."""
+"""False-colour images: luminance as colours, contour lines or bands, with a legend."""
 
 from typing import Literal
 

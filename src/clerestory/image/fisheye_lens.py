@@ -1,7 +1,7 @@
-"""Fisheye lenses: where on the photograph each direction appears.
+"""Fisheye lenses: projection of directions onto the photograph.
 
 Lenses are described by the radius at which an angle from the axis is imaged, relative
-to that of 90°. Pictures are reprojected to a view of Radiance's, as a rule -vta.
+to that of 90°. Pictures are reprojected to a view of Radiance, usually -vta.
 """
 
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""The legend of a false-colour picture: a bar of its colours with values and unit."""
+"""Legend of a false-colour picture: a colour bar with values and unit."""
 
 from functools import cache
 from pathlib import Path

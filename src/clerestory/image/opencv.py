@@ -1,4 +1,4 @@
-"""OpenCV, which only the making of pictures from photographs needs."""
+"""Optional dependency on OpenCV."""
 
 import importlib
 import importlib.util
@@ -8,12 +8,7 @@ from clerestory.errors import ClerestoryError
 
 
 def opencv() -> Any:
-    """Return OpenCV's module.
-
-    Raises
-    ------
-    ClerestoryError : it is not installed
-    """
+    """Return OpenCV's module."""
     if importlib.util.find_spec("cv2") is None:
         raise ClerestoryError(
             "OpenCV is not installed; `pip install clerestory[capture]` expected"

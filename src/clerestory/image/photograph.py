@@ -1,7 +1,7 @@
-"""Photographs of a bracket and the light each of them let in.
+"""Photographs of an exposure bracket and their exposures.
 
-The exposure of a photograph is told by its EXIF data, or given. What counts is the
-product of time, sensitivity and aperture.
+The exposure of a photograph is read from its EXIF data, or given: the product of time,
+sensitivity and aperture.
 """
 
 import math
@@ -89,7 +89,7 @@ def read_photograph(path: str | Path) -> Photograph:
 
 
 def read_exposure(path: str | Path) -> Exposure:
-    """Return the exposure that the EXIF data of a photograph tell.
+    """Return the exposure in the EXIF data of a photograph.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Calibration: pictures scaled to the illuminance measured beside the camera."""
+"""Photometric calibration of pictures by the illuminance measured at the camera."""
 
 import warnings
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from clerestory.image.arithmetic import scale
 from clerestory.image.picture import Picture
 from clerestory.scene.view import solid_angles
 
-# Change of the light during a bracket from which its picture is in doubt
+# Change of the illuminance during a bracket that causes a warning
 _DRIFT = 0.10
 
 # Share of the measured illuminance that a picture must reach not to be clipped

@@ -1,4 +1,4 @@
-"""Pictures: radiance or irradiance of every pixel, and the view they were taken from.
+"""Pictures: radiance or irradiance of every pixel, with their view.
 
 Row 0 is the top. Values are physical: exposures and colour corrections of a file are
 divided out when it is read.
@@ -80,34 +80,19 @@ class Picture:
 
     @property
     def rgb(self) -> Float32[np.ndarray, "row column 3"]:
-        """Values in red, green and blue.
-
-        Raises
-        ------
-        InputError : the picture holds other bands
-        """
+        """Values in red, green and blue."""
         if self.bands != RGB:
             raise InputError(f"a picture in the bands {self.bands}; {RGB} expected")
         return self.radiance
 
     def luminance(self) -> Float32[np.ndarray, "row column"]:
-        """Luminance of every pixel [cd/m²].
-
-        Raises
-        ------
-        InputError : the picture holds irradiance
-        """
+        """Luminance of every pixel [cd/m²]."""
         if self.quantity != "radiance":
             raise InputError("an irradiance picture has no luminance; use illuminance")
         return photometric(self)
 
     def illuminance(self) -> Float32[np.ndarray, "row column"]:
-        """Illuminance of the surface behind every pixel [lux].
-
-        Raises
-        ------
-        InputError : the picture holds radiance
-        """
+        """Illuminance of the surface behind every pixel [lux]."""
         if self.quantity != "irradiance":
             raise InputError("a radiance picture has no illuminance; use luminance")
         return photometric(self)

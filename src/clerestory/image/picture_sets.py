@@ -1,7 +1,7 @@
 """Sets of pictures as matrices: a row for each pixel, a column for each picture.
 
-The view matrix of a picture is such a set, V_%03d.hdr, one picture a window patch; so
-is what a product leaves, one picture a time step.
+The view matrix of a picture is such a set, V_%03d.hdr, one picture per window patch; a
+product with a sky matrix is another, one picture per time step.
 """
 
 from itertools import count
@@ -32,10 +32,6 @@ def numbered(path: Path, number: int) -> Path:
 
     >>> str(numbered(Path("V_%03d.hdr"), 7))
     'V_007.hdr'
-
-    Raises
-    ------
-    InputError : the name has no place for one number
     """
     try:
         return path.with_name(path.name % number)
@@ -46,12 +42,7 @@ def numbered(path: Path, number: int) -> Path:
 
 
 def read_picture_set(path: Path) -> tuple[TransferMatrix, Picture]:
-    """Return pictures numbered from 0 as a matrix, and the first of them.
-
-    Raises
-    ------
-    InputError : there is no first picture, or sizes differ
-    """
+    """Return pictures numbered from 0 as a matrix, and the first of them."""
     if numbered(path, 0) == numbered(path, 1):
         raise InputError(
             "a name with one number such as V_%03d.hdr expected", file=path
@@ -85,11 +76,6 @@ def write_picture_set(
     """Write a picture for each column, with size and view of another; return them.
 
     A single column may have a name without number.
-
-    Raises
-    ------
-    InputError : several columns and a name without number
-    OutputError : a file cannot be written
     """
     columns = matrix.columns.size
     if "%" not in path.name and columns > 1:

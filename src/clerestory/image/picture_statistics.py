@@ -1,4 +1,4 @@
-"""Numbers that describe a picture: extremes, mean and percentiles of its luminance."""
+"""Statistics of a picture: extremes, mean and percentiles of its luminance."""
 
 from dataclasses import dataclass
 

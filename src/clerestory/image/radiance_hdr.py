@@ -1,4 +1,4 @@
-"""Radiance's pictures (.hdr, .pic): four bytes a pixel, three mantissas, one exponent.
+"""Radiance pictures (.hdr, .pic): RGBE and XYZE pixels of four bytes.
 
 Pixels are RGB radiance, or CIE XYZ with Y in cd/m². Ward, "Real pixels", Graphics
 Gems II (1991).
@@ -97,7 +97,7 @@ def write_radiance(
     Parameters
     ----------
     picture, path : what to write, and where
-    exposure : factor on the pixels, told in the header; for viewers that ignore it
+    exposure : factor on the pixels, recorded in the header; for viewers that ignore it
     xyz : CIE XYZ instead of red, green and blue
 
     Raises

@@ -1,7 +1,7 @@
 """Headers of Radiance pictures: text lines, an empty line, the resolution.
 
-The lines of programs that a picture went through stay in it; those of the pictures
-that went into it stand behind a tab and do not count.
+Each program that processes a picture adds a line. Lines of the source pictures begin
+with a tab and are ignored.
 """
 
 import math
@@ -80,12 +80,7 @@ class Header:
 
 
 def split_header(data: bytes) -> tuple[list[str], str, int]:
-    """Return the lines of a header, the resolution line, where pixels begin.
-
-    Raises
-    ------
-    InputError : no end of the header
-    """
+    """Return the lines of a header, the resolution line, where pixels begin."""
     end = re.search(rb"\n\r?\n", data[:_LONGEST])
     stop = -1 if end is None else data.find(b"\n", end.end(), end.end() + 100)
     if end is None or stop < 0:
@@ -104,7 +99,7 @@ def _text(data: bytes) -> str:
 
 
 def parse_resolution(line: str) -> Resolution:
-    """Return the order of pixels that a line such as "-Y 600 +X 800" tells.
+    """Return the order of pixels in a line such as "-Y 600 +X 800".
 
     >>> parse_resolution("+X 3 -Y 4")
     Resolution(columns=3, rows=4, by_column=True, upward=False, leftward=False)
@@ -135,10 +130,6 @@ def parse_header(lines: list[str]) -> Header:
 
     Exposures, pixel aspects and colour corrections multiply; of views the last counts,
     and it may leave open what those before it said.
-
-    Raises
-    ------
-    InputError : a number or a format that cannot be
     """
     header = Header()
     kept = []
@@ -153,7 +144,7 @@ def parse_header(lines: list[str]) -> Header:
 
 
 def _take(line: str, header: Header) -> bool:
-    # Whether the line is fully said by the header's values
+    # Whether the values of the header contain the whole line
     name, equals, value = line.partition("=")
     if equals and name == "FORMAT":
         header.encoding = _encoding(value.strip())

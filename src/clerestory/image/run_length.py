@@ -1,4 +1,4 @@
-"""The run-length codes of Radiance's pictures, old and new, read and written.
+"""Run-length coding of Radiance pictures, the old and the new format.
 
 A scanline in the new code is 2 2 high low, then its four components one after the
 other, each a sequence of a count up to 128 with as many bytes, or of 128 + count with
@@ -12,7 +12,7 @@ from jaxtyping import Bool, Int, UInt8
 # Lengths of scanlines that are written in the new code (color.c: MINELEN, MAXELEN)
 SHORTEST, LONGEST = 8, 0x7FFF
 
-# A repetition pays from this length on; the longest that one code can tell
+# Shortest and longest run of one code
 _SHORTEST_RUN, _LONGEST_RUN, _LONGEST_LITERAL = 4, 127, 128
 _RUN = 128
 
@@ -26,12 +26,7 @@ class RunLengthError(ValueError):
 def decode(
     data: _Bytes, *, rows: int, width: int
 ) -> UInt8[np.ndarray, "{rows} {width} 4"]:
-    """Return the four bytes of every pixel, scanline by scanline.
-
-    Raises
-    ------
-    RunLengthError : the data end too soon, or a run leaves its scanline
-    """
+    """Return the four bytes of every pixel, scanline by scanline."""
     # Four bytes a pixel and nothing repeated: the plain form
     if data.size == rows * width * 4 and not _is_new(data, 0, width):
         quads = data.reshape(rows, width, 4)

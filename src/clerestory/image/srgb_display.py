@@ -1,6 +1,6 @@
-"""Pictures for screens: 8 bits in sRGB, written as PNG or JPEG.
+"""Images for displays: 8 bits in sRGB, written as PNG or JPEG.
 
-What comes in is display-referred: red, green and blue in Radiance's primaries, linear,
+The input is display-referred: red, green and blue in Radiance's primaries, linear,
 0 black and 1 the display's white; the tone mappings of this package make it.
 """
 

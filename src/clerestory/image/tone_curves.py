@@ -1,7 +1,7 @@
-"""Simple tone mappings: a straight line, and a film's curve.
+"""Global tone mapping: linear, and the response curve of a film.
 
-They turn luminance into what a display shows: red, green and blue, linear, 0 black and
-1 white. `human_vision` has the mapping that keeps visibility.
+The result is display-referred: red, green and blue, linear, 0 black and 1 white. See
+`visibility_matching` for the mapping that preserves visibility.
 """
 
 import numpy as np

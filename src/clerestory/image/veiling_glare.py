@@ -1,4 +1,4 @@
-"""Veiling glare: light of bright sources scattered in the eye over the whole view."""
+"""Veiling glare: intraocular scattering over the whole view."""
 
 from dataclasses import dataclass, replace
 
@@ -15,7 +15,7 @@ from clerestory.scene.view import View
 # al. (1997), eq. 8, and pcond
 _SCATTERED = 0.08
 
-# Width of the fovea [rad], and of a view that is not told [deg]
+# Width of the fovea [rad], and of an unknown view [deg]
 _FOVEA = np.radians(1.0)
 _WIDTH = 40.0
 

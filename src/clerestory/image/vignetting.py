@@ -1,4 +1,4 @@
-"""Vignetting: what a lens loses towards the rim, by aperture, put back."""
+"""Vignetting: transmission of a lens by the angle from its axis, and its correction."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Tone mapping that keeps visibility: what an observer could tell apart stays visible.
+"""Visibility-matching tone mapping by histogram adjustment.
 
 Luminance is mapped through its own cumulative distribution, but nowhere so steeply
 that contrasts appear which the eye would not have seen in the scene. The distribution

@@ -22,7 +22,7 @@ import h5py
 import numpy as np
 
 from clerestory.bands import RGB, Bands
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_bytes, replace_file
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import reinhart
@@ -64,12 +64,8 @@ def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
         _write_bands(values, matrix.bands)
         if matrix.components is not None:
             file.dimensions["component"] = len(matrix.components)
-            _add(
-                file,
-                "components",
-                ("component", "channel", "row", "column"),
-                matrix.components,
-            )
+            dimensions = "component", "channel", "row", "column"
+            _add(file, "components", dimensions, matrix.components)
         _write_axis(file, "row", matrix.rows)
         _write_axis(file, "column", matrix.columns)
     with replace_file(path) as stream:
@@ -85,32 +81,36 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
     InputError : not such a file, or damaged
     """
     data = read_bytes(path)
-    if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
-        raise InputError(
-            "damaged, or not written by Clerestory; a complete matrix file expected",
-            file=path,
-        )
-    try:
-        with h5py.File(io.BytesIO(data), "r") as file:
-            if file.attrs.get("format") != _FORMAT:
-                raise InputError(f"not a file of the format {_FORMAT!r}")
-            values = _read_floats(file, "values", len(data))
-            components = (
-                _read_floats(file, "components", len(data))
-                if "components" in file
-                else None
+    with located(file=path):
+        if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
+            raise InputError(
+                "damaged, or not written by Clerestory; a complete matrix file expected"
             )
-            rows, columns = _read_axis(file, "row"), _read_axis(file, "column")
-            bands = _read_bands(file["values"])
-        return TransferMatrix(values, rows, columns, components, bands)
-    except InputError as error:
-        raise InputError(error.message, file=path) from error
-    except Exception as error:  # HDF5 reports damage by many kinds of exception
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(
-            f"damaged or not NetCDF-4 ({reason[:120]}); a matrix file expected",
-            file=path,
-        ) from error
+        try:
+            return _read(data)
+        except InputError:
+            raise
+        except Exception as error:  # HDF5 reports damage by many kinds of exception
+            reason = " ".join(str(error).split()) or type(error).__name__
+            raise InputError(
+                f"damaged or not NetCDF-4 ({reason[:120]}); a matrix file expected"
+            ) from error
+
+
+def _read(data: bytes) -> TransferMatrix:
+    with h5py.File(io.BytesIO(data), "r") as file:
+        if file.attrs.get("format") != _FORMAT:
+            raise InputError(f"not a file of the format {_FORMAT!r}")
+        values = _read_floats(file, "values", len(data))
+        components = (
+            _read_floats(file, "components", len(data))
+            if "components" in file
+            else None
+        )
+        rows, columns = _read_axis(file, "row"), _read_axis(file, "column")
+        return TransferMatrix(
+            values, rows, columns, components, _read_bands(file["values"])
+        )
 
 
 def seal(data: memoryview) -> bytes:
@@ -208,17 +208,12 @@ def _read_axis(file: h5py.File, side: str) -> Axis:
     size = int(variable.shape[0])
     if partition is not None and len(partition) != size:
         raise InputError(f"{size} {side}s of a partition with {len(partition)} patches")
-    times = None
-    if f"{side}_times" in file:
-        times = file[f"{side}_times"][...].astype(_TIME)
-    names = None
-    if f"{side}_names" in file:
-        names = tuple(file[f"{side}_names"].asstr()[...].tolist())
+    times, names = file.get(f"{side}_times"), file.get(f"{side}_names")
     return Axis(
         kind,
         size,
         partition=partition,
         window=attributes.get("window"),
-        times=times,
-        names=names,
+        times=None if times is None else times[...].astype(_TIME),
+        names=None if names is None else tuple(names.asstr()[...].tolist()),
     )

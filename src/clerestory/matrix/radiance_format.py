@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB, Bands, unnamed_bands
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_bytes, replace_file
 from clerestory.matrix.axis import Axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -38,6 +38,17 @@ class _Header:
     encoding: Encoding
     big_endian: bool
     length: int  # of the header with its empty line, in bytes
+
+    def require(self, found: int, what: str, size: int) -> None:
+        # Values of the size that the header states, or of whole rows
+        row = self.columns * self.channels * size
+        expected = (self.rows or found // row or 1) * row
+        if found != expected:
+            raise InputError(
+                f"{found} {what}; {expected} expected for {self.rows or 'whole'} rows"
+                f" of {self.columns} columns and {self.channels} components in"
+                f" {self.encoding}"
+            )
 
 
 def read_matrix(
@@ -71,28 +82,25 @@ def read_matrix(
     [[[0.5, 2.0]]]
     """
     data = read_bytes(path)
-    header = _read_header(data, path)
-    body = memoryview(data)[header.length :]
-    read = _read_ascii if header.encoding == "ascii" else _read_binary
-    flat = read(body, header, path)
-    table = flat.reshape(-1, header.columns, header.channels)
-    _require_finite(table, path)
-
-    rows = rows or unknown_axis(table.shape[0])
-    columns = columns or unknown_axis(table.shape[1])
-    if (rows.size, columns.size) != table.shape[:2]:
-        raise InputError(
-            f"{table.shape[0]} rows and {table.shape[1]} columns;"
-            f" {rows.describe()} by {columns.describe()} expected",
-            file=path,
-        )
-    bands = bands or unnamed_bands(header.channels)
-    if header.channels not in (1, len(bands)):
-        raise InputError(
-            f"{header.channels} components; one, or one for each of the {len(bands)}"
-            " bands expected",
-            file=path,
-        )
+    with located(file=path):
+        header = _read_header(data)
+        body = memoryview(data)[header.length :]
+        read = _read_ascii if header.encoding == "ascii" else _read_binary
+        table = read(body, header).reshape(-1, header.columns, header.channels)
+        _require_finite(table)
+        rows = rows or unknown_axis(table.shape[0])
+        columns = columns or unknown_axis(table.shape[1])
+        if (rows.size, columns.size) != table.shape[:2]:
+            raise InputError(
+                f"{table.shape[0]} rows and {table.shape[1]} columns;"
+                f" {rows.describe()} by {columns.describe()} expected"
+            )
+        bands = bands or unnamed_bands(header.channels)
+        if header.channels not in (1, len(bands)):
+            raise InputError(
+                f"{header.channels} components; one, or one for each of the"
+                f" {len(bands)} bands expected"
+            )
     values = np.ascontiguousarray(np.moveaxis(table, -1, 0))
     return TransferMatrix(values, rows, columns, bands=bands)
 
@@ -142,12 +150,8 @@ def write_rows(
     ----------
     blocks : successive rows
     shape : rows, columns and channels of the whole matrix
-    encoding, command : as for `write_matrix`
 
-    Raises
-    ------
-    InputError : unknown encoding
-    OutputError : the file cannot be written
+    The other parameters and errors are those of `write_matrix`.
     """
     if encoding not in ("ascii", *_ITEM):
         raise InputError(
@@ -175,19 +179,17 @@ def _format_row(row: Float[np.ndarray, "column channel"]) -> str:
     return "\t".join([entry] * row.shape[0]) % tuple(row.ravel().tolist()) + "\n"
 
 
-def _read_header(data: bytes, path: str | Path) -> _Header:
+def _read_header(data: bytes) -> _Header:
     # Read the variables before the empty line
     if not data.startswith(b"#?"):
         raise InputError(
             "does not start with #?RADIANCE; a Radiance matrix with header expected",
-            file=path,
             line=1,
         )
     end = re.compile(rb"\r?\n\r?\n").search(data, 0, _LONGEST_HEADER)
     if end is None:
         raise InputError(
-            "no empty line after the header; a complete Radiance matrix expected",
-            file=path,
+            "no empty line after the header; a complete Radiance matrix expected"
         )
     variables: dict[str, tuple[str, int]] = {}
     for number, line in enumerate(data[: end.start()].decode("latin-1").split("\n"), 1):
@@ -195,88 +197,57 @@ def _read_header(data: bytes, path: str | Path) -> _Header:
         if found:
             variables[name] = (value.strip(), number)
 
+    def count(name: str) -> int | None:
+        if name not in variables:
+            return None
+        text, line = variables[name]
+        if not re.fullmatch(r"0*[1-9]\d{0,11}", text):
+            message = f"{name}={text[:40]}; a positive whole number expected"
+            raise InputError(message, line=line)
+        return int(text)
+
     encoding, at = variables.get("FORMAT", ("ascii", 1))
     if encoding not in ("ascii", "float", "double"):
-        raise InputError(
-            f"format {encoding!r}; a matrix in ascii, float or double expected",
-            file=path,
-            line=at,
-        )
-    columns = _read_count(variables, "NCOLS", path)
+        message = f"format {encoding!r}; a matrix in ascii, float or double expected"
+        raise InputError(message, line=at)
+    columns = count("NCOLS")
     if columns is None:
-        raise InputError(
-            "no NCOLS in the header; the number of columns expected", file=path
-        )
-    channels = _read_count(variables, "NCOMP", path) or len(RGB)
-    rows = _read_count(variables, "NROWS", path)
+        raise InputError("no NCOLS in the header; the number of columns expected")
+    channels, rows = count("NCOMP") or len(RGB), count("NROWS")
     big_endian = variables.get("BigEndian", ("0", 0))[0] == "1"
     return _Header(rows, columns, channels, encoding, big_endian, end.end())  # type: ignore[arg-type]
 
 
-def _read_count(
-    variables: dict[str, tuple[str, int]], name: str, path: str | Path
-) -> int | None:
-    if name not in variables:
-        return None
-    text, line = variables[name]
-    if not re.fullmatch(r"0*[1-9]\d{0,11}", text):
-        raise InputError(
-            f"{name}={text[:40]}; a positive whole number expected",
-            file=path,
-            line=line,
-        )
-    return int(text)
-
-
-def _read_binary(body: memoryview, header: _Header, path: str | Path) -> np.ndarray:
+def _read_binary(body: memoryview, header: _Header) -> np.ndarray:
     # Compare the sizes before memory is allocated
     item = np.dtype((">" if header.big_endian else "<") + _ITEM[header.encoding])
-    row = header.columns * header.channels * item.itemsize
-    expected = (header.rows or len(body) // row or 1) * row
-    if len(body) != expected:
-        raise InputError(
-            f"{len(body)} bytes of data; {expected} expected for"
-            f" {header.rows or 'whole'} rows of {header.columns} columns and"
-            f" {header.channels} components in {header.encoding}",
-            file=path,
-        )
+    header.require(len(body), "bytes of data", item.itemsize)
     return np.frombuffer(body, item).astype(item.newbyteorder("="), copy=False)
 
 
-def _read_ascii(body: memoryview, header: _Header, path: str | Path) -> np.ndarray:
+def _read_ascii(body: memoryview, header: _Header) -> np.ndarray:
     # Memory is bounded by the size of the text, not by the header
-    row = header.columns * header.channels
     text = str(body, "latin-1")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", DeprecationWarning)
             flat = np.fromstring(text, dtype=float, sep=" ")
     except (DeprecationWarning, ValueError) as error:
-        raise _bad_number(text, path) from error
-    expected = (header.rows or len(flat) // row or 1) * row
-    if len(flat) != expected:
-        raise InputError(
-            f"{len(flat)} values; {expected} expected for {header.rows or 'whole'} rows"
-            f" of {header.columns} columns and {header.channels} components",
-            file=path,
-        )
+        raise _bad_number(text) from error
+    header.require(len(flat), "values", 1)
     return flat
 
 
-def _bad_number(text: str, path: str | Path) -> InputError:
+def _bad_number(text: str) -> InputError:
     for word in text.split():
         try:
             float(word)
         except ValueError:
-            return InputError(
-                f"{word[:40]!r} among the values; a number expected", file=path
-            )
-    return InputError("the values are not numbers separated by spaces", file=path)
+            return InputError(f"{word[:40]!r} among the values; a number expected")
+    return InputError("the values are not numbers separated by spaces")
 
 
-def _require_finite(
-    table: Float[np.ndarray, "row column channel"], path: str | Path
-) -> None:
+def _require_finite(table: Float[np.ndarray, "row column channel"]) -> None:
     # The sum of finite values is finite and needs no memory
     with np.errstate(all="ignore"):
         if np.isfinite(np.sum(table, dtype=float)):
@@ -286,6 +257,5 @@ def _require_finite(
         row, column, channel = bad[0]
         raise InputError(
             f"row {row + 1}, column {column + 1} holds {table[row, column, channel]};"
-            f" a number expected ({len(bad)} such values)",
-            file=path,
+            f" a number expected ({len(bad)} such values)"
         )

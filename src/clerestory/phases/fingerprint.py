@@ -1,7 +1,7 @@
-"""One short text for everything a traced matrix depends on.
+"""Fingerprints of all that traced matrices depend on.
 
-Two values have the same fingerprint when all that matters in them is equal. What
-does not matter is where an item stands in a file and who traces it: fields named
+The revision of the estimators is part of every fingerprint. What does not matter in
+values is where an item stands in a file and who traces it: fields named
 `source`, `executor` and `progress` are left out, so that a comment added above a wall
 does not trace the wall again.
 """
@@ -14,6 +14,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+
+from clerestory.engine.revision import ESTIMATOR_REVISION
 
 Feed = Callable[[bytes], None]
 
@@ -38,7 +40,7 @@ def fingerprint(*values: Any) -> str:
     (True, False)
     """
     digest = hashlib.sha256()
-    _feed(values, digest.update)
+    _feed((ESTIMATOR_REVISION, values), digest.update)
     return digest.hexdigest()
 
 

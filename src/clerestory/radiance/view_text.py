@@ -13,18 +13,10 @@ import numpy as np
 
 from clerestory.errors import InputError, located
 from clerestory.files import read_bytes
-from clerestory.scene.projection import Kind
+from clerestory.scene.projection import LETTERS, Kind
 from clerestory.scene.transform import number
 from clerestory.scene.view import View
 
-_LETTERS: dict[str, Kind] = {
-    "v": "perspective",
-    "l": "parallel",
-    "h": "hemispherical",
-    "a": "angular",
-    "s": "planisphere",
-    "c": "cylindrical",
-}
 _VECTORS = {"-vp": "position", "-vd": "direction", "-vu": "up"}
 _NUMBERS = {
     "-vh": "horizontal",
@@ -87,11 +79,11 @@ def parse_view(text: str, base: View | None = None) -> View:
 
 
 def _kind(word: str) -> Kind:
-    if word[3:] not in _LETTERS:
+    if word[3:] not in LETTERS:
         raise InputError(
-            f'unknown view type "{word}"; -vt and one of {" ".join(_LETTERS)} expected'
+            f'unknown view type "{word}"; -vt and one of {" ".join(LETTERS)} expected'
         )
-    return _LETTERS[word[3:]]
+    return LETTERS[word[3:]]
 
 
 def _numbers(option: str, words: list[str], count: int) -> list[float]:
@@ -109,7 +101,7 @@ def format_view(view: View) -> str:
     >>> format_view(View())
     '-vtv -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 45 -vv 45 -vo 0 -va 0 -vs 0 -vl 0'
     """
-    letter = next(key for key, kind in _LETTERS.items() if kind == view.kind)
+    letter = next(key for key, kind in LETTERS.items() if kind == view.kind)
     words = [f"-vt{letter}"]
     for option, name in _VECTORS.items():
         words += [option, *(f"{x + 0.0:.9g}" for x in getattr(view, name))]

@@ -70,7 +70,7 @@ class Film:
 
 @dataclass(frozen=True)
 class Row:
-    """What is told beneath the film: words and colour `#rrggbb` of each frame."""
+    """A row below the frames: text and colour `#rrggbb` of each frame."""
 
     name: str
     words: tuple[str, ...]
@@ -144,7 +144,7 @@ def _size(picture: Picture) -> tuple[int, int]:
 def film_data(
     shown: Film, times: np.ndarray, *, note: Callable[[str, int], str]
 ) -> dict[str, Any]:
-    """Return the frames as plain values for JSON; `note` tells of a view in a step."""
+    """Return the frames as plain values for JSON; `note` describes a time step."""
     clock = [str(t)[11:16] for t in times[shown.steps].astype("datetime64[m]")]
     return {
         "clock": clock,

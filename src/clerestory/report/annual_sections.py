@@ -1,4 +1,4 @@
-"""Sections of the year beyond illuminance: states, pictures, glare, sunlight, lamps."""
+"""Sections of the year: window states, pictures, glare, sunlight, electric light."""
 
 from functools import partial
 

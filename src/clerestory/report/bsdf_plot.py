@@ -1,7 +1,7 @@
-"""Drawings of BSDFs: where light goes, how much passes, and two layers side by side.
+"""Figures of BSDFs: angular distributions, transmittances, comparisons of layers.
 
 All discs are seen from the room, with the polar angle as distance from the middle:
-right is right and up is up. The ring marks where light goes straight on.
+right is right and up is up. The ring marks the unscattered direction.
 """
 
 from collections.abc import Sequence
@@ -33,10 +33,6 @@ _CURVE_DEG = 2.5
 def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
     """Direction that light comes from, through the centre of a Klems full patch.
 
-    Raises
-    ------
-    InputError : there is no such patch
-
     Examples
     --------
     >>> patch_direction(0, "transmission_front").tolist()  # from outside
@@ -54,10 +50,6 @@ def direction_from_angles(
     """Direction that light comes from, at a polar angle and azimuth of its source.
 
     The azimuth counts from the right towards up, seen from the room.
-
-    Raises
-    ------
-    InputError : the polar angle is not between 0° and 90°
     """
     if not 0 <= theta_deg < 90:
         raise InputError(f"polar angle {theta_deg}°; from 0 to below 90° expected")
@@ -78,10 +70,6 @@ def lobe_figure(
     """Draw the outgoing distribution of each layer (column) for each direction (row).
 
     All discs share one logarithmic scale over five decades at most.
-
-    Raises
-    ------
-    InputError : a layer lacks the function
     """
     leaving, inside = _disc(function)
     rows = [
@@ -125,10 +113,6 @@ def share_figure(
     """Draw the share scattered in all against the angle of the source.
 
     One panel over profile angles (up and down), one over the width (left and right).
-
-    Raises
-    ------
-    InputError : a layer lacks the function
     """
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)

@@ -1,8 +1,8 @@
-"""An interactive view of a BSDF as one file of HTML, with nothing to load.
+"""Interactive view of a BSDF as one self-contained HTML file.
 
 A matrix is shown on its own patches. A tensor tree, or a matrix of a million values, is
-averaged, flux conserved, onto cells of about three degrees for the 145 incident patches
-of Klems.
+averaged with conserved flux onto cells of about three degrees for the 145 incident
+patches of Klems.
 """
 
 from collections.abc import Sequence

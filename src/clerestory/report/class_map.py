@@ -1,7 +1,7 @@
-"""A year of classes: every step in the colour of its class, days by hours.
+"""Heat maps of classes over the days and hours of a year.
 
-Glare, the states of windows and the dimming of lamps are drawn with it. The page says
-under the pointer what a cell stands for.
+They show glare, the states of windows and the dimming of luminaires; the class of a
+cell appears at the pointer.
 """
 
 from collections.abc import Sequence
@@ -29,12 +29,8 @@ class DayMap:
     label : what it shows, in words
     codes : class of each step, -1 where there is none; where steps share a cell, as
         those of several years do, the highest class shows
-    texts : what the page says of each class
+    texts : label of each class
     colours : red, green and blue of each class
-
-    Raises
-    ------
-    InputError : a class without text or colour
     """
 
     identifier: str
@@ -81,7 +77,7 @@ def day_map(
 
 
 def day_map_data(shown: DayMap, times: np.ndarray) -> dict[str, Any]:
-    """Return what the page says under the pointer, as plain values for JSON."""
+    """Return classes and labels as plain values for JSON."""
     return {
         "cells": packed(shown.cells(day_hour_grid(times))),
         "texts": list(shown.texts),

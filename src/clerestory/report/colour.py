@@ -1,4 +1,4 @@
-"""False colour: values to colours that keep their order for every eye and in print."""
+"""Colour scales with perceptually uniform palettes."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Drawings of a comparison: scatter, days, the whole time, maps of grid scans."""
+"""Figures of a comparison: scatter plots, days, time series, maps of grid scans."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,7 +13,7 @@ from clerestory.comparison.series import GLARE, UNITS, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.comparison.time_alignment import Pairs
 
-# Measured is black; simulations in colours told apart by every eye (Okabe and Ito)
+# Measured is black; simulations in colour-blind safe colours (Okabe and Ito)
 _MEASURED = "#1b1f24"
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
 _MOST_DAYS = 6
@@ -66,7 +66,7 @@ def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure |
 
 
 def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
-    """Draw days of one series over the hours, measured and as each simulation says."""
+    """Draw days of one series over the hours, measured and simulated."""
     found = [(c.name, c.pairs.of(name)) for c in comparisons if name in c.pairs.names]
     days = _chosen_days(np.concatenate([pairs.times for _, pairs in found]))
     columns = min(len(days), 3)

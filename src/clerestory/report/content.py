@@ -1,7 +1,7 @@
-"""What a report needs to know, as plain values.
+"""Content of a report as plain values.
 
-The page is written from these values alone, so that it can be made from a study,
-from a file of results, or from a closed form in a test.
+The page depends on these values only, so that it can be made from a study, a file of
+results, or a closed form in a test.
 """
 
 from dataclasses import dataclass, field
@@ -86,7 +86,7 @@ class ReportContent:
 
     Attributes
     ----------
-    title, method, place : of the study, in its user's words
+    title, method, place : of the study
     times : local standard time at the middle of each step
     illuminance, standard_error : per sensor and step [lux]
     occupied : steps that count for the metrics
@@ -108,10 +108,6 @@ class ReportContent:
     layers : what stands in the windows
     methods : that were compared
     sunlight : on the day that the study names
-
-    Raises
-    ------
-    InputError : shapes disagree, or a value is not a number
     """
 
     title: str

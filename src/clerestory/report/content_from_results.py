@@ -1,4 +1,4 @@
-"""From the results of a run to what its report shows."""
+"""Content of a report from the results of a run."""
 
 import json
 import math
@@ -41,7 +41,7 @@ _STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedu
 # Sensors that a page shows: each has its place on plans and its figures as text
 _MOST_SENSORS = 5000
 
-# Longer lists of a study are told by their first and last item
+# Longer lists of a study are abbreviated to their first and last item
 _MOST_ITEMS = 8
 
 _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
@@ -175,7 +175,7 @@ def _place_in_study(name: str) -> int:
 
 
 def _short_name(file: str) -> str:
-    # Of the hash in the name of a matrix, enough to tell it from others
+    # Abbreviate the hash in the name of a matrix
     stem, _, digest = file.removesuffix(".nc").rpartition("-")
     return f"{stem}-{digest[:8]}"
 

@@ -1,4 +1,4 @@
-"""Electric light through the year: how far each zone of luminaires is dimmed."""
+"""Electric lighting through the year: dimming of each zone of luminaires."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Numbers and pictures as text that a page can carry."""
+"""Arrays and images encoded as text within a page."""
 
 import base64
 import gzip

@@ -1,4 +1,4 @@
-"""The edges of triangulated surfaces that are edges of things, not of triangles."""
+"""Feature edges of triangle meshes."""
 
 import numpy as np
 from jaxtyping import Float, Int

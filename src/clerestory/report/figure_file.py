@@ -11,12 +11,7 @@ _FORMATS = (".png", ".svg", ".pdf")
 
 
 def figure_format(path: Path) -> str:
-    """Return the format of a figure file by its suffix.
-
-    Raises
-    ------
-    InputError : another suffix
-    """
+    """Return the format of a figure file by its suffix."""
     suffix = path.suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(
@@ -25,8 +20,8 @@ def figure_format(path: Path) -> str:
     return suffix[1:]
 
 
-def write_figure(figure: Figure, path: Path) -> None:
+def write_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure in the format of the suffix."""
-    kind = figure_format(path)
+    kind = figure_format(Path(path))
     with replace_file(path) as stream:
         figure.savefig(stream, format=kind, dpi=150)

@@ -1,8 +1,8 @@
-"""The terms of the five-phase equation: what its direct correction did.
+"""Terms of the five-phase equation and the effect of its direct correction.
 
-I = V T D S − V_d T D_d S_ds + C_ds S_sun: all light as the three phases see it, less
-the direct sun spread over patches, plus the sun at its place. The page carries the
-whole year of a few sensors, and draws one day.
+I = V T D S − V_d T D_d S_ds + C_ds S_sun: the three-phase result, less the
+direct sun spread over patches, plus the sun at its true position. The page contains the
+year of a few sensors, and draws one day.
 """
 
 from dataclasses import dataclass
@@ -53,7 +53,7 @@ class EquationTerms:
     direct_sun: Float[np.ndarray, "sensor time"]
 
     def correction(self) -> Float[np.ndarray, "sensor time"]:
-        """What the direct sun's true place changes [lux]."""
+        """Effect of the direct sun's true position [lux]."""
         return np.asarray(self.direct_sun - self.direct_in_patches)
 
     def lines(self, sensor: int) -> Float[np.ndarray, "4 time"]:

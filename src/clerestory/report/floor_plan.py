@@ -1,7 +1,7 @@
-"""Plans in false colour: what every sensor receives, where it stands.
+"""Floor plans in false colour: the values of all sensors at their positions.
 
-Walls are the cut through the scene at the height of the sensors. Sensors that
-face up or down colour their share of the floor, others are arrows.
+Walls are the section of the scene at the height of the sensors. Sensors that face up or
+down are cells of the floor, others are arrows.
 """
 
 from dataclasses import dataclass, replace
@@ -125,7 +125,7 @@ def plan(
         element("use", href=f"#{frame.identifier}", class_="halo"),
         element("use", href=f"#{frame.identifier}", class_="walls"),
         *(
-            _window(frame, window, doubt=bool(orientation(window, content).problem))
+            _window(frame, window, reversed_=bool(orientation(window, content).problem))
             for window in content.windows
         ),
         element("circle", class_="chosen", r=5, cx=-99, cy=-99),
@@ -188,7 +188,7 @@ def _paths(outlines: Float[np.ndarray, "outline corner 2"]) -> str:
     )
 
 
-def _window(frame: PlanFrame, window: WindowSurface, *, doubt: bool) -> Markup:
+def _window(frame: PlanFrame, window: WindowSurface, *, reversed_: bool) -> Markup:
     vertices, faces = weld(window.corners)
     edges = feature_edges(vertices, faces)
     outline = frame.place(vertices[edges[:, :2], :2])
@@ -200,7 +200,7 @@ def _window(frame: PlanFrame, window: WindowSurface, *, doubt: bool) -> Markup:
     tail, tip = frame.place(
         np.stack([window.centre[:2], window.centre[:2] + flat * 22 / frame.scale])
     )
-    return join(glass, _arrow(tail, tip, "normal wrong" if doubt else "normal"))
+    return join(glass, _arrow(tail, tip, "normal wrong" if reversed_ else "normal"))
 
 
 def _arrow(

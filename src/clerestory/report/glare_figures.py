@@ -1,4 +1,4 @@
-"""Pictures of glare over a year: days and hours of one view, all views of one place."""
+"""Figures of annual glare: days and hours of one view, directions at one position."""
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -19,7 +19,7 @@ from clerestory.glare.dgp import DGP
 from clerestory.glare.index import CATEGORIES
 from clerestory.report.heat_map import day_hour_grid
 
-# From calm to alarming, told apart by brightness too
+# From imperceptible to intolerable, distinct in lightness too
 _COLOURS = ("#dce9f2", "#f6d55c", "#ed7d3a", "#9c1b2f")
 _NO_DATA = "#ffffff"
 _WORDS = (

@@ -1,7 +1,7 @@
-"""Drawings of measurements and their fits, as Figure 13 of the five-phase paper.
+"""Figures of goniophotometer measurements and their fits.
 
 Discs are seen from the room, right is right and up is up, with the angle to the normal
-as distance from the middle. The ring marks where light goes straight on.
+as distance from the middle. The ring marks the unscattered direction.
 """
 
 from typing import Any

@@ -1,7 +1,7 @@
-"""The year as a picture: days from left to right, the hours of a day upwards.
+"""Heat maps of a year: days from left to right, hours of the day upwards.
 
 Each time step fills the cell it belongs to. Steps may be shorter than an hour,
-days may be missing, and several years lie on top of each other.
+days may be missing, and several years are superposed.
 """
 
 from dataclasses import dataclass

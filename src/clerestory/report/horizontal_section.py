@@ -1,4 +1,4 @@
-"""A horizontal cut through the scene: the walls of a floor plan."""
+"""Horizontal section of a scene: the walls of a floor plan."""
 
 import numpy as np
 from jaxtyping import Float

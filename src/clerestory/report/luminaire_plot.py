@@ -34,10 +34,6 @@ def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure
     ----------
     planes_deg : horizontal angle of each plane, from +x towards +y
 
-    Raises
-    ------
-    InputError : no plane, or more than four
-
     Examples
     --------
     >>> from clerestory.formats.photometry.luminaire import LuminousShape

@@ -1,4 +1,4 @@
-"""Methods compared on one scene: how far each is from the last one."""
+"""Comparison of methods on one scene: deviations from the last one."""
 
 from dataclasses import dataclass
 

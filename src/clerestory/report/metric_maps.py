@@ -1,7 +1,7 @@
-"""The few figures that stand for a grid of sensors, with their standard errors.
+"""Metrics of the sensors and their means over grids, with standard errors.
 
-The error of the mean illuminance comes from its error components, which know how the
-sensors are correlated. The errors of the other metrics are taken as fully correlated:
+The error of the mean illuminance comes from its error components, which contain the
+correlation between sensors. The errors of other metrics are assumed fully correlated:
 the error of a mean is the mean of the errors.
 """
 

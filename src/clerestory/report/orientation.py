@@ -22,7 +22,7 @@ _COMPASS = (
 
 @dataclass(frozen=True)
 class Orientation:
-    """What can be said of one window.
+    """Orientation of one window, and its quality check.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Orientation:
 
 
 def orientation(window: WindowSurface, content: ReportContent) -> Orientation:
-    """Return what can be said of one window."""
+    """Return the orientation of one window."""
     ahead = (content.sensors.position - window.centre) @ window.normal
     in_front = float(np.mean(ahead > -1e-6))
     problem = ""

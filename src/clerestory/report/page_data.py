@@ -1,7 +1,7 @@
-"""What the page's scripts read: sensors, metrics, hourly series, the scene.
+"""Data for the scripts of a page: sensors, metrics, hourly series, the scene.
 
-Hourly series are the bulk of a page. The mean of each grid always goes in; of
-the sensors as many as fit, evenly spread.
+Hourly series are most of a page. The mean of each grid is always included, and as many
+evenly spaced sensors as the size limit allows.
 """
 
 from functools import partial

@@ -1,4 +1,4 @@
-"""The time steps in words: which days, how many, how long."""
+"""Periods and durations of time steps in words."""
 
 import numpy as np
 from jaxtyping import Bool

@@ -1,4 +1,4 @@
-"""Chosen moments of each view: what is seen, and the luminances behind it."""
+"""Pictures of chosen time steps of each view, with their luminance in false colour."""
 
 from collections.abc import Callable, Sequence
 

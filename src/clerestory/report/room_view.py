@@ -1,7 +1,7 @@
-"""The scene as the page's 3-D view needs it: triangles, edges, arrows, a frame.
+"""Data of the 3-D view of a scene: triangles, edges, arrows, bounding box.
 
-The view draws in the browser without a graphics card, so it gets the largest
-triangles of a scene, up to a limit, and the edges between surfaces.
+The browser draws without a graphics card, so the view has the largest triangles of a
+scene, up to a limit, and the edges between surfaces.
 """
 
 from typing import Any

@@ -1,7 +1,7 @@
-"""The patch of a plan that each sensor stands for.
+"""Cells of the sensors in a floor plan.
 
-Sensors on a regular grid, turned or not, share the floor in equal rectangles;
-scattered ones get a disc as wide as the distance to their neighbour.
+On a regular grid, rotated or not, the cells are equal rectangles; elsewhere they are
+discs as wide as the distance to the nearest sensor.
 """
 
 import numpy as np

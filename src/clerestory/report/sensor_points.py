@@ -1,4 +1,4 @@
-"""Where the sensors of a report are, and which way they face."""
+"""Positions and directions of the sensors of a report."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Pictures of skies: the dome at one moment, a year of sun and sky.
+"""Figures of skies: luminance of the hemisphere at one time, a year of sun and sky.
 
 The dome is drawn like a sun-path diagram: a plan with the zenith in the middle,
 north up and east to the right, altitudes at even distances.
@@ -41,10 +41,6 @@ def dome_figure(weather: Weather, *, sun_formula: SunFormula = "spa") -> Figure:
     ----------
     weather : a single step
     sun_formula : as for `sky_matrix`
-
-    Raises
-    ------
-    InputError : more than one step, or a step without light from the sky
     """
     sky = perez_point(weather, sun_formula=sun_formula)
     if sky.diffuse_horizontal() <= 0:

@@ -1,4 +1,4 @@
-"""Exposure to sunlight after EN 17037: when the sun reaches each opening."""
+"""Exposure to sunlight after EN 17037: hours of sun at each opening."""
 
 from dataclasses import dataclass
 
@@ -73,10 +73,10 @@ def sunlight_section(sunlight: Sunlight | None) -> Markup:
 def sunlight_words(sunlight: Sunlight) -> str:
     """Return the level of the room in a sentence."""
     level = LEVELS[sunlight_level(sunlight.room_hours)]
-    judged = "no level" if level == "none" else f"level {level}"
+    achieved = "no level" if level == "none" else f"level {level}"
     return (
         f"On {date_words(sunlight.moments[0])} the sun reaches the room for"
-        f" {clock(sunlight.room_hours)}: {judged} of EN 17037."
+        f" {clock(sunlight.room_hours)}: {achieved} of EN 17037."
     )
 
 

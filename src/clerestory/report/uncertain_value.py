@@ -1,4 +1,4 @@
-"""A number with its error, and numbers as people write them."""
+"""Values with standard errors, and numbers rounded for display."""
 
 from dataclasses import dataclass
 
@@ -26,7 +26,7 @@ class Figure:
 
 
 def number(value: float) -> str:
-    """Return a number with three digits or so, as people write it.
+    """Return a number rounded to about three digits.
 
     >>> [number(x) for x in (12345.6, 345.67, 7.891, 0.04567, 0.0)]
     ['12,346', '346', '7.89', '0.0457', '0']

@@ -9,7 +9,7 @@ from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, element
 from clerestory.report.metric_maps import relative_errors
 
-# Below this, an error in per cent says nothing about daylight [lux]
+# Relative errors are counted above this illuminance [lux]
 LIT_LUX = 10.0
 _BANDS = (10.0, 100.0, 300.0, 1000.0, 3000.0, np.inf)
 _WIDTH, _HEIGHT, _LEFT, _FOOT = 480, 150, 40, 42

@@ -1,4 +1,4 @@
-"""Glare through the year of each view: how much, when, and the worst moments."""
+"""Annual glare of each view: classes, hours, and the worst time steps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,12 +21,12 @@ from clerestory.report.markup import Markup, render
 from clerestory.report.period import hours_in, moment_words
 from clerestory.report.uncertain_value import number
 
-# From calm to alarming, told apart by brightness too
+# From imperceptible to intolerable, distinct in lightness too
 COLOURS = np.array(
     [[158, 196, 222], [246, 213, 92], [237, 125, 58], [156, 27, 47]], dtype=np.uint8
 )
 
-# Steps of DGP that the page tells apart, and how many moments it lists
+# Resolution of DGP in the page, and the number of time steps it lists
 _STEP = 0.01
 _WORST = 5
 
@@ -105,9 +105,9 @@ def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
 def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
     """Colour of DGPs: that of their class, paler for what is far from perceptible."""
     colours = COLOURS[DGP.category(dgp)].astype(float)
-    calm = dgp <= LIMITS[0]
-    share = np.clip((dgp[calm] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[:, None]
-    colours[calm] = _PALE + share * (COLOURS[0] - _PALE)
+    low = dgp <= LIMITS[0]
+    share = np.clip((dgp[low] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[:, None]
+    colours[low] = _PALE + share * (COLOURS[0] - _PALE)
     return np.asarray(np.round(colours), dtype=np.uint8)
 
 

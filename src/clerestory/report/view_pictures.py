@@ -1,8 +1,7 @@
-"""The pictures of a run, moment by moment: which there are, and how they are shown.
+"""Pictures of the views of a run, and their exposure for display.
 
-Pictures keep the radiance of every pixel. For the page they are exposed like film:
-between what suits the moment and what suits all moments, so that a dim morning looks
-dimmer than noon and can still be seen.
+The exposure of each picture is the geometric mean of its own and the common exposure,
+so that a dim morning is darker than noon and still visible.
 """
 
 import json
@@ -76,12 +75,7 @@ def _file_name(view: str, stamp: str) -> str:
 
 
 def read_small(file: str | Path, *, width: int) -> Picture:
-    """Return a picture, averaged to a width [pixels] if it is wider.
-
-    Raises
-    ------
-    InputError : the file is no picture
-    """
+    """Return a picture, averaged to a width [pixels] if it is wider."""
     picture = read_picture(file)
     if picture.columns <= width:
         return picture

@@ -1,4 +1,4 @@
-"""The layers in the windows: where they send light, and how much passes."""
+"""Layers in the windows: angular distribution and transmittance."""
 
 import io
 from collections.abc import Sequence

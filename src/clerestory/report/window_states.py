@@ -1,4 +1,4 @@
-"""The states of the windows through the year, as the control chose them."""
+"""States of the windows through the year, as chosen by the control."""
 
 import json
 from collections.abc import Sequence
@@ -127,7 +127,7 @@ def _label(table: dict[str, Any]) -> str:
 
 
 def rule_words(control: dict[str, Any] | None) -> str:
-    """Return the rule's name, and what the study file says beyond its defaults."""
+    """Return the rule's name and its parameters that differ from the defaults."""
     if not control:
         return ""
     fields = ControlTable.model_fields

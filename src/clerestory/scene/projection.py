@@ -32,6 +32,16 @@ Kind = Literal[
     "cylindrical",
 ]
 
+# Radiance's letters of the kinds, after -vt
+LETTERS: dict[str, Kind] = {
+    "v": "perspective",
+    "l": "parallel",
+    "h": "hemispherical",
+    "a": "angular",
+    "s": "planisphere",
+    "c": "cylindrical",
+}
+
 _Plane = Float[np.ndarray, "*shape"]
 _Local = Float[np.ndarray, "*shape 3"]
 

@@ -203,63 +203,29 @@ class SkyResponse:
     def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of sensors per time step, with its standard error.
 
-        The bands are reduced to luminance before the product; dark steps are skipped.
+        The bands are folded into luminance before the product; hours without light
+        are skipped.
         """
         weights = common_bands(self._parts()).weights
-        lux = self._weighted(self.transfer.values[None], weights)[0]
-        error = self._error(weights)
+        values, components = self.transfer.values[None], self.transfer.components
+        _, _, rows, patches = values.shape
+        lux, error = np.zeros((2, rows, len(self.sky.times)))
+        layers = 1 if components is None else 1 + len(components)
+        for part in row_blocks(rows, layers=layers, patches=patches):
+            block = values[:, :, part]
+            if components is not None:
+                block = np.concatenate([block, components[:, :, part]])
+            for steps, received in self._blocks(block, weights):
+                light = received.reshape(layers, -1, len(steps))
+                lux[part][:, steps] = light[0]
+                error[part][:, steps] = np.sqrt(np.sum(np.square(light[1:]), axis=0))
         return illuminance_dataset(
             lux, error, sensors=self.transfer.rows, times=self.sky.columns
         )
 
     def rgb(self) -> TransferMatrix:
         """Return the product in all bands, dense, with its error components."""
-        values, parts = [], []
-        bands = common_bands(self._parts())
-        for channel in np.eye(len(bands)):
-            values.append(self._weighted(self.transfer.values[None], channel)[0])
-            if self.transfer.components is not None:
-                parts.append(self._weighted(self.transfer.components, channel))
-        components = np.stack(parts, axis=1) if parts else None
-        return TransferMatrix(
-            np.stack(values),
-            self.transfer.rows,
-            self.sky.columns,
-            components,
-            bands,
-        )
-
-    def _weighted(
-        self,
-        values: Float[np.ndarray, "layer channel row patch"],
-        weights: Float[np.ndarray, " band"],
-    ) -> Float[np.ndarray, "layer row time"]:
-        # Weighted sum of channels of several matrices times the sky
-        layers, _, rows, patches = values.shape
-        total = np.zeros((layers, rows, len(self.sky.times)))
-        for layer in range(layers):
-            for part in row_blocks(rows, layers=1, patches=patches):
-                for steps, received in self._blocks(
-                    values[layer : layer + 1, :, part], weights
-                ):
-                    total[layer, part][:, steps] = received
-        return total
-
-    def _error(
-        self, weights: Float[np.ndarray, " band"]
-    ) -> Float[np.ndarray, "row time"]:
-        # Root of the sum of squares over the error components
-        components = self.transfer.components
-        rows = self.transfer.rows.size
-        error = np.zeros((rows, len(self.sky.times)))
-        if components is None:
-            return error
-        layers, _, _, patches = components.shape
-        for part in row_blocks(rows, layers=layers, patches=patches):
-            for steps, received in self._blocks(components[:, :, part], weights):
-                spread = received.reshape(layers, -1, len(steps))
-                error[part][:, steps] = np.sqrt(np.sum(np.square(spread), axis=0))
-        return error
+        return self.transfer @ self.sky.to_transfer_matrix()
 
     def _blocks(
         self,

@@ -215,16 +215,6 @@ class TraceTable(Table):
             )
         return self
 
-    def goal(self) -> dict[str, int | float]:
-        """Return the goal as a keyword argument of the tracing functions.
-
-        >>> TraceTable().goal(), TraceTable(samples=64).goal()
-        ({'relative_error': 0.01}, {'samples': 64})
-        """
-        if self.samples is not None:
-            return {"samples": self.samples}
-        return {"relative_error": self.relative_error or 0.01}
-
 
 class ScheduleTable(Table):
     """The hours of the day that count, in local standard time."""

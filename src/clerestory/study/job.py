@@ -1,12 +1,11 @@
 """What every matrix of a study needs: scene, seeds, effort, and where it is kept."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
-from clerestory import __version__
 from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Executor, Local
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -59,12 +58,12 @@ class Job:
     @cached_property
     def scene_key(self) -> str:
         """Fingerprint of the scene."""
-        return fingerprint(__version__, self.scene)
+        return fingerprint(self.scene)
 
     @property
-    def device(self) -> str:
-        """The device that is used, "cpu" or "cuda"."""
-        return str(self.executor.resolve(self.study.trace.device))
+    def device(self) -> Literal["cpu", "cuda"]:
+        """The device that is used."""
+        return self.executor.resolve(self.study.trace.device)
 
     def seed(self, stream: int = 0) -> int:
         """Random numbers of one matrix, apart from those of the others."""
@@ -79,19 +78,22 @@ class Job:
             relative_error=error,
             bounces=trace.bounces,
             seed=self.seed(stream),
-            device=self.executor.resolve(trace.device),
+            device=self.device,
             executor=self.executor,
         )
 
-    def options(self, stream: int = 0) -> dict[str, Any]:
-        """How long to trace, and with which random numbers."""
-        trace = self.study.trace
-        return {
-            **trace.goal(),
-            "bounces": trace.bounces,
-            "seed": self.seed(stream),
-            "device": self.device,
-        }
+    def pixel_effort(self, samples: int, stream: int = 0) -> Effort:
+        """Effort of so many paths a pixel."""
+        return replace(self.effort(stream), samples=samples, relative_error=None)
+
+    def direct_effort(self, stream: int, samples: int | None = None) -> Effort:
+        """Effort of direct light, which has no bounces."""
+        return Effort(
+            samples=samples,
+            seed=self.seed(stream),
+            device=self.device,
+            executor=self.executor,
+        )
 
     def matrix(
         self, name: str, key: str, make: Callable[[], TransferMatrix]

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from clerestory.engine.effort import Effort
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.scene.window import Window
@@ -14,7 +15,7 @@ def kept(
     name: str,
     trace: Callable[..., TransferMatrix],
     key: Sequence[Any],
-    options: Mapping[str, Any],
+    effort: Effort,
     *,
     shown: str,
 ) -> TransferMatrix:
@@ -22,16 +23,15 @@ def kept(
 
     Parameters
     ----------
-    trace : takes the options, `executor` and `progress`
-    key : all that the matrix depends on beside the options
+    trace : takes `effort` and `progress`
+    key : all that the matrix depends on beside the effort
     shown : what the display calls it
     """
 
     def make() -> TransferMatrix:
-        progress = job.display(shown)
-        return trace(executor=job.executor, progress=progress, **options)
+        return trace(effort=effort, progress=job.display(shown))
 
-    return job.matrix(name, fingerprint(*key, options), make)
+    return job.matrix(name, fingerprint(*key, effort), make)
 
 
 def kept_together(
@@ -40,7 +40,7 @@ def kept_together(
     windows: Sequence[Window],
     trace: Callable[..., Mapping[str, TransferMatrix]],
     key: Sequence[Any],
-    options: Mapping[str, Any],
+    effort: Effort,
     *,
     shown: str,
 ) -> dict[str, TransferMatrix]:
@@ -53,9 +53,8 @@ def kept_together(
     names = {f"{name}-{window.name}": window.name for window in windows}
 
     def make() -> dict[str, TransferMatrix]:
-        progress = job.display(shown)
-        traced = trace(executor=job.executor, progress=progress, **options)
+        traced = trace(effort=effort, progress=job.display(shown))
         return {name: traced[window] for name, window in names.items()}
 
-    found = job.matrices(list(names), fingerprint(*key, options), make)
+    found = job.matrices(list(names), fingerprint(*key, effort), make)
     return {window: found[name] for name, window in names.items()}

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from clerestory import __version__
 from clerestory.errors import InputError
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
@@ -193,17 +192,14 @@ def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
         job,
         f"lamps-{zone.table.label}",
         trace,
-        ("lamps", __version__, room, zone.light, sensors),
-        job.options(LAMPS + number),
+        ("lamps", room, zone.light, sensors),
+        job.effort(LAMPS + number),
         shown=f"electric light of {zone.table.label or 'the room'}",
     )
 
 
 def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.ndarray:
     table, camera = job.study.view[view], job.inputs.cameras[view]
-    options = job.options(LAMPS + number)
-    del options["relative_error" if "relative_error" in options else "samples"]
-    options["samples"] = table.samples
 
     def trace(**how: Any) -> TransferMatrix:
         picture = render(
@@ -221,8 +217,8 @@ def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.nda
         job,
         f"lamps-{table.label}-{zone.table.label}",
         trace,
-        ("lamps seen", __version__, room, zone.light, camera),
-        options,
+        ("lamps seen", room, zone.light, camera),
+        job.pixel_effort(table.samples, LAMPS + number),
         shown=f"electric light in {table.label}",
     )
     return matrix.values[:, :, 0].T

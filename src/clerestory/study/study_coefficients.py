@@ -7,11 +7,10 @@ own shade reflects back into the room is part of it, what the others' reflect is
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
-from clerestory import __version__
+from clerestory.engine.effort import Effort
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import MatrixChain
@@ -84,33 +83,32 @@ def _of_state(job: Job, number: int, at: int, *, direct: bool) -> TransferMatrix
 def _traced(
     job: Job, scene: Scene, label: str, stream: int, *, direct: bool = False
 ) -> TransferMatrix:
-    sensors, options = job.inputs.sensors(), job.options(stream)
-    options["subdivision"] = job.study.sky.subdivision
-    scene_key = job.scene_key if scene is job.scene else fingerprint(__version__, scene)
+    sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
+    scene_key = job.scene_key if scene is job.scene else fingerprint(scene)
     prefix, of = "direct-" if direct else "", f"-{label}" if label else ""
     return kept(
         job,
         f"{prefix}coefficients{of}",
-        partial(daylight_coefficients, scene, sensors=sensors),
-        ("coefficients", scene_key, sensors),
-        options,
+        partial(daylight_coefficients, scene, sensors=sensors, subdivision=subdivision),
+        ("coefficients", scene_key, sensors, subdivision),
+        job.effort(stream),
         shown=f"{prefix}daylight coefficients{of}",
     )
 
 
 def _unscattered(job: Job) -> TransferMatrix:
-    sensors = job.inputs.sensors()
-    options: dict[str, Any] = {
-        "subdivision": job.study.sky.subdivision,
-        "seed": job.seed(COEFFICIENTS + DIRECT),
-        "device": job.device,
-    }
+    sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
     return kept(
         job,
         "direct-coefficients",
-        partial(unscattered_coefficients, job.scene, sensors=sensors),
-        ("unscattered", job.scene_key, sensors),
-        options,
+        partial(
+            unscattered_coefficients,
+            job.scene,
+            sensors=sensors,
+            subdivision=subdivision,
+        ),
+        ("unscattered", job.scene_key, sensors, subdivision),
+        job.direct_effort(COEFFICIENTS + DIRECT),
         shown="direct daylight coefficients",
     )
 
@@ -119,15 +117,11 @@ def _unscattered_sun(job: Job, suns: SunMatrix) -> TransferMatrix:
     sensors = job.inputs.sensors()
     trace = partial(unscattered_sun, job.scene, sensors=sensors, suns=suns.directions)
     key = "unscattered sun", job.scene_key, sensors, suns.directions
-    return kept(job, "sun", trace, key, _sun_options(job, 0), shown="direct sun")
+    return kept(job, "sun", trace, key, _sun_effort(job, 0), shown="direct sun")
 
 
-def _sun_options(job: Job, stream: int) -> dict[str, Any]:
-    return {
-        "samples": job.study.sun.samples,
-        "seed": job.seed(SUN + stream),
-        "device": job.device,
-    }
+def _sun_effort(job: Job, stream: int) -> Effort:
+    return job.direct_effort(SUN + stream, job.study.sun.samples)
 
 
 def _sun(job: Job, number: int, at: int, suns: SunMatrix) -> TransferMatrix:
@@ -137,7 +131,7 @@ def _sun(job: Job, number: int, at: int, suns: SunMatrix) -> TransferMatrix:
     scene, scene_key = job.scene, job.scene_key
     if METHODS[job.study.method].facade and chosen.shade.surfaces:
         scene = scene + blackened(chosen.shade)
-        scene_key = fingerprint(__version__, scene)
+        scene_key = fingerprint(scene)
     label = state_label(group, at)
     return kept(
         job,
@@ -150,8 +144,12 @@ def _sun(job: Job, number: int, at: int, suns: SunMatrix) -> TransferMatrix:
             chosen.fine,
             sensors=sensors,
             suns=suns.directions,
+            peak=chosen.peak,
         ),
-        ("sun", scene_key, windows, number, chosen.fine, sensors, suns.directions),
-        _sun_options(job, number + STATE * at) | {"peak": chosen.peak},
+        (
+            *("sun", scene_key, windows, number, chosen.fine, chosen.peak, sensors),
+            suns.directions,
+        ),
+        _sun_effort(job, number + STATE * at),
         shown=f"direct sun through {label}",
     )

@@ -7,8 +7,8 @@ whatever state of the shades acts when.
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
+from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
@@ -124,11 +124,10 @@ def _prefix(direct: bool) -> str:
     return "direct-" if direct else ""
 
 
-def _view_options(job: Job, *, direct: bool) -> dict[str, Any]:
-    options = job.options(DIRECT * direct)
-    if direct:
-        options["bounces"] = 1  # the gather at the sensor itself
-    return options
+def _view_effort(job: Job, *, direct: bool) -> Effort:
+    effort = job.effort(DIRECT * direct)
+    # The gather at the sensor itself is a bounce
+    return replace(effort, bounces=1) if direct else effort
 
 
 def _views(job: Job, *, direct: bool) -> list[TransferMatrix]:
@@ -140,25 +139,24 @@ def _views(job: Job, *, direct: bool) -> list[TransferMatrix]:
         windows,
         partial(view_matrices, job.scene, windows, sensors=sensors),
         ("view", job.scene_key, windows, sensors),
-        _view_options(job, direct=direct),
+        _view_effort(job, direct=direct),
         shown=f"{prefix}view matrices",
     )
     return list(found.values())
 
 
 def _stored_views(job: Job, *, direct: bool) -> Sequence[StoredColumns]:
-    sensors, options = job.inputs.sensors(), _view_options(job, direct=direct)
+    sensors, effort = job.inputs.sensors(), _view_effort(job, direct=direct)
     windows = [group.inner for group in job.inputs.groups]
     views = store_views(
         job,
         job.scene,
         windows,
         name=f"{_prefix(direct)}views",
-        key=fingerprint("views", job.scene_key, windows, sensors, options),
+        key=fingerprint("views", job.scene_key, windows, sensors, effort),
         sensors=sensors,
-        executor=job.executor,
+        effort=effort,
         progress=job.display(f"{_prefix(direct)}view matrices"),
-        **options,
     )
     return stored_columns(views, windows)
 
@@ -174,39 +172,35 @@ def _daylight(
             for at in range(len(group.states))
         ]
     # Each window has a seed of its own, apart from that of the view matrices
-    options = _outside_options(job, 1 + number, direct=direct)
-    options["subdivision"] = job.study.sky.subdivision
+    subdivision = job.study.sky.subdivision
     matrix = kept(
         job,
         f"{_prefix(direct)}daylight-{group.name}",
-        partial(daylight_matrix, job.scene, group.outer),
-        ("daylight", job.scene_key, group.outer),
-        options,
+        partial(daylight_matrix, job.scene, group.outer, subdivision=subdivision),
+        ("daylight", job.scene_key, group.outer, subdivision),
+        _outside_effort(job, 1 + number, direct=direct),
         shown=f"{_prefix(direct)}daylight matrix of {group.name}",
     )
     return [matrix]
 
 
-def _outside_options(job: Job, stream: int, *, direct: bool) -> dict[str, Any]:
-    options = job.options(stream + DIRECT * direct)
-    if direct:
-        options["bounces"] = 0
-    return options
+def _outside_effort(job: Job, stream: int, *, direct: bool) -> Effort:
+    effort = job.effort(stream + DIRECT * direct)
+    return replace(effort, bounces=0) if direct else effort
 
 
 def _port_daylight(
     job: Job, group: WindowGroup, number: int, *, direct: bool
 ) -> dict[str, TransferMatrix]:
     # D of each port, without the shade before the window
-    options = _outside_options(job, PORTS + STATE * number, direct=direct)
-    options["subdivision"] = job.study.sky.subdivision
+    subdivision = job.study.sky.subdivision
     return kept_together(
         job,
         f"{_prefix(direct)}daylight-{group.name}",
         group.ports,
-        partial(daylight_matrices, job.scene, group.ports),
-        ("ports", job.scene_key, group.ports),
-        options,
+        partial(daylight_matrices, job.scene, group.ports, subdivision=subdivision),
+        ("ports", job.scene_key, group.ports, subdivision),
+        _outside_effort(job, PORTS + STATE * number, direct=direct),
         shown=f"{_prefix(direct)}daylight matrices of the ports of {group.name}",
     )
 
@@ -223,6 +217,6 @@ def _facade(
         group.ports,
         partial(facade_matrices, scene, group.outer, group.ports),
         ("facade", job.scene_key, shade, group.outer, group.ports),
-        _outside_options(job, FACADE + number + STATE * at, direct=direct),
+        _outside_effort(job, FACADE + number + STATE * at, direct=direct),
         shown=f"{_prefix(direct)}façade matrices of {label}",
     )

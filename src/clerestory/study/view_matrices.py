@@ -104,36 +104,33 @@ class ViewMatrices:
         chosen = group.states[state]
         directions = np.zeros((0, 3)) if suns is None else suns.directions
         windows = [each.inner for each in job.inputs.groups]
-        options: dict[str, Any] = {
-            "peak": chosen.peak,
-            "samples": job.study.sun.picture_samples,
-            "seed": job.seed(SUN + number + STATE * state),
-            "device": job.device,
-        }
+        samples, stream = job.study.sun.picture_samples, SUN + number + STATE * state
+        effort = job.direct_effort(stream, samples)
         scene = job.scene
         if METHODS[job.study.method].facade:
             scene = scene + chosen.shade
         where = (scene, windows, group.name, chosen.fine, self.camera)
         if self._bytes(len(directions)) > job.study.sun.keep_gb * 1e9:
             return sun_pictures(
-                *where, suns=directions, executor=job.executor, **options
+                *where, suns=directions, peak=chosen.peak, effort=effort
             )
         label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
+
+        def trace(**how: Any) -> TransferMatrix:
+            peak = chosen.peak
+            return _half(
+                picture_sun_coefficients(*where, suns=directions, peak=peak, **how)
+            )
+
         found = kept(
             job,
             f"picture-sun-{label}",
-            lambda **how: _half(
-                picture_sun_coefficients(*where, suns=directions, **how)
-            ),
+            trace,
             (
-                "picture sun",
-                job.scene_key,
-                chosen.shade,
-                number,
-                *where[1:],
-                directions,
+                *("picture sun", job.scene_key, chosen.shade, number, *where[1:]),
+                *(chosen.peak, directions),
             ),
-            options,
+            effort,
             shown=f"direct sun in pictures, {label}",
         )
         return lambda asked: found.values[:, :, asked]
@@ -202,14 +199,12 @@ def _view(
 def _view_matrices(
     job: Job, table: ViewTable, camera: Camera, *, direct: bool
 ) -> dict[str, TransferMatrix]:
-    options = job.options(DIRECT * direct)
-    del options["relative_error" if "relative_error" in options else "samples"]
-    options |= {"samples": table.samples, "direct": direct}
+    effort = job.pixel_effort(table.samples, DIRECT * direct)
     prefix = "direct-picture" if direct else "picture"
     windows = [group.inner for group in job.inputs.groups]
 
     def trace(**how: Any) -> dict[str, TransferMatrix]:
-        traced = picture_view_matrices(job.scene, windows, camera, **how)
+        traced = picture_view_matrices(job.scene, windows, camera, direct=direct, **how)
         return {name: _half(matrix) for name, matrix in traced.items()}
 
     return kept_together(
@@ -217,7 +212,7 @@ def _view_matrices(
         f"{prefix}-{table.label}",
         windows,
         trace,
-        ("half picture", job.scene_key, windows, camera),
-        options,
+        ("half picture", job.scene_key, windows, camera, direct),
+        effort,
         shown=f"{prefix} matrices of {table.label}",
     )

@@ -36,7 +36,7 @@ class FakeEngine:
     def __init__(self):
         self.calls = []
 
-    def view_matrices(self, _scene, windows, *, sensors, seed, progress, **_effort):
+    def view_matrices(self, _scene, windows, *, sensors, effort, progress):
         self.calls.append("view")
         progress(1.0, "done")
         count = len(sensors)
@@ -44,7 +44,7 @@ class FakeEngine:
         for window in windows:
             lam = window.partition.projected_solid_angles() / len(windows)
             values = np.tile(lam, (3, count, 1))
-            noise = np.random.default_rng(seed).normal(size=(2, *values.shape))
+            noise = np.random.default_rng(effort.seed).normal(size=(2, *values.shape))
             columns = window_axis("interior", window.partition, window.name)
             traced[window.name] = TransferMatrix(
                 values, sensor_axis(count), columns, 0.01 * noise

@@ -32,7 +32,7 @@ def test_a_good_study_is_read_with_its_defaults(study_file):
     assert study.title == "Test room"
     assert study.scene.files == [study_file.parent / "room.rad"]
     assert [table.label for table in study.sensors] == ["desk", "eye"]
-    assert study.trace.goal() == {"samples": 256}
+    assert (study.trace.samples, study.trace.relative_error) == (256, None)
     assert study.trace.bounces is None
     assert study.schedule.from_hour == 8
     assert study.sky.ground_reflectance == 0.2

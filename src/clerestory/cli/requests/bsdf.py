@@ -5,14 +5,8 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from clerestory.cli.command import Command
+from clerestory.cli.requests import common
 from clerestory.cli.requests.bsdf_generate import COMMAND as GENERATE
-from clerestory.cli.requests.common import (
-    BsdfFile,
-    BsdfOutput,
-    FigureOutput,
-    Function,
-    Halvings,
-)
 from clerestory.options import Argument, argument, option, required
 
 BsdfFiles = Annotated[list[Path], Argument("BSDF files.", "FILE…")]
@@ -34,7 +28,9 @@ class Drawing:
         "--from",
         metavar="THETA,PHI",
     )
-    function: Function = option("transmission_front", "Which of the four functions.")
+    function: common.Function = option(
+        "transmission_front", "Which of the four functions."
+    )
     channel: str = option("visible", "Visible, solar, nir, …")
     curve: bool = option(
         False, "Draw direct-hemispherical values over angles, not discs."
@@ -45,7 +41,7 @@ class Drawing:
 class BsdfInfo:
     """Describe a BSDF file: product, bases, transmittances and reflectances."""
 
-    file: BsdfFile
+    file: common.BsdfFile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,8 +63,8 @@ class CheckBsdf:
 class PlotBsdf:
     """Plot scattering as discs in false colour, or the transmittance over angles."""
 
-    file: BsdfFile
-    output: FigureOutput
+    file: common.BsdfFile
+    output: common.FigureOutput
     drawing: Drawing
 
 
@@ -85,7 +81,7 @@ class CompareBsdfs:
 class ViewBsdf:
     """Write an interactive view: choose an incident direction, see the scattering."""
 
-    file: BsdfFile
+    file: common.BsdfFile
     output: Path = required("HTML file; it needs no network.", "-o")
 
 
@@ -110,12 +106,12 @@ class InsertBsdf:
 class ConvertBsdf:
     """Convert a BSDF to another basis or to a tensor tree; flux is conserved."""
 
-    file: BsdfFile
-    output: BsdfOutput
+    file: common.BsdfFile
+    output: common.BsdfOutput
     to: Literal["full", "half", "quarter", "tree", "same"] = option(
         "full", "Klems basis, or a tensor tree of rank 4."
     )
-    halvings: Halvings = 5
+    halvings: common.Halvings = 5
     reciprocal: bool = option(False, "Average with the reverse function first.")
 
 
@@ -123,8 +119,8 @@ class ConvertBsdf:
 class ReduceBsdf:
     """Reduce a tensor tree, and print the loss of accuracy; flux is conserved."""
 
-    file: BsdfFile
-    output: BsdfOutput
+    file: common.BsdfFile
+    output: common.BsdfOutput
     percent: float = option(95.0, "Share of the smallest cells to merge.", "-t")
 
 
@@ -136,7 +132,7 @@ class PackageBsdf:
     file is placed between a front and a back surface.
     """
 
-    file: BsdfFile
+    file: common.BsdfFile
     output: Path | None = option(
         None, "Scene file; standard output if not given.", "-o"
     )

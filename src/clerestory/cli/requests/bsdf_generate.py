@@ -5,14 +5,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from clerestory.cli.command import Command
-from clerestory.cli.requests.common import (
-    Bounces,
-    BsdfOutput,
-    DeviceName,
-    Halvings,
-    Quiet,
-    Seed,
-)
+from clerestory.cli.requests import common
 from clerestory.options import argument, option
 
 
@@ -47,7 +40,7 @@ class Tracing:
     basis: Literal["full", "half", "quarter", "tree3", "tree4"] = option(
         "full", "Klems basis, or a tensor tree of rank 3 or 4."
     )
-    halvings: Halvings = 5
+    halvings: common.Halvings = 5
     sides: Literal["both", "front", "back"] = option("both", "Sides of incident light.")
     colour: bool = option(False, "Write CIE X and Z too; u' and v' for trees.")
     samples: int | None = option(
@@ -61,7 +54,7 @@ class Tracing:
         "… nor this: root mean square error of all values over their mean.",
         metavar="X",
     )
-    bounces: Bounces = None
+    bounces: common.Bounces = None
     symmetry: bool = option(
         True,
         "Trace one of two patches that are mirror images by the symmetry of the"
@@ -76,8 +69,8 @@ class Tracing:
         True, "Include the geometry in the file.", "--geometry/--no-geometry"
     )
     name: str = option("", "Name of the product.")
-    seed: Seed = 1
-    device: DeviceName = "auto"
+    seed: common.Seed = 1
+    device: common.DeviceName = "auto"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +80,7 @@ class GenerateBsdf:
     +x is the width, +y up, +z into the room; all geometry is at z ≤ 0.
     """
 
-    output: BsdfOutput
+    output: common.BsdfOutput
     files: list[Path] | None = argument(
         "Radiance scene files, materials first.", "[FILE…]", default=None
     )
@@ -110,7 +103,7 @@ class GenerateBsdf:
     tracing: Tracing
     errors: Path | None = option(None, "Standard errors to write, as a BSDF file.")
     rad: Path | None = option(None, "Radiance file of the geometry to write.")
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 COMMAND = Command(

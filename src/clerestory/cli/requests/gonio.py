@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from clerestory.cli.command import Command
-from clerestory.cli.requests.common import FigureOutput, Function, Halvings, Quiet
+from clerestory.cli.requests import common
 from clerestory.options import Option, argument, option, required
 
 Symmetry = Literal[
@@ -36,7 +36,7 @@ class MeasurementFiles:
         "--format",
         metavar="NAME",
     )
-    function: Function | None = option(
+    function: common.Function | None = option(
         None, "Function measured, if the files do not name it."
     )
     facing: Literal["room", "sky"] = option(
@@ -73,7 +73,7 @@ class FitMeasurement:
     measurement: MeasurementFiles
     output: Path = required("File to write, .nc.", "-o")
     fit: Fit
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +91,7 @@ class CrossValidation:
         0, "Number of further directions to recommend for scans.", "--next", least=0
     )
     processes: Processes = 1
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,14 +103,14 @@ class ExportBsdf:
     to: Literal["full", "half", "quarter", "tree"] = option(
         "full", "Klems basis, or a tensor tree."
     )
-    halvings: Halvings = 5
+    halvings: common.Halvings = 5
     tolerance: float = option(0.05, "Merge cells that differ by less.")
     reciprocal: bool = option(False, "Average with the reverse function.")
     conserve: bool = option(
         False, "Scale down directions that scatter more than they receive."
     )
     processes: Processes = 1
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,7 +118,7 @@ class PlotMeasurement:
     """Plot measured points, fitted lobes and the mesh, or light between two scans."""
 
     measurement: MeasurementFiles
-    output: FigureOutput
+    output: common.FigureOutput
     scan: int = option(0, "Number of the scan, from 0.", least=0)
     between: list[str] | None = option(
         None,
@@ -126,7 +126,7 @@ class PlotMeasurement:
         metavar="THETA,PHI",
     )
     fit: Fit
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 HELP = "Goniophotometer measurements."

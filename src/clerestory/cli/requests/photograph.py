@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from clerestory.cli.command import Command
-from clerestory.cli.requests.common import PictureFile, PictureOutput, Quiet
+from clerestory.cli.requests import common
 from clerestory.options import argument, option, required
 
 Mapping = Literal[
@@ -21,7 +21,7 @@ class MergePhotographs:
     """
 
     files: list[Path] = argument("Exposure bracket, .jpg, .png or .tif.", "PHOTO…")
-    output: PictureOutput
+    output: common.PictureOutput
     times: list[float] | None = option(
         None,
         "Exposure time of each photograph in turn [s], repeatable; from the EXIF"
@@ -39,15 +39,15 @@ class MergePhotographs:
         None, "Write the camera response to a .csv file.", metavar="F"
     )
     align: bool = option(False, "Align the photographs of a camera that moved.")
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReprojectPhotograph:
     """Reproject a fisheye photograph to a view that a glare evaluation accepts."""
 
-    file: PictureFile
-    output: PictureOutput
+    file: common.PictureFile
+    output: common.PictureOutput
     lens: Mapping = option("equisolid", "Projection of the lens.")
     coefficients: list[float] | None = option(
         None,
@@ -68,21 +68,21 @@ class ReprojectPhotograph:
         "Coefficient of θ², θ⁴, … of the lens transmission, repeatable.",
         metavar="X",
     )
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class CalibratePicture:
     """Scale a hemispherical picture to the illuminance measured beside the lens."""
 
-    file: PictureFile
-    output: PictureOutput
+    file: common.PictureFile
+    output: common.PictureOutput
     before: float = required("Illuminance at the lens before the bracket [lux].")
     after: float | None = option(None, "… and after it; as before if not given.")
     resolution: int | None = option(
         None, "Reduce to this many columns.", metavar="N", least=21
     )
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 COMMANDS = {

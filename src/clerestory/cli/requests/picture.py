@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from clerestory.cli.command import Command
-from clerestory.cli.requests.common import PictureFile, PictureOutput, Quiet
+from clerestory.cli.requests import common
 from clerestory.cli.requests.photograph import COMMANDS as PHOTOGRAPH_COMMANDS
 from clerestory.options import Argument, Option, option, required
 
@@ -28,15 +28,15 @@ class DenoisePicture:
     The result is for display, not for photometry; its header records the denoising.
     """
 
-    file: PictureFile
-    output: PictureOutput
+    file: common.PictureFile
+    output: common.PictureOutput
 
 
 @dataclass(frozen=True, kw_only=True)
 class ToneMap:
     """Tone-map a picture for a display: PNG or JPEG in sRGB."""
 
-    file: PictureFile
+    file: common.PictureFile
     output: ImageOutput
     method: Literal["human", "filmic", "linear"] = option(
         "human",
@@ -52,14 +52,14 @@ class ToneMap:
     screen_contrast: float = option(
         100.0, "human: the display's maximum over minimum luminance."
     )
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class FalseColour:
     """Show luminance [cd/m²], or illuminance [lux], in false colour."""
 
-    file: PictureFile
+    file: common.PictureFile
     output: ImageOutput
     style: Literal["fill", "steps", "lines", "bands"] = option(
         "fill", "Continuous colours, colour steps, contour lines or contour bands."
@@ -75,7 +75,7 @@ class FalseColour:
     legend: bool = option(
         True, "Put a legend beside the picture.", "--legend/--no-legend"
     )
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,52 +83,52 @@ class SumPictures:
     """Add pictures of one size with weights; the view is that of the first."""
 
     files: PictureFiles
-    output: PictureOutput
+    output: common.PictureOutput
     weight: list[float] | None = option(
         None, "Factor of each picture, in order; 1 if none is given."
     )
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReducePicture:
     """Reduce the resolution of a picture by averaging over areas; exposure is kept."""
 
-    file: PictureFile
-    output: PictureOutput
+    file: common.PictureFile
+    output: common.PictureOutput
     factor: float | None = option(
         None, "Reduction of both columns and rows; or …", least=1
     )
     size: tuple[int, int] | None = option(None, "… columns and rows.", metavar="C R")
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class CropPicture:
     """Crop a picture; its view becomes that of the part."""
 
-    file: PictureFile
-    output: PictureOutput
+    file: common.PictureFile
+    output: common.PictureOutput
     corner: tuple[int, int] = required(
         "First column from the left and first row from the top, from 0."
     )
     size: tuple[int, int] = required("Columns and rows to keep.")
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class ConvertPicture:
     """Write a picture in another format."""
 
-    file: PictureFile
-    output: PictureOutput
+    file: common.PictureFile
+    output: common.PictureOutput
     factor: float = option(1.0, "Multiply all values.", "--scale")
     exposure: float = option(
         1.0, ".hdr: exposure of the pixels, recorded in the header."
     )
     xyz: bool = option(False, ".hdr: CIE XYZ instead of RGB.")
     half: bool = option(False, ".exr: 16 instead of 32 bits.")
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 HELP = "Pictures: .hdr, .pic and .exr."

@@ -4,17 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clerestory.cli.command import Command
-from clerestory.cli.requests.common import (
-    EffortOptions,
-    MatrixEncoding,
-    MatrixOutput,
-    PictureOutput,
-    Quiet,
-    Resolution,
-    SceneFiles,
-    SkyChoice,
-    ViewText,
-)
+from clerestory.cli.requests import common
 from clerestory.options import argument, option, required
 
 
@@ -26,12 +16,12 @@ class Render:
     traced until the standard error of a pixel is on average 2 %.
     """
 
-    scene: SceneFiles
-    view: ViewText
-    output: PictureOutput
-    sky: SkyChoice
-    resolution: Resolution = 512
-    effort: EffortOptions
+    scene: common.SceneFiles
+    view: common.ViewText
+    output: common.PictureOutput
+    sky: common.SkyChoice
+    resolution: common.Resolution = 512
+    effort: common.EffortOptions
     error: Path | None = option(None, "Picture of the standard errors to write.")
     illuminance: bool = option(
         False, "Render the irradiance of surfaces, as rpict -i does."
@@ -39,7 +29,7 @@ class Render:
     denoise: bool = option(
         False, "Denoise the picture for display; its header records it."
     )
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +41,7 @@ class Illum:
     average 3 %.
     """
 
-    scene: SceneFiles
+    scene: common.SceneFiles
     panes: Path = required(
         "Scene file of the window panes, in materials of the scene; fronts face the"
         " room.",
@@ -60,13 +50,13 @@ class Illum:
     output: Path = required(
         "Scene file to write; its data files are written beside it.", "-o"
     )
-    sky: SkyChoice
+    sky: common.SkyChoice
     zone: float = option(
         float("inf"), "Longest edge of a part with an emission table of its own [m]."
     )
     rings: int = option(18, "Rings of directions; twice as many directions in azimuth.")
-    effort: EffortOptions
-    quiet: Quiet = False
+    effort: common.EffortOptions
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,9 +75,9 @@ class Multiply:
         " a set of pictures (V_%03d.hdr). A + adds products.",
         "A B [C D E] [+ A B …]",
     )
-    output: MatrixOutput
-    encoding: MatrixEncoding = "float"
-    quiet: Quiet = False
+    output: common.MatrixOutput
+    encoding: common.MatrixEncoding = "float"
+    quiet: common.Quiet = False
 
 
 COMMANDS = {

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from clerestory.cli.command import Command
-from clerestory.cli.requests.common import MatrixEncoding, MatrixOutput, Quiet
+from clerestory.cli.requests import common
 from clerestory.options import Argument, Option, argument, option, required
 
 WeatherFile = Annotated[
@@ -53,7 +53,7 @@ class SkyMatrixRequest:
     """Sky matrix: radiance of ground and sky patches at every time step [W/(m²·sr)]."""
 
     weather: WeatherFile
-    output: MatrixOutput
+    output: common.MatrixOutput
     subdivision: Subdivision = 4
     sun_only: bool = option(False, "The direct sun only.")
     no_direct: NoDirect = False
@@ -76,8 +76,8 @@ class SkyMatrixRequest:
     daylight_only: bool = option(False, "Only time steps with the sun up.")
     average: bool = option(False, "One column, the mean of all time steps.")
     luminance: bool = option(False, "Luminance [cd/m²], one number instead of three.")
-    encoding: MatrixEncoding = "float"
-    quiet: Quiet = False
+    encoding: common.MatrixEncoding = "float"
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +91,7 @@ class SkyVectorRequest:
         "uniform, overcast, intermediate, clear, a CIE general sky 1..15, or perez.",
         "SKY",
     )
-    output: MatrixOutput
+    output: common.MatrixOutput
     sun: tuple[float, float] = required(
         "Altitude of the sun, and its azimuth clockwise from north [°].",
         metavar="ALT AZI",
@@ -112,8 +112,8 @@ class SkyVectorRequest:
     )
     subdivision: Subdivision = 4
     sun_size: SunSize = None
-    encoding: MatrixEncoding = "float"
-    quiet: Quiet = False
+    encoding: common.MatrixEncoding = "float"
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +125,7 @@ class SunTable:
     """
 
     weather: WeatherFile
-    output: MatrixOutput
+    output: common.MatrixOutput
     occurring: bool = option(
         False, "The distinct sun positions, instead of all time steps."
     )
@@ -158,7 +158,7 @@ class WeatherPlot:
     """Heat map of sun and sky over the year; with --time, the sky in false colour."""
 
     weather: WeatherFile
-    output: MatrixOutput
+    output: common.MatrixOutput
     time: Moment = None
     days: Days
 

@@ -5,17 +5,11 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from clerestory.cli.command import Command
-from clerestory.cli.requests.common import (
-    ClusterAddress,
-    Device,
-    Quiet,
-    SceneFiles,
-    WindowFiles,
-)
+from clerestory.cli.requests import common
 from clerestory.options import Option, argument, option, required
 
 DeviceChoice = Annotated[
-    Device | None, Option("Device in place of the study's.", "--device")
+    common.Device | None, Option("Device in place of the study's.", "--device")
 ]
 SeedChoice = Annotated[
     int | None, Option("Seed in place of the study's.", "--seed", least=0)
@@ -31,8 +25,8 @@ class NewStudy:
     """
 
     folder: Path = argument("Folder for the study; made if missing.", "DIR")
-    scene: SceneFiles
-    window: WindowFiles
+    scene: common.SceneFiles
+    window: common.WindowFiles
     bsdf: Path = required("BSDF file (.xml).")
     weather: Path = required("Weather file (.epw, .wea, .csv).")
     sensors: Path | None = option(
@@ -40,7 +34,7 @@ class NewStudy:
     )
     spacing: float = option(0.5, "Spacing of the grid [m].", least=0.05)
     height: float = option(0.76, "Height of the grid above the floor [m].", least=0)
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,9 +51,9 @@ class RunStudy:
     )
     device: DeviceChoice = None
     seed: SeedChoice = None
-    cluster: ClusterAddress = None
+    cluster: common.ClusterAddress = None
     plan: bool = option(False, "Print what will be traced and the cost, and stop.")
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +68,7 @@ class Demo:
     )
     device: DeviceChoice = None
     seed: SeedChoice = None
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +80,7 @@ class WriteReport:
 
     results: Path = argument("Results folder or results.nc.", "RESULTS")
     output: Path | None = option(None, "HTML file to write.", "-o")
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +108,7 @@ class Metrics:
     leed: Literal["v4", "v4.1"] = option("v4.1", "Version of LEED.")
     output: Path | None = option(None, "CSV with one line per sensor.", "-o")
     honeybee: Path | None = option(None, "Write a results folder that honeybee loads.")
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,7 +140,7 @@ class Compare:
     sensors: Path | None = option(
         None, "Write the sensors of a mapping's scans to this file, and stop."
     )
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,7 +159,7 @@ class ImportModel:
     materials: Path | None = option(
         None, "Material map (.toml) of an OBJ or glTF file."
     )
-    quiet: Quiet = False
+    quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,18 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clerestory.cli.command import Command
-from clerestory.cli.requests.common import (
-    ClusterAddress,
-    DeviceName,
-    EffortOptions,
-    MatrixFile,
-    SceneFiles,
-    Seed,
-    SensorFile,
-    SensorsOrView,
-    SkySubdivision,
-    WindowFiles,
-)
+from clerestory.cli.requests import common
 from clerestory.options import option, required
 
 
@@ -28,12 +17,12 @@ class ViewMatrix:
     one file each: V.mtx becomes V-south.mtx.
     """
 
-    scene: SceneFiles
-    window: WindowFiles
-    receiver: SensorsOrView
+    scene: common.SceneFiles
+    window: common.WindowFiles
+    receiver: common.SensorsOrView
     direct: bool = option(False, "Direct light only: V_d of the five-phase method.")
-    effort: EffortOptions
-    file: MatrixFile
+    effort: common.EffortOptions
+    file: common.MatrixFile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,22 +32,22 @@ class DaylightMatrix:
     Windows of several groups are written to one file each: D.mtx becomes D-south.mtx.
     """
 
-    scene: SceneFiles
-    window: WindowFiles
-    subdivision: SkySubdivision = 4
-    effort: EffortOptions
-    file: MatrixFile
+    scene: common.SceneFiles
+    window: common.WindowFiles
+    subdivision: common.SkySubdivision = 4
+    effort: common.EffortOptions
+    file: common.MatrixFile
 
 
 @dataclass(frozen=True, kw_only=True)
 class DaylightCoefficients:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
 
-    scene: SceneFiles
-    sensors: SensorFile
-    subdivision: SkySubdivision = 4
-    effort: EffortOptions
-    file: MatrixFile
+    scene: common.SceneFiles
+    sensors: common.SensorFile
+    subdivision: common.SkySubdivision = 4
+    effort: common.EffortOptions
+    file: common.MatrixFile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,13 +59,13 @@ class FacadeMatrix:
     F-south-top.nc.
     """
 
-    scene: SceneFiles
-    window: WindowFiles
+    scene: common.SceneFiles
+    window: common.WindowFiles
     port: list[Path] = required(
         "Radiance files of ports whose front faces the window.", metavar="F…"
     )
-    effort: EffortOptions
-    file: MatrixFile
+    effort: common.EffortOptions
+    file: common.MatrixFile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,11 +76,11 @@ class SunCoefficients:
     pixels per normal irradiance [1/sr].
     """
 
-    scene: SceneFiles
-    window: WindowFiles
+    scene: common.SceneFiles
+    window: common.WindowFiles
     bsdf: Path = required("BSDF of the windows (.xml).", metavar="F")
     weather: Path = required("Weather file that gives the sun positions.", metavar="F")
-    receiver: SensorsOrView
+    receiver: common.SensorsOrView
     tolerance: float = option(
         0.25, "Suns no farther apart than this are one sun [°].", least=0
     )
@@ -99,10 +88,10 @@ class SunCoefficients:
         False, "Extract the direct peak of the BSDF: it stays as sharp as the sun."
     )
     samples: int = option(64, "Paths per row and sun.", metavar="N", least=1)
-    seed: Seed = 1
-    device: DeviceName = "auto"
-    cluster: ClusterAddress = None
-    file: MatrixFile
+    seed: common.Seed = 1
+    device: common.DeviceName = "auto"
+    cluster: common.ClusterAddress = None
+    file: common.MatrixFile
 
 
 _SCENE = "--scene materials.rad room.rad"

@@ -1,21 +1,14 @@
-"""Sensor grids and views of honeybee models."""
+"""Outlines, sensor grids and views of honeybee models."""
 
 import numpy as np
+from jaxtyping import Float
 
 from clerestory.errors import located
 from clerestory.formats.json_item import Item
-from clerestory.scene.projection import Kind
+from clerestory.scene.projection import LETTERS
 from clerestory.scene.sensors import Sensors
+from clerestory.scene.surface import area_vector
 from clerestory.scene.view import View
-
-_VIEWS: dict[str, Kind] = {
-    "v": "perspective",
-    "h": "hemispherical",
-    "l": "parallel",
-    "c": "cylindrical",
-    "a": "angular",
-    "s": "planisphere",
-}
 
 
 def read_grids(radiance: Item, scale: float) -> list[tuple[str, Sensors]]:
@@ -43,9 +36,9 @@ def read_views(radiance: Item, scale: float) -> list[tuple[str, View]]:
     """Return the views by name, in metres."""
     found: list[tuple[str, View]] = []
     for item in radiance.items("views"):
-        kind = _VIEWS.get(item.text("view_type", "v"))
+        kind = LETTERS.get(item.text("view_type", "v"))
         if kind is None:
-            raise item.wrong("view_type", f"one of {', '.join(_VIEWS)}")
+            raise item.wrong("view_type", f"one of {', '.join(LETTERS)}")
         with located(file=item.file, subject=item.where):
             view = View(
                 kind=kind,
@@ -71,3 +64,27 @@ def _unique(
         number += 1
         label = f"{plain} {number}"
     return label
+
+
+def seamed(
+    loops: list[Float[np.ndarray, "_ 3"]],
+) -> Float[np.ndarray, "point 3"]:
+    """Return one outline of several; holes hang on seams from the first corner.
+
+    Holes run against the outline, so that areas come out right by the sign too.
+    """
+    first = loops[0]
+    outward = area_vector(first)
+    outline = [first]
+    for hole in loops[1:]:
+        turned = hole[::-1] if area_vector(hole) @ outward > 0 else hole
+        outline += [first[:1], turned, turned[:1]]
+    return np.concatenate(outline)
+
+
+def plane_of(outline: Float[np.ndarray, "point 3"]) -> tuple[float, ...]:
+    """Return normal and distance [m] of an outline, rounded to tell planes apart."""
+    normal = area_vector(outline)
+    normal /= max(float(np.linalg.norm(normal)), 1e-12)
+    distance = float(normal @ outline.mean(axis=0))
+    return (*(round(float(x), 3) + 0.0 for x in normal), round(distance, 2) + 0.0)
