@@ -34,7 +34,6 @@ def channels_of(scene: Scene) -> int:
     return 1 if grey else len(scene.bands)
 
 
-@lru_cache(maxsize=2)
 def band_groups(scene: Scene) -> tuple[Scene, ...]:
     """Return scenes of three channels each that together hold all bands of a scene.
 
@@ -45,8 +44,12 @@ def band_groups(scene: Scene) -> tuple[Scene, ...]:
     ------
     InputError : a pattern or BSDF is in RGB, and the scene in other bands
     """
-    if scene.bands == RGB:
-        return (scene,)
+    return (scene,) if scene.bands == RGB else _groups(scene)
+
+
+@lru_cache(maxsize=1)
+def _groups(scene: Scene) -> tuple[Scene, ...]:
+    # The last scene is kept: jobs in the same scene share what is built for it
     for material in scene.materials.values():
         _refuse_rgb(material)
     count = len(scene.bands)

@@ -85,7 +85,9 @@ def write_picture_set(
         )
     names = [numbered(path, k) if "%" in path.name else path for k in range(columns)]
     for k, name in enumerate(names):
-        values = np.broadcast_to(matrix.values[:, :, k], (3, matrix.rows.size))
-        radiance = values.T.reshape(like.rows, like.columns, 3).astype(np.float32)
-        write_picture(Picture(radiance, view=like.view, header=(command,)), name)
+        shape = len(matrix.bands), like.rows, like.columns
+        values = np.broadcast_to(matrix.values[:, :, k].reshape(-1, *shape[1:]), shape)
+        radiance = np.moveaxis(values, 0, -1).astype(np.float32)
+        shown = Picture(radiance, view=like.view, header=(command,), bands=matrix.bands)
+        write_picture(shown, name)
     return names

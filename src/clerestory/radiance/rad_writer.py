@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
+from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import InputError
 from clerestory.scene.material import Material, Specification, insert_material
@@ -43,6 +44,8 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     4 0 0 0 0.5
     <BLANKLINE>
     """
+    if scene.bands != RGB:
+        raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")
     writer = _Writer(bsdf_file)
     name_of = {key: writer.define(m, key) for key, m in scene.materials.items()}
     for number, surface in enumerate((*scene.surfaces, *scene.distant), 1):

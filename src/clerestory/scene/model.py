@@ -116,13 +116,14 @@ class Scene:
     def __post_init__(self) -> None:
         for material in self.materials.values():
             _check_colours(material, self.bands)
+        oriented = {key for key, m in self.materials.items() if _has_bsdf(m)}
         for item in (*self.surfaces, *self.distant):
             if item.material not in self.materials:
                 raise InputError(
                     f'surface "{item.name}" is made of "{item.material}",'
                     " which is not a material of the scene"
                 )
-            if isinstance(item, Polygon | Ring):
+            if item.material in oriented and isinstance(item, Polygon | Ring):
                 _check_up(item, self.materials[item.material])
 
     def __add__(self, other: "Scene") -> "Scene":
@@ -168,6 +169,10 @@ def _check_colours(material: Material, bands: Bands) -> None:
             )
     for part in parts(material):
         _check_colours(part, bands)
+
+
+def _has_bsdf(material: Material) -> bool:
+    return isinstance(material, BsdfSurface) or any(map(_has_bsdf, parts(material)))
 
 
 def _check_up(surface: Polygon | Ring, material: Material) -> None:

@@ -6,6 +6,7 @@ import pytest
 from clerestory.bands import unnamed_bands
 from clerestory.colorimetry import wavelength_bands
 from clerestory.errors import InputError
+from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.band_conversion import in_bands, step_spectrum
 from clerestory.scene.model import Glass, Light, Mixture, Plastic, Scene
 
@@ -58,6 +59,11 @@ def test_a_scene_has_one_set_of_bands():
     assert (Scene() + spectral).bands == NINE
     assert (spectral + Scene()).bands == NINE
     assert len((spectral + spectral).materials) == 1
+
+
+def test_radiance_s_language_is_in_rgb():
+    with pytest.raises(InputError, match="red, green, blue expected"):
+        format_rad(Scene({"grey": GREY}, bands=NINE), bsdf_file={})
 
 
 def test_colours_have_a_value_per_band():
