@@ -1,8 +1,8 @@
 """Terms of the five-phase equation and the effect of its direct correction.
 
-I = V T D S − V_d T D_d S_ds + C_ds S_sun: the three-phase result, less the
-direct sun spread over patches, plus the sun at its true position. The page contains the
-year of a few sensors, and draws one day.
+I = V T D S − V_d T D_d S_ds + C_ds S_sun: the three-phase result, less the direct sun
+spread over patches, plus the direct sun at its exact position. The page contains annual
+series of a few sensors, and shows one day at a time.
 """
 
 from dataclasses import dataclass
@@ -19,13 +19,13 @@ from clerestory.report.period import date_words
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.uncertain_value import number
 
-# Sensors whose terms the page carries
+# Largest number of sensors whose terms are on the page
 _MOST = 12
 
-# A correction of this share of the three phases is counted [1]
+# Relative correction above which time steps are counted
 _MUCH = 0.10
 
-# Lines of the drawing: class in the page, and words
+# Curves of the drawing: CSS class and label
 _LINES = (
     ("three", "three-phase, V T D S"),
     ("spread", "less the sun in patches, V_d T D_d S_ds"),
@@ -33,7 +33,7 @@ _LINES = (
     ("five", "five-phase, the sum"),
 )
 
-# Round steps of an axis within a decade
+# Round axis steps within a decade
 _STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
 
 _WIDTH, _HEIGHT, _LEFT, _TOP, _FOOT = 760, 250, 62, 12, 30
@@ -41,11 +41,11 @@ _WIDTH, _HEIGHT, _LEFT, _TOP, _FOOT = 760, 250, 62, 12, 30
 
 @dataclass(frozen=True, eq=False)
 class EquationTerms:
-    """The three terms of the equation [lux].
+    """Terms of the five-phase equation [lux].
 
     Attributes
     ----------
-    three_phase, direct_in_patches, direct_sun : of each sensor and step
+    three_phase, direct_in_patches, direct_sun : terms per sensor and time step
     """
 
     three_phase: Float[np.ndarray, "sensor time"]
@@ -53,17 +53,17 @@ class EquationTerms:
     direct_sun: Float[np.ndarray, "sensor time"]
 
     def correction(self) -> Float[np.ndarray, "sensor time"]:
-        """Effect of the direct sun's true position [lux]."""
+        """Change by the exact position of the direct sun [lux]."""
         return np.asarray(self.direct_sun - self.direct_in_patches)
 
     def lines(self, sensor: int) -> Float[np.ndarray, "4 time"]:
-        """The terms of a sensor and their sum, in the order of the drawing [lux]."""
+        """Terms of a sensor and their sum, in the order of the drawing [lux]."""
         terms = (self.three_phase, self.direct_in_patches, self.direct_sun)
         three, spread, sun = (term[sensor] for term in terms)
         return np.stack([three, spread, sun, three - spread + sun])
 
     def chosen(self) -> list[int]:
-        """Sensors that the page carries: the one corrected most, others evenly."""
+        """Sensors on the page: the most corrected one, then evenly spaced ones."""
         changed = np.abs(self.correction()).sum(axis=1)
         count = len(changed)
         places = np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
@@ -72,14 +72,14 @@ class EquationTerms:
         return [most, *others[: _MOST - 1]]
 
     def strongest_day(self, sensor: int, times: np.ndarray) -> np.datetime64:
-        """Return the day on which a sensor's values change most."""
+        """Return the day of the largest correction of a sensor."""
         days, place = np.unique(times.astype("datetime64[D]"), return_inverse=True)
         changed = np.bincount(place, weights=np.abs(self.correction()[sensor]))
         return np.datetime64(days[int(np.argmax(changed))])
 
 
 def equation_terms(data: xr.Dataset) -> EquationTerms | None:
-    """Return the terms in results, none unless five phases made them."""
+    """Return the terms in results, or None if the five-phase method was not used."""
     wholes = [method.whole for method in METHODS.values() if method.whole in data]
     if not wholes or DIRECT_SUN not in data:
         return None
@@ -93,7 +93,7 @@ def equation_terms(data: xr.Dataset) -> EquationTerms | None:
 def equation_data(
     terms: EquationTerms, sensors: SensorPoints, times: np.ndarray
 ) -> dict[str, Any]:
-    """Return the year of the carried sensors as plain values for JSON."""
+    """Return the annual series of the chosen sensors as JSON values."""
     days = times.astype("datetime64[D]")
     first = terms.chosen()[0]
     return {
@@ -120,7 +120,7 @@ def equation_section(
     *,
     occupied: Bool[np.ndarray, " time"],
 ) -> Markup:
-    """Return the terms of one sensor on one day, and their means over grids."""
+    """Return the section: terms of one sensor on one day, and means over grids."""
     if terms is None:
         return Markup("")
     chosen = terms.chosen()
@@ -174,7 +174,7 @@ def _drawing(
 
 
 def ceiling(lux: float) -> float:
-    """Return the top of an axis of four round steps that holds a value, 4 at least.
+    """Return the upper limit of an axis with four round steps; at least 4.
 
     >>> ceiling(950.0), ceiling(0.0), ceiling(40_001.0)
     (1000.0, 4.0, 60000.0)
@@ -199,7 +199,7 @@ def _path(minute: Int[np.ndarray, " step"], share: Float[np.ndarray, " step"]) -
 def _grid_rows(
     terms: EquationTerms, sensors: SensorPoints, occupied: Bool[np.ndarray, " time"]
 ) -> list[tuple[str, list[str]]]:
-    # Means of the terms over each grid, and the share of steps that change much
+    # Means of the terms over each grid, and share of strongly corrected time steps
     rows = []
     for grid, members in sensors.by_grid().items():
         part = np.ix_(members, np.flatnonzero(occupied))

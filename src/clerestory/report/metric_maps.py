@@ -1,8 +1,8 @@
-"""Metrics of the sensors and their means over grids, with standard errors.
+"""Metrics of sensors and their means over grids, with standard errors.
 
-The error of the mean illuminance comes from its error components, which contain the
-correlation between sensors. The errors of other metrics are assumed fully correlated:
-the error of a mean is the mean of the errors.
+The error of the mean illuminance is computed from error components, which include the
+correlation between sensors. Errors of other metrics are assumed fully correlated: the
+error of a mean is the mean of the errors.
 """
 
 from dataclasses import dataclass
@@ -18,15 +18,15 @@ from clerestory.report.uncertain_value import Figure
 
 @dataclass(frozen=True, eq=False)
 class MetricMap:
-    """One metric over the sensors, ready to be drawn.
+    """One metric of all sensors, for display.
 
     Attributes
     ----------
-    key : short name for the page
-    title, note : what it is, in words
-    values, errors : per sensor, in the unit shown
-    unit : lux or %
-    components : error components of the values, if they are known
+    key : identifier in the page
+    title, note : title and description
+    values, errors : value and standard error per sensor, in `unit`
+    unit : "lux" or "%"
+    components : error components of the values, if known
     """
 
     key: str
@@ -38,7 +38,7 @@ class MetricMap:
     components: Float[np.ndarray, "component sensor"] | None = None
 
     def mean(self, members: Int[np.ndarray, " member"]) -> Figure:
-        """Mean over some sensors; without error components, fully correlated ones."""
+        """Mean over some sensors; without components, errors are fully correlated."""
         error = self.errors[members].mean()
         if self.components is not None:
             error = np.linalg.norm(self.components[:, members].mean(axis=1))
@@ -46,7 +46,7 @@ class MetricMap:
 
 
 def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
-    """Return what a plan can show: the mean, the autonomy, the four useful bands."""
+    """Return the mean illuminance, the daylight autonomy and the four UDI bands."""
     target = float(metrics.attrs.get("target_lux", 300.0))
     low, middle, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     notes = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")
