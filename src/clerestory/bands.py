@@ -118,7 +118,7 @@ def weighted_sum(
     """
     axis %= values.ndim
     before, after = values.shape[:axis], values.shape[axis + 1 :]
-    factor = weights.astype(np.result_type(values.dtype, np.float32))
+    factor = weights.astype(values.dtype)
     if values.shape[axis] == 1:
         factor = factor.sum(keepdims=True)
     if not after:

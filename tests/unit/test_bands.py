@@ -31,7 +31,7 @@ def test_sums_along_any_axis(axis, dtype):
 def test_one_channel_stands_for_all_bands(axis):
     shape = (1, 4) if axis == 0 else (4, 1)
     assert RGB.photometric(np.ones(shape), axis=axis) == pytest.approx(179.0)
-    assert weighted_sum(np.ones(shape, int), np.full(9, 0.5), axis=axis).sum() == 18
+    assert weighted_sum(np.ones(shape), np.full(9, 0.5), axis=axis).sum() == 18
 
 
 def test_sums_of_nothing_are_empty():

@@ -1,7 +1,7 @@
 """Spheres and cylinders as Mitsuba's own shapes, with their true normals.
 
-Highlights and refraction follow the normal, so facets would show. What shines, and
-what stands for geometry, stays tessellated: their tables are made of triangles.
+Highlights and refraction follow the normal, so facets would be visible. Emitters and
+proxies stay tessellated: their tables are made of triangles.
 """
 
 from dataclasses import replace
@@ -20,12 +20,12 @@ from clerestory.scene.model import (
 )
 
 
-def without_round(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
-    """Return the scene without its round shapes, and these."""
+def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
+    """Return the scene without its spheres and cylinders, and these."""
     exact = [
         s
         for s in scene.surfaces
-        if isinstance(s, Sphere | Cone) and _is_round(s, scene.materials[s.material])
+        if isinstance(s, Sphere | Cone) and _is_analytic(s, scene.materials[s.material])
     ]
     if not exact:
         return scene, ()
@@ -34,7 +34,7 @@ def without_round(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
     return replace(scene, surfaces=left), tuple(exact)
 
 
-def round_shape(
+def analytic_shape(
     surface: Sphere | Cone, bsdf: mi.BSDF, origin: Float[np.ndarray, "3"]
 ) -> mi.Shape:
     """Return the shape of a sphere or cylinder.
@@ -54,7 +54,7 @@ def round_shape(
         "p1": _point(surface.top - origin),
         "radius": float(surface.base_radius),
     }
-    # Mitsuba takes the rounding of long slanting tubes for shear, and says so
+    # Mitsuba mistakes the rounding of long slanting tubes for shear, with a warning
     level = mi.log_level()
     mi.set_log_level(mi.LogLevel.Error)
     try:
@@ -63,7 +63,7 @@ def round_shape(
         mi.set_log_level(level)
 
 
-def _is_round(surface: Sphere | Cone, material: Material) -> bool:
+def _is_analytic(surface: Sphere | Cone, material: Material) -> bool:
     if isinstance(material, Emitter):
         return False
     if isinstance(material, BsdfSurface) and material.thickness:

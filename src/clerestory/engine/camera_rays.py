@@ -56,7 +56,7 @@ class CameraRays:
         )
 
     def through(self, pixel, x, y):
-        """Return the ray through a place of a pixel."""
+        """Return the ray through a point of a pixel."""
         x, y = x - 0.5, y - 0.5
         direction = (
             dr.gather(mi.Vector3f, self.direction, pixel)

@@ -27,7 +27,7 @@ from clerestory.engine.sampler import (
     random_number,
 )
 from clerestory.engine.sinks import RadianceSink
-from clerestory.engine.sunlit_window import SunlitWindow, SunWindow, on_disc
+from clerestory.engine.sunlit_window import SunlitWindow
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.vertices import sensor_vertex
 from clerestory.engine.work_units import Tracer, Unit
@@ -35,13 +35,12 @@ from clerestory.engine.work_units import Tracer, Unit
 _SINK = RadianceSink()
 
 
-def _tracer(window: SunWindow, middle, sun) -> PathTracer:
-    source = SunlitWindow(window, middle, sun)
-    return PathTracer(window.inside, (source,), 1.0, direct_only=True)
+def _tracer(window: SunlitWindow) -> PathTracer:
+    return PathTracer(window.inside, (window,), 1.0, direct_only=True)
 
 
 @dr.syntax
-def irradiance_of(window: SunWindow, sequence, position, normal, middle, seed):
+def irradiance_of(window: SunlitWindow, sequence, position, normal, middle, seed):
     """Irradiance of sensors per direct normal irradiance of a sun behind the window.
 
     Parameters
@@ -54,7 +53,7 @@ def irradiance_of(window: SunWindow, sequence, position, normal, middle, seed):
     while index < sequence.stride:
         numbers = PathNumbers(sequence, seed, index, mi.UInt32(0))
         a, b = (random_number(seed, index, mi.UInt32(n)) for n in (1, 2))
-        tracer = _tracer(window, middle, on_disc(middle, a, b))
+        tracer = _tracer(window.lit_by(middle, a, b))
         vertex = sensor_vertex(None, position, normal)
         one = mi.Color3f(1)
         light = tracer.sample_sources(_SINK, light, vertex, numbers, one)
@@ -65,9 +64,7 @@ def irradiance_of(window: SunWindow, sequence, position, normal, middle, seed):
 def prepare_sun(job: SunJob) -> Tracer:
     """Return what traces direct sun to sensors."""
     origin = np.mean(job.sensors.position, axis=0)
-    window = SunWindow.of(
-        job.scene, job.windows, job.number, job.bsdf, peak=job.peak, origin=origin
-    )
+    window = SunlitWindow.of(job, origin)
     sequence = points(0, job.points)
     position = vectors(mi.Point3f, job.sensors.position - origin)
     normal = vectors(mi.Vector3f, job.sensors.direction)
@@ -103,10 +100,8 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
     sun's disc where light passes straight; any other pixel shows the sunlight that its
     surface reflects.
     """
-    centre = np.asarray(job.view.position, dtype=float)
-    window = SunWindow.of(
-        job.scene, job.windows, job.number, job.bsdf, peak=job.peak, origin=centre
-    )
+    origin = np.asarray(job.view.position, dtype=float)
+    window = SunlitWindow.of(job, origin)
     rays = CameraRays.of(job.view, job.columns, job.rows)
     sequence = points(0, job.samples)
 
@@ -121,7 +116,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
             numbers.sobol(n) for n in (DIRECTION_U, DIRECTION_V, CONNECT_U, CONNECT_V)
         )
         ray, valid = rays.through(pixel, x, y)
-        tracer = _tracer(window, middle, on_disc(middle, a, b))
+        tracer = _tracer(window.lit_by(middle, a, b))
         with launching():
             path, once = tracer.camera_path(ray), mi.UInt32(1)
             light = tracer.trace(_SINK, _SINK.begin(), path, numbers, once, valid)

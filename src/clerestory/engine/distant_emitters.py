@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
+from clerestory.engine.sampler import choose, probability
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
@@ -32,8 +33,7 @@ class DistantEmitters:
     dome : radiance of all wide sources
     suns : how many narrow sources there are
     direction, radiance : of each narrow source
-    cos_half : cosine of half the angle it subtends
-    solid_angle : [sr]
+    one_minus_cos : of half the angle that each subtends
     cumulative : share of the irradiance up to and with each
     """
 
@@ -91,32 +91,24 @@ class DistantEmitters:
             inside = apart <= depth
             radiance = dr.gather(mi.Color3f, self.radiance, number)
             found += dr.select(inside, radiance, 0)
-            pdf += dr.select(inside, self._share(number) / (2 * dr.pi * depth), 0)
+            pdf += dr.select(
+                inside, probability(self.cumulative, number) / (2 * dr.pi * depth), 0
+            )
             number += 1
         return found, pdf
 
     def sample_sun(self, pick, u, v):
         """Return a direction to a narrow source, its density and its radiance."""
-        number = mi.UInt32(
-            dr.binary_search(
-                0,
-                self.suns - 1,
-                lambda i: dr.gather(mi.Float, self.cumulative, i) <= pick,
-            )
-        )
+        number, chance, _ = choose(self.cumulative, self.suns, pick)
         depth = dr.gather(mi.Float, self.one_minus_cos, number)
         axis = dr.gather(mi.Vector3f, self.direction, number)
         height = u * depth
         flat = dr.safe_sqrt(height * (2 - height))
         sine, cosine = dr.sincos(2 * dr.pi * v)
         local = mi.Vector3f(flat * cosine, flat * sine, 1 - height)
-        pdf = self._share(number) / (2 * dr.pi * depth)
+        pdf = chance / (2 * dr.pi * depth)
         radiance = dr.gather(mi.Color3f, self.radiance, number)
         return mi.Frame3f(axis).to_world(local), pdf, radiance
-
-    def _share(self, number):
-        low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
-        return dr.gather(mi.Float, self.cumulative, number) - low
 
 
 def _at_centre(scene: Scene, source: DistantSource) -> Float[np.ndarray, "3"]:

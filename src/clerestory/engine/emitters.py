@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
+from clerestory.engine.sampler import choose
 from clerestory.engine.upload import on_device, vectors
 from clerestory.errors import InputError
 from clerestory.scene.model import Emitter, Glow, Illum, Spotlight
@@ -23,7 +24,7 @@ _EDGE = 256
 
 
 def split_by_surface(mesh: Mesh) -> list[Mesh]:
-    """Return the mesh, surface by surface if its pattern asks where light leaves."""
+    """Return the mesh, by surface if its pattern needs normals or points."""
     pattern = getattr(mesh.material, "pattern", None)
     if pattern is None or not (pattern.needs_normal or pattern.needs_point):
         return [mesh]
@@ -33,29 +34,29 @@ def split_by_surface(mesh: Mesh) -> list[Mesh]:
     ]
 
 
-def is_aimed_at(material: Emitter) -> bool:
-    """Whether shadow rays are sent to it; the others are met by chance."""
+def is_sampled(material: Emitter) -> bool:
+    """Whether it is sampled; paths find the others by themselves."""
     return not (isinstance(material, Glow) and material.radius <= 0)
 
 
 @dataclass
 class Emitters:
-    """All shining shapes, for kernels.
+    """All emitting shapes, for kernels.
 
     Attributes
     ----------
-    count : of triangles to aim at
+    count : of sampled triangles
     radiance : of each emitter
     table : of each emitter: 1 + number of its pattern, or 0
     view_only : whether an emitter is seen and does not illuminate (glow of negative
         radius)
     illum : whether camera rays see another material in its place (illum)
     patterns : tables of all patterns
-    corner, edge_u, edge_v, normal : of the triangles to aim at [m]
+    corner, edge_u, edge_v, normal : of the sampled triangles [m]
     emitter : of each triangle
     chance : of each triangle over its area [1/m²]
     cumulative : chances up to and with each triangle
-    aimed : for each emitter, its chance over area [1/m²]; 0 where it is not aimed at
+    density : of each emitter, its probability over area [1/m²]; 0 if it is not sampled
     """
 
     count: int
@@ -69,11 +70,11 @@ class Emitters:
     edge_v: mi.Vector3f
     emitter: mi.UInt32
     cumulative: mi.Float
-    aimed: mi.Float
+    density: mi.Float
 
     @classmethod
     def of(cls, shining: list[Mesh], origin: Float[np.ndarray, "3"]) -> "Emitters":
-        """Return the tables of shining meshes; emitter i is mesh i."""
+        """Return the tables of emitting meshes; emitter i is mesh i."""
         radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
         tables, number = [], []
         for mesh in shining:
@@ -84,10 +85,10 @@ class Emitters:
         for index, which in enumerate(number):
             mean[index] *= 1 if which == 0 else tables[which - 1].mean()
 
-        # Triangles that are aimed at, by power
+        # Sampled triangles, by power
         corners, emitter = [], []
         for index, mesh in enumerate(shining):
-            if is_aimed_at(mesh.material) and mean[index] > 0:
+            if is_sampled(mesh.material) and mean[index] > 0:
                 corners.append(mesh.vertices[mesh.faces] - origin)
                 emitter.append(np.full(len(mesh.faces), index))
         corner = np.concatenate([np.zeros((0, 3, 3)), *corners])
@@ -112,9 +113,9 @@ class Emitters:
             edge_v=vectors(mi.Vector3f, v),
             emitter=on_device(mi.UInt32, owner),
             cumulative=on_device(mi.Float, cumulative),
-            aimed=on_device(mi.Float, aimed),
+            density=on_device(mi.Float, aimed),
         )
-        dr.make_opaque(made.radiance, made.table, made.cumulative, made.aimed)
+        dr.make_opaque(made.radiance, made.table, made.cumulative, made.density)
         return made
 
     def emitted(self, emitter, direction, active):
@@ -128,18 +129,12 @@ class Emitters:
 
     def pdf(self, emitter, distance2, cosine, active):
         """Return the density of aiming at a point of a emitter [1/sr]."""
-        chance = dr.gather(mi.Float, self.aimed, emitter, active)
+        chance = dr.gather(mi.Float, self.density, emitter, active)
         return chance * distance2 / dr.maximum(cosine, 1e-6)
 
     def sample_direction(self, origin, pick, u, v):
         """Return a point of an emitter, its direction and cosine, density, emitter."""
-        number = mi.UInt32(
-            dr.binary_search(
-                0,
-                self.count - 1,
-                lambda i: dr.gather(mi.Float, self.cumulative, i) <= pick,
-            )
-        )
+        number, _, _ = choose(self.cumulative, self.count, pick)
         fold = u + v > 1
         u, v = dr.select(fold, 1 - u, u), dr.select(fold, 1 - v, v)
         edge_u = dr.gather(mi.Vector3f, self.edge_u, number)

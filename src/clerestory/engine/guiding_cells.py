@@ -1,7 +1,7 @@
-"""GuidingCells of a room, by place and by the way a surface faces.
+"""Cells of a room for path guiding, by position and normal.
 
-What is known of light at a few places, such as which portals are bright, holds for the
-surfaces around them that face alike.
+Sampling probabilities learned at a few points of a cell hold for all its surfaces of
+similar normal.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ _FACINGS = 6
 
 @dataclass
 class GuidingCells:
-    """A grid, with six cells at each of its places.
+    """A grid, with six cells at each of its positions, one for each axis and sense.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class GuidingCells:
 
     @classmethod
     def around(cls, point: Float[np.ndarray, "n 3"]) -> "GuidingCells":
-        """Return cells around points; without any, one place for everything."""
+        """Return cells around points; without any, cells of one position."""
         if len(point) == 0:
             return cls._of(np.zeros(3), np.ones(3), np.ones(3, dtype=int))
         low, high = np.quantile(point, [_OUTLYING, 1 - _OUTLYING], axis=0)
@@ -64,7 +64,7 @@ class GuidingCells:
         return cells
 
     def number(self, point: mi.Point3f, normal: mi.Vector3f) -> mi.UInt32:
-        """Return the cell of a place whose surface faces along a normal."""
+        """Return the cell of a point of a surface with a normal."""
         place = (point - self.low) / self.size
         number = mi.UInt32(0)
         for here, cells in zip(place, self.shape, strict=True):

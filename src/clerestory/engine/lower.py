@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 
 from clerestory.bands import RGB
 from clerestory.engine import materials
-from clerestory.engine.analytic_shapes import round_shape, without_round
+from clerestory.engine.analytic_shapes import analytic_shape, without_analytic
 from clerestory.engine.channels import channels_of
 from clerestory.engine.emitters import Emitters, split_by_surface
 from clerestory.engine.scene_cache import cached
@@ -96,13 +96,13 @@ def _lowered(
     content: dict[str, object] = {"type": "scene"}
     shining: list[Mesh] = []
     thickness: list[float] = []
-    flat, curved = without_round(scene)
+    flat, curved = without_analytic(scene)
     bsdfs = {
         name: materials.load(scene.materials[name], origin)
         for name in {surface.material for surface in curved}
     }
     for number, surface in enumerate(curved):
-        content[f"round{number}"] = round_shape(
+        content[f"round{number}"] = analytic_shape(
             surface, bsdfs[surface.material], origin
         )
     for number, mesh in enumerate(meshes(flat)):

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.lower import LoweredScene
+from clerestory.engine.sampler import choose
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.visibility import first_opaque, offset
 from clerestory.scene.model import Mirror, Polygon, Ring, Scene
@@ -66,16 +67,8 @@ class Mirrors:
 
     def choose(self, pick):
         """Return the normal of a mirror, and the chance of choosing it."""
-        number = mi.UInt32(
-            dr.binary_search(
-                0,
-                self.count - 1,
-                lambda i: dr.gather(mi.Float, self.cumulative, i) <= pick,
-            )
-        )
-        low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
-        share = dr.gather(mi.Float, self.cumulative, number) - low
-        return dr.gather(mi.Vector3f, self.normal, number), share
+        number, chance, _ = choose(self.cumulative, self.count, pick)
+        return dr.gather(mi.Vector3f, self.normal, number), chance
 
     @dr.syntax
     def holds(self, normal, active):

@@ -1,4 +1,4 @@
-"""Where the device's origin lies: numbers are exact near it, and coarser far away."""
+"""Origin of the device's coordinates, near which single precision is exact."""
 
 import numpy as np
 from jaxtyping import Float
@@ -12,7 +12,7 @@ from clerestory.scene.window import Window
 # leave surfaces there by half a millimetre at most
 _NEAR = 128.0
 
-# Surfaces that tell where the middle of a scene lies
+# Surfaces that the middle of a scene is estimated from
 _SURFACES = 1000
 
 

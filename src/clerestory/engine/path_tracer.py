@@ -15,7 +15,13 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.next_event_estimation import Emission, Path, Source, Vertex
+from clerestory.engine.next_event_estimation import (
+    Emission,
+    Path,
+    Scattering,
+    Source,
+    Vertex,
+)
 from clerestory.engine.portals import Portals
 from clerestory.engine.sampler import PathNumbers
 from clerestory.engine.sinks import Sink
@@ -168,7 +174,7 @@ class PathTracer:
                     active &= ~surface[1]
 
             # Sample the sources at the vertex; rays pass proxies that they see through
-            thickness, works = None, active
+            thickness, passed, works = None, None, active
             if dr.hint(model.proxies, mode="scalar"):
                 thickness = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
                 passed = (thickness != 0) & path.camera
@@ -183,50 +189,53 @@ class PathTracer:
                 sink, total, vertex, numbers, path.throughput, path
             )
 
-            # Continue the path; what it passes straight leaves it as it was
-            after = continue_from_surface(
-                self.portals, vertex, si, numbers, works, split_lobes=self.split_lobes
-            )
-            if dr.hint(model.proxies, mode="scalar"):
-                after.null |= passed
-                after.delta &= ~passed
-                after.direction = dr.select(passed, path.ray.d, after.direction)
-                after.factor = dr.select(passed, 1, after.factor)
-            sampled = ~after.delta
-            if dr.hint(self.bounce_to_source, mode="scalar"):
-                sampled &= vertex.continues
-            pdf = dr.select(sampled, after.densities.path, 0)
-            diffuse = ~after.null & ~after.delta
-            diffuse &= mi.has_flag(after.flags, mi.BSDFFlags.Diffuse)
-            memory = {
-                source.name: source.remember(
-                    si, vertex, after, path.memory[source.name]
-                )
-                for source in self.sources
-                if source.name in path.memory
-            }
-            throughput = path.throughput * after.factor
-            depth += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
-            active &= (dr.max(throughput) > 0) & (depth <= segments)
-            if dr.hint(self.direct_only, mode="scalar"):
-                active &= after.null
+            if dr.hint(self.direct_only and not model.panes, mode="scalar"):
+                active = mi.Bool(False)
+            else:
+                # Continue the path; what it passes straight leaves it as it was
+                after = continue_from_surface(
+                    self.portals, vertex, si, numbers, works,
+                    split_lobes=self.split_lobes, passed=passed,
+                )  # fmt: skip
+                path = self._continued(path, vertex, si, after, active)
+                diffuse = mi.has_flag(after.flags, mi.BSDFFlags.Diffuse)
+                diffuse &= ~after.null & ~after.delta
+                depth += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
+                strength = dr.max(path.throughput)
+                active &= (strength > 0) & (depth <= segments)
+                if dr.hint(self.direct_only, mode="scalar"):
+                    active &= after.null
 
-            # Russian roulette
-            survive = dr.minimum(dr.max(throughput) / (strongest * self.roulette), 1)
-            chance = start.hashed(number + 0x10000)
-            throughput = dr.select(survive < 1, throughput / survive, throughput)
-            active &= (chance < survive) & (number < _MOST_VERTICES)
-            number += 1
-            path = Path(
-                mi.Ray3f(vertex.leave(after.direction, active), after.direction),
-                throughput,
-                dr.select(after.null, path.point, si.p),
-                dr.select(after.null, path.pdf, pdf),
-                path.camera & (after.null | after.delta),
-                memory,
-            )
+                # Russian roulette
+                survive = dr.minimum(strength / (strongest * self.roulette), 1)
+                active &= start.hashed(number + 0x10000) < survive
+                path.throughput /= survive
+                number += 1
+                active &= number < _MOST_VERTICES
 
         return total
+
+    def _continued(
+        self, path: Path, vertex: Vertex, si, after: Scattering, active
+    ) -> Path:
+        # The next segment of a path
+        sampled = ~after.delta
+        if self.bounce_to_source:
+            sampled &= vertex.continues
+        pdf = dr.select(sampled, after.densities.path, 0)
+        memory = {
+            source.name: source.remember(si, vertex, after, path.memory[source.name])
+            for source in self.sources
+            if source.name in path.memory
+        }
+        return Path(
+            mi.Ray3f(vertex.leave(after.direction, active), after.direction),
+            path.throughput * after.factor,
+            dr.select(after.null, path.point, si.p),
+            dr.select(after.null, path.pdf, pdf),
+            path.camera & (after.null | after.delta),
+            memory,
+        )
 
 
 def _collect(sink: Sink, total, path: Path, found: Emission | None):

@@ -1,8 +1,8 @@
 """Surface points sampled by pilot paths.
 
 Pilot paths scatter diffusely from surface to surface on this side of all windows. Their
-vertices tell from where light is gathered: which surfaces the sun may light
-(`sun_patches`), and where portals are sampled from (`path_guiding`).
+vertices sample the surfaces that gather light: those which the sun may light
+(`sun_patches`), and those from which portals are sampled (`path_guiding`).
 """
 
 from dataclasses import dataclass

@@ -4,9 +4,9 @@ Daylight enters a room through a few openings. Directions towards them are sampl
 beside those of the materials; the density of each technique is known for every
 direction, so their combination stays unbiased whatever the rectangles leave out.
 
-Rectangles are sampled by the solid angle they subtend (see `windows`). Sunlit areas
-join the windows (see `sun_patches`). Sampling probabilities are learned per cell of the
-room (see `path_guiding`), separately for continued paths and for rays that look for
+Rectangles are sampled by the solid angle they subtend (`spherical_rectangle`). Sunlit
+areas join the windows (`sun_patches`). Sampling probabilities are learned per cell of
+the room (`path_guiding`), separately for continued paths and for rays that look for
 sunlit surfaces.
 """
 
@@ -18,8 +18,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.engine.guiding_cells import GuidingCells
+from clerestory.engine.spherical_rectangle import SphericalRectangle
 from clerestory.engine.upload import on_device, vectors
-from clerestory.engine.windows import RectangleView
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
 
 # Rectangles beyond the largest ones only cost time.
@@ -60,7 +60,7 @@ class Rectangles:
 
     @classmethod
     def none(cls, count: int = 0) -> "Rectangles":
-        """Return no rectangles, or some that stand for none."""
+        """Return no rectangles, or placeholders of no probability."""
         return cls(*(np.tile(edge, (count, 1)) for edge in np.eye(3)))
 
     def some(self, chosen: Bool[np.ndarray, " n"]) -> "Rectangles":
@@ -75,7 +75,7 @@ class Portals:
     Attributes
     ----------
     count : of rectangles
-    places : for rectangles, some of them empty: kernels serve any number up to that
+    slots : for rectangles, some of them empty: kernels serve any number up to that
     corner, edge_u, edge_v : of each [m]
     facing : edge_u × edge_v [m²]
     across, upwards : edges over their squared lengths [1/m]
@@ -87,7 +87,7 @@ class Portals:
     """
 
     count: int
-    places: int
+    slots: int
     corner: mi.Point3f
     edge_u: mi.Vector3f
     edge_v: mi.Vector3f
@@ -111,12 +111,12 @@ class Portals:
     ) -> "Portals":
         """Return portals with their sampling probabilities by guiding cell."""
         count = len(rectangles)
-        places = -(-count // _TOGETHER) * _TOGETHER
-        empty = ((0, 0), (0, places - count))
-        every = rectangles + Rectangles.none(places - count)
+        slots = -(-count // _TOGETHER) * _TOGETHER
+        empty = ((0, 0), (0, slots - count))
+        every = rectangles + Rectangles.none(slots - count)
         return cls(
             count,
-            places,
+            slots,
             vectors(mi.Point3f, every.corner),
             vectors(mi.Vector3f, every.edge_u),
             vectors(mi.Vector3f, every.edge_v),
@@ -142,11 +142,11 @@ class Portals:
             rectangles, cells, even, even, np.full(cells.count, _UNIFORM_CHANCE)
         )
 
-    def _view(self, number, origin) -> RectangleView:
+    def _view(self, number, origin) -> SphericalRectangle:
         corner = dr.gather(mi.Point3f, self.corner, number) - origin
         edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
         edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-        return RectangleView.of(corner, edge_u, edge_v, mi.Bool(True))
+        return SphericalRectangle.of(corner, edge_u, edge_v, mi.Bool(True))
 
     def towards(self, number, origin, u, v):
         """Return a direction to a point of a rectangle."""
@@ -172,7 +172,7 @@ class Portals:
     def met(self, origin, direction):
         """Return which rectangles a ray meets, a bit of 32 for each."""
         found = mi.UInt32(0)
-        for number in range(self.places):
+        for number in range(self.slots):
             one = mi.UInt32(number)
             across, upwards, facing = (
                 dr.gather(mi.Vector3f, table, one)
@@ -201,8 +201,8 @@ class Portals:
         """
         target, before = mi.Float(u), mi.Float(0)
         chosen, valid = mi.UInt32(0), mi.Bool(False)
-        for number in range(self.places):
-            here = dr.gather(mi.Float, shares, cell * self.places + number)
+        for number in range(self.slots):
+            here = dr.gather(mi.Float, shares, cell * self.slots + number)
             take = (target >= before) & (here > 0)
             chosen = dr.select(take, number, chosen)
             u = dr.select(take, (target - before) / here, u)
@@ -222,7 +222,7 @@ class Portals:
         left = self.met(origin, direction)
         while active & (left != 0):
             number = dr.tzcnt(left)
-            at = cell * self.places + number
+            at = cell * self.slots + number
             density = self.density(number, origin, direction)
             onward += dr.gather(mi.Float, self.share, at) * density
             sunlit += dr.gather(mi.Float, self.sunlit, at) * density

@@ -73,7 +73,7 @@ def lanes(
 def window_ray(window: WindowTable, patch: mi.UInt32, numbers: PathNumbers) -> mi.Ray3f:
     """Return rays outwards from the patches of one window, spread over its area.
 
-    A row of a daylight matrix stands for the light that arrives through one patch.
+    A row of a daylight matrix is the light that arrives through one patch.
     Straight-through light keeps its patch number, so rays leave against the patch's
     direction.
 

@@ -1,9 +1,10 @@
-"""The way of light through a piece of a shading system, from a plane before it.
+"""Light transport through a piece of a shading system, from a plane before it.
 
 Paths run with the light. They start on the plane before the front or the back of
 the system, spread evenly over the sample area, and end where they leave the slab
 between both planes for good, or are absorbed. At a vertex, strong paths branch:
-several branches look for a way out, and one of those that find none goes on for all.
+several branches are traced for a way out, and one of those that stay within the slab
+continues for all.
 
 The slab is open at its sides, where a finite sample loses light; or it is the cell
 of a repeating system: what leaves one side enters at the opposite side.
@@ -24,14 +25,14 @@ from clerestory.engine.sampler import Points
 from clerestory.engine.visibility import offset
 from clerestory.scene.model import Scene
 
-# Paths below this share of their first weight go on only by Russian roulette.
+# Paths below this share of their first weight continue only by Russian roulette.
 _ROULETTE = 0.5
 
 # Branches of a path of full weight. For a blind, work (time × variance) is least from
 # two to four, and flat.
 BRANCHES = 3
 
-# Rays reach this little beyond the sides of a cell, so that surfaces in them are met.
+# Rays reach this little beyond the sides of a cell, so that surfaces there are hit.
 _BEYOND = 1e-5
 
 # Safety net for unlimited bounces: no path of a physical scene comes near it.
@@ -62,10 +63,10 @@ class Slab:
 
 
 class Receiver(Protocol):
-    """What takes the light that leaves the slab."""
+    """Sink of the light that leaves the slab."""
 
     def receive(self, paths: Lanes, direction, weight, active) -> None:
-        """Take a share of the light of each path, travelling along a direction."""
+        """Add a share of the light of each path, leaving along a direction."""
 
 
 @dataclass
@@ -76,7 +77,7 @@ class Step:
     ----------
     hit : the surface that it meets, if any
     left : whether it leaves the slab
-    origin : where it goes on if it does neither, but passes a side of the cell
+    origin : where it continues if it only passes a side of the cell
     way : length up to there [m]
     """
 
@@ -154,7 +155,7 @@ def follow(
     ray: mi.Ray3f,
     segments: mi.UInt32,
 ) -> None:
-    """Follow paths from their first ray, and hand over what leaves the slab.
+    """Follow paths from their first ray; the receiver adds up what leaves the slab.
 
     Parameters
     ----------
@@ -222,7 +223,7 @@ def follow(
             kept = dr.select(chosen, share / bright, kept)
             grown_to = dr.select(chosen, grown, grown_to)
 
-        # Go on with the weight of all branches, weak ones only by chance
+        # Continue with the weight of all branches, by Russian roulette
         travelled = dr.select(met, 0, travelled + step.way)
         step, segment = next_step, grown_to
         survive = dr.minimum(total / _ROULETTE, 1)

@@ -37,7 +37,7 @@ class Points:
     table : (dimensions * count,) coordinates as 32-bit integers, bits reversed
     count : points in this stretch
     stride : of the table: the count, in memory, so that kernels serve any stretch
-    first : number of its first point in the sequence, which tells stretches apart
+    first : number of its first point in the sequence, by which hashed numbers differ
     """
 
     table: mi.UInt32
@@ -103,6 +103,34 @@ def coordinate(sequence: Points, seed, index, vertex, purpose: int):
     return dr.select(
         low, scrambled, random_number(seed, index + sequence.first, dimension)
     )
+
+
+def choose(cumulative: mi.Float, count: int, pick):
+    """Choose one of several by a number in [0, 1).
+
+    Parameters
+    ----------
+    cumulative : sum of the probabilities up to and with each
+
+    Returns
+    -------
+    number, probability : of the chosen one
+    rest : what is left of the number, in [0, 1)
+    """
+    number = mi.UInt32(
+        dr.binary_search(
+            0, count - 1, lambda i: dr.gather(mi.Float, cumulative, i) <= pick
+        )
+    )
+    low = dr.gather(mi.Float, cumulative, number - 1, number > 0)
+    chance = probability(cumulative, number)
+    return number, chance, (pick - low) / chance
+
+
+def probability(cumulative: mi.Float, number):
+    """Return the probability of one of several; see `choose`."""
+    low = dr.gather(mi.Float, cumulative, number - 1, number > 0)
+    return dr.gather(mi.Float, cumulative, number) - low
 
 
 @dataclass

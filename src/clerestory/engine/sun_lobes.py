@@ -26,15 +26,15 @@ from clerestory.scene.surface import area_vectors
 # Windows of different BSDFs or orientations beyond the largest only cost time.
 MOST = 4
 
-# Lobes are worth their rays where they are, on average over their own directions, so
-# many times denser than even scattering; found by this many of them.
+# Lobes are sampled if they are, on average over their own directions, so many times
+# denser than diffuse scattering; estimated from this many of them.
 _NARROW = 4.0
 _TRIED = 1024
 
 # Sines below this are no frame: the up vector lies along the normal.
 _UPRIGHT = 1e-6
 
-# Where light goes that comes from behind a surface, and from before it.
+# Transmission of light from behind a surface, and from before it.
 _SIDES: dict[int, Function] = {1: "transmission_front", -1: "transmission_back"}
 
 
@@ -44,7 +44,7 @@ class Lobes:
 
     Attributes
     ----------
-    table : the BSDF, sampled for light that comes from the sun
+    table : the BSDF, sampled for light from the sun
     frame : of the layer; its normal is that of the surfaces
     side : 1 where the sun shines on the back of the surfaces, -1 on the front
     chance : of sampling these
@@ -69,7 +69,7 @@ class Lobes:
         return dr.select(met, density * dr.abs(leaving.z), 0)
 
     def concentration(self, suns: Float[np.ndarray, "sun 3"]) -> float:
-        """Return how much denser than even scattering the lobes are, at most."""
+        """Return how much denser than diffuse scattering the lobes are, at most."""
         normal = np.array(self.frame.n).ravel()
         shining = suns[(suns @ normal) * self.side < 0]
         point = points(0, _TRIED)

@@ -23,12 +23,12 @@ from clerestory.engine.visibility import offset, transmittance
 _SUNBEAMS = 1 << 18
 _PANES = 6
 
-# Beams fall where most places lie: without this share of the outermost, a little wider.
+# Beams cover most surface points: all but this share at either end, and a little more.
 _OUTLYING = 0.04
 _WIDENED = 1.1
 
-# Patches help where the sun falls on a small share of the places; of fewer beams none
-# is made.
+# Patches help where the sun lights a small share of the room; a patch has at least so
+# many beams.
 _SELDOM = 0.25
 _FEWEST = 24
 
@@ -51,7 +51,7 @@ def sun_patches(scene: Illumination, places: SurfacePoints) -> Rectangles:
 
 
 def _sunlit_share(scene: Illumination, places: SurfacePoints) -> float:
-    # Share of the places on which a sun shines
+    # Share of the surface points that a sun lights
     index, seed = dr.arange(mi.UInt32, len(places)), mi.UInt32(1)
     u, v, pick = (
         sampler.random_number(seed, index, mi.UInt32(number)) for number in range(3)
@@ -67,7 +67,7 @@ def _sunlit_share(scene: Illumination, places: SurfacePoints) -> float:
 
 
 def _sunbeams(scene: Illumination, places: SurfacePoints):
-    # Points and normals of what the sun shines on, through panes, around the places
+    # Points and normals that rays from the sun meet, through panes
     model = scene.model
     low, high = np.quantile(places.point, [_OUTLYING, 1 - _OUTLYING], axis=0)
     middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) * _WIDENED / 2
@@ -124,7 +124,7 @@ def _patches(
     normal: Float[np.ndarray, "n 3"],
     places: SurfacePoints,
 ) -> Rectangles:
-    # Rectangles around sunlit places, those that the most beams met first
+    # Rectangles around sunlit areas, those of most beams first
     plane = _plane(point, normal)
     keys, size = np.unique(plane, return_counts=True)
     seen = np.isin(keys, _plane(places.point, places.normal))

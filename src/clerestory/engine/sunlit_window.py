@@ -6,7 +6,7 @@ BSDF passes straight, if asked for, is a term of its own, sharp as the sun.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import drjit as dr
@@ -14,9 +14,9 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine.direct_sun_jobs import PixelSunJob, SunJob
 from clerestory.engine.lower import LoweredScene, lower
-from clerestory.engine.materials.bsdf_file import Table, forward_table
+from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.next_event_estimation import (
     Emission,
     LightSample,
@@ -32,10 +32,14 @@ from clerestory.engine.sampler import (
     DIRECTION_V,
     PathNumbers,
 )
-from clerestory.engine.visibility import first_opaque, towards, transmittance
+from clerestory.engine.sun_lobes import Lobes
+from clerestory.engine.visibility import (
+    ROUNDING,
+    first_opaque,
+    towards,
+    transmittance,
+)
 from clerestory.engine.windows import WindowTable, window_shapes
-from clerestory.scene.model import Scene
-from clerestory.scene.window import Window
 
 # Depth of the cap of the sun's disc, 1 − cos of its radius, and its solid angle [sr]
 _DEPTH = 2 * float(np.sin(np.radians(0.533) / 4)) ** 2
@@ -43,117 +47,64 @@ _SOLID_ANGLE = 2 * np.pi * _DEPTH
 
 
 @dataclass
-class SunWindow:
-    """One window with its BSDF, and what stands on either side.
+class SunlitWindow(Source):
+    """A window lit by a sun of unit direct normal irradiance, and what surrounds it.
 
     Attributes
     ----------
     inside : the scene with all windows, which end the light of the room side
     outside : the scene without windows
-    own : table of this window
-    role : its number among the windows, plus one
-    table : its BSDF, sampled for light that comes from the sun
-    peak : what passes straight, kept apart; None: part of the table
+    own, role : table of this window, and its number among the windows, plus one
+    lobes : its BSDF, sampled for light that comes from the sun
+    peak : what passes straight, kept apart; None: part of the lobes
+    middle, sun : unit vectors to the middle and to a point of the sun's disc, by path
     """
 
+    name: ClassVar[str] = "sunlit window"
     inside: LoweredScene
     outside: LoweredScene
     own: WindowTable
     role: int
-    table: Table
+    lobes: Lobes
     peak: PeakTable | None
+    middle: mi.Vector3f | None = None
+    sun: mi.Vector3f | None = None
 
     @classmethod
     def of(
-        cls,
-        scene: Scene,
-        windows: tuple[Window, ...],
-        number: int,
-        bsdf: Bsdf,
-        *,
-        peak: bool,
-        origin: Float[np.ndarray, "3"],
-    ) -> "SunWindow":
-        """Return the window with the given number among all windows of a scene."""
-        own, _ = window_shapes((windows[number],), origin)
+        cls, job: SunJob | PixelSunJob, origin: Float[np.ndarray, "3"]
+    ) -> "SunlitWindow":
+        """Return the window of a job, without a sun."""
+        own, _ = window_shapes((job.windows[job.number],), origin)
+        frame = mi.Frame3f(own.right, own.up, own.normal)
         return cls(
-            inside=lower(scene, origin=origin, receivers=windows),
-            outside=lower(scene, origin=origin),
+            inside=lower(job.scene, origin=origin, receivers=job.windows),
+            outside=lower(job.scene, origin=origin),
             own=own,
-            role=number + 1,
-            table=forward_table(bsdf),
-            peak=PeakTable(bsdf) if peak else None,
+            role=job.number + 1,
+            lobes=Lobes(forward_table(job.bsdf), frame, 1, 1.0),
+            peak=PeakTable(job.bsdf) if job.peak else None,
         )
 
-    def normal(self):
-        """Return the window's normal, towards the room."""
-        return self.own.to_scene(mi.UInt32(0), mi.Vector3f(0, 0, 1))
-
-    def sunlight(self, point, sun, active):
-        """Return the share of the sun's light that reaches a point from outside."""
-        normal = self.normal()
-        reach = dr.max(dr.abs(point))
-        start = point - normal * (4e-6 * dr.maximum(reach, 0.05))
-        lit = active & (dr.dot(normal, sun) < 0)
-        seen = transmittance(
-            self.outside, start, lambda origin: mi.Ray3f(origin, sun), lit
-        )
-        return dr.select(lit, seen, 0)
-
-    def transmitted(self, direction, sun):
-        """Return the BTDF for light from the sun along a direction, and its density.
-
-        The density is that of drawing the direction from the sun's lobes [1/sr].
-        """
-        leaving = self.own.to_local(mi.UInt32(0), direction)
-        incident = self.own.to_local(mi.UInt32(0), sun)
-        value, density = self.table.evaluate(mi.UInt32(0), leaving, incident)
-        value = self.table.colour(value)
-        if self.peak is not None:
-            value = self.peak.without(value, leaving, incident)
-        return value, density * dr.maximum(leaving.z, 0)
-
-    def lobe(self, sun, u, v):
-        """Return a direction drawn from the lobes of the sun's light."""
-        incident = self.own.to_local(mi.UInt32(0), sun)
-        disc, _, _ = self.table.sample(mi.UInt32(0), incident, u, v)
-        height = dr.safe_sqrt(1 - dr.squared_norm(disc))
-        return self.own.to_scene(mi.UInt32(0), mi.Vector3f(disc.x, disc.y, height))
-
-    def straight(self, sun):
-        """Return the share of the sun's light that passes straight."""
-        if self.peak is None:
-            return mi.Color3f(0)
-        leaving = self.own.to_local(mi.UInt32(0), -sun)
-        return dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
-
-
-@dataclass
-class SunlitWindow(Source):
-    """A window lit by a sun of unit direct normal irradiance, for each path.
-
-    Attributes
-    ----------
-    middle, sun : unit vectors to the middle and to a point of the sun's disc
-    """
-
-    name: ClassVar[str] = "sunlit window"
-    window: SunWindow
-    middle: mi.Vector3f
-    sun: mi.Vector3f
+    def lit_by(self, middle: mi.Vector3f, a: mi.Float, b: mi.Float) -> "SunlitWindow":
+        """Return the window lit by suns; a, b choose a point of the disc."""
+        height = a * _DEPTH
+        flat = dr.sqrt(height * (2 - height))
+        sine, cosine = dr.sincos(2 * dr.pi * b)
+        local = mi.Vector3f(flat * cosine, flat * sine, 1 - height)
+        return replace(self, middle=middle, sun=mi.Frame3f(middle).to_world(local))
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
         """Return what the window scatters of the sun, and the sun seen through it."""
-        window, towards_eye = self.window, -path.ray.d
-        role = dr.gather(mi.UInt32, window.inside.window_of_shape, shape, active)
-        front = active & (role == window.role)
-        front &= dr.dot(towards_eye, window.normal()) > 1e-6
+        towards_eye = -path.ray.d
+        role = dr.gather(mi.UInt32, self.inside.window_of_shape, shape, active)
+        front = active & (role == self.role)
+        front &= dr.dot(towards_eye, self.lobes.frame.n) > 1e-6
         value, _ = self._scattered(towards_eye)
         on_sun = 0.5 * dr.squared_norm(path.ray.d - self.middle) <= _DEPTH
-        through = dr.select(on_sun, window.straight(self.middle) / _SOLID_ANGLE, 0)
-        front &= dr.max(value + through) > 0
-        seen = window.sunlight(si.p, self.sun, front)
-        return Emission((value + through) * seen, front), active & (role > 0)
+        value += dr.select(on_sun, self._straight(self.middle) / _SOLID_ANGLE, 0)
+        front &= dr.max(value) > 0
+        return Emission(value * self._outside(si.p, front), front), active & (role > 0)
 
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
@@ -163,33 +114,57 @@ class SunlitWindow(Source):
         yield self._to_window(vertex, u, v)
         u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
         yield self._along_lobe(vertex, u, v)
-        if self.window.peak is not None:
+        if self.peak is not None:
             yield self._to_sun()
 
     def _scattered(self, direction):
         # Radiance that the window sends in a direction, and the density of its lobes
-        value, density = self.window.transmitted(direction, self.sun)
-        slant = dr.maximum(-dr.dot(self.sun, self.window.normal()), 0)
-        return value * slant, density
+        frame = self.lobes.frame
+        leaving, incident = frame.to_local(direction), frame.to_local(self.sun)
+        value, density = self.lobes.table.evaluate(mi.UInt32(0), leaving, incident)
+        value = self.lobes.table.colour(value)
+        if self.peak is not None:
+            value = self.peak.without(value, leaving, incident)
+        slant = dr.maximum(-incident.z, 0)
+        return value * slant, density * dr.maximum(leaving.z, 0)
+
+    def _straight(self, sun):
+        # Share of the sun's light that passes straight
+        if self.peak is None:
+            return mi.Color3f(0)
+        leaving = self.lobes.frame.to_local(-sun)
+        return dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
+
+    def _outside(self, point, active):
+        # Share of the sun's light that reaches a point of the window
+        normal = self.lobes.frame.n
+        reach = dr.maximum(dr.max(dr.abs(point)), 0.05)
+        lit = active & (dr.dot(normal, self.sun) < 0)
+        seen = transmittance(
+            self.outside,
+            point - normal * (ROUNDING * reach),
+            lambda origin: mi.Ray3f(origin, self.sun),
+            lit,
+        )
+        return dr.select(lit, seen, 0)
 
     def _to_window(self, vertex: Vertex, u, v) -> LightSample:
-        own = self.window.own
-        point, direction, _, cosine, pdf = own.sample_direction(vertex.point, u, v)
+        point, direction, _, cosine, pdf = self.own.sample_direction(vertex.point, u, v)
         value, density = self._scattered(-direction)
 
         def arriving(vertex: Vertex, active):
             start = vertex.leave(direction, active)
             seen = transmittance(
-                self.window.inside, start, lambda o: towards(o, point), active
+                self.inside, start, lambda o: towards(o, point), active
             )
             active = active & (dr.max(seen) > 0)
-            return value * seen * self.window.sunlight(point, self.sun, active)
+            return value * seen * self._outside(point, active)
 
         active = (cosine > 1e-6) & (dr.max(value) > 0)
         return LightSample(direction, pdf + density, active, arriving, heuristic=None)
 
     def _along_lobe(self, vertex: Vertex, u, v) -> LightSample:
-        leaving = self.window.lobe(self.sun, u, v)
+        leaving = -self.lobes.sample(self.sun, u, v)
         value, density = self._scattered(leaving)
         point, element = mi.Point3f(0), mi.UInt32(0)
 
@@ -200,14 +175,14 @@ class SunlitWindow(Source):
             return value * seen
 
         def pdf(_densities):
-            cosine = dr.dot(leaving, self.window.normal())
-            return density + self.window.own.pdf(vertex.point, element, point, cosine)
+            cosine = dr.dot(leaving, self.lobes.frame.n)
+            return density + self.own.pdf(vertex.point, element, point, cosine)
 
         active = dr.max(value) > 0
         return LightSample(-leaving, pdf, active, arriving, heuristic=None)
 
     def _to_sun(self) -> LightSample:
-        value = self.window.straight(self.sun)
+        value = self._straight(self.sun)
 
         def arriving(vertex: Vertex, active):
             return value * self._from_window(vertex, self.sun, active)[0]
@@ -217,7 +192,7 @@ class SunlitWindow(Source):
 
     def _from_window(self, vertex: Vertex, direction, active):
         # Share of the sun's light that comes through the window from a direction
-        inside = self.window.inside
+        inside = self.inside
         start = vertex.leave(direction, active)
         share, ray, hit = first_opaque(
             inside, start, lambda origin: mi.Ray3f(origin, direction), active
@@ -226,14 +201,5 @@ class SunlitWindow(Source):
         si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
         shape = dr.reinterpret_array(mi.UInt32, si.shape)
         role = dr.gather(mi.UInt32, inside.window_of_shape, shape, active)
-        active &= role == self.window.role
-        return share * self.window.sunlight(si.p, self.sun, active), si
-
-
-def on_disc(middle, a, b):
-    """Return a direction to the disc of a sun; a, b lie in the unit square."""
-    height = a * _DEPTH
-    flat = dr.sqrt(height * (2 - height))
-    sine, cosine = dr.sincos(2 * dr.pi * b)
-    local = mi.Vector3f(flat * cosine, flat * sine, 1 - height)
-    return mi.Frame3f(middle).to_world(local)
+        active &= role == self.role
+        return share * self._outside(si.p, active), si

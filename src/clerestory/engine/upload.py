@@ -1,4 +1,4 @@
-"""Arrays to the device, and what goes wrong there."""
+"""Upload of arrays to the device, and errors of its kernels."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

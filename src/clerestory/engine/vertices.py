@@ -130,14 +130,35 @@ def continue_from_surface(
     active: mi.Bool,
     *,
     split_lobes: bool,
+    passed: mi.Bool | None = None,
 ) -> Scattering:
     """Return how a path continues at a surface.
 
     Parameters
     ----------
+    passed : where the path passes a proxy
     split_lobes : whether the glossy share of light from a portal is not counted as
         diffuse, which only matters where diffuse bounces are few; a BSDF call more
     """
+    after = _scattering(portals, vertex, si, numbers, active, split_lobes=split_lobes)
+    if passed is not None:
+        after.null |= passed
+        after.delta &= ~passed
+        after.direction = dr.select(passed, -si.to_world(si.wi), after.direction)
+        after.factor = dr.select(passed, 1, after.factor)
+    return after
+
+
+def _scattering(
+    portals: Portals | None,
+    vertex: Vertex,
+    si: mi.SurfaceInteraction3f,
+    numbers: PathNumbers,
+    active: mi.Bool,
+    *,
+    split_lobes: bool,
+) -> Scattering:
+    # By BSDF sampling or towards a portal
     context, bsdf = mi.BSDFContext(), si.bsdf()
     lobe, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))
     place = mi.Point2f(u, v)

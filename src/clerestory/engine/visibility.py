@@ -16,7 +16,7 @@ from clerestory.engine.lower import LoweredScene
 ShadowRay = Callable[[mi.Point3f], mi.Ray3f]
 
 # Offset from a surface, relative to coordinates: some float32 steps of 6·10⁻⁸.
-_ROUNDING = 4e-6
+ROUNDING = 4e-6
 
 
 def offset(model: LoweredScene, si, direction, active):
@@ -29,7 +29,7 @@ def offset(model: LoweredScene, si, direction, active):
     shape = dr.reinterpret_array(mi.UInt32, si.shape)
     face = dr.gather(mi.UInt32, model.first_face, shape, active) + si.prim_index
     reach = dr.maximum(dr.gather(mi.Float, model.reach, face, active), si.t)
-    step = _ROUNDING * dr.maximum(reach, 0.05)
+    step = ROUNDING * dr.maximum(reach, 0.05)
     return si.p + si.n * dr.mulsign(step, dr.dot(si.n, direction))
 
 

@@ -1,10 +1,9 @@
-"""Windows as receivers: where to aim at them, and which patch a ray meets.
+"""Windows as receivers: sampling of directions to them, and patches of rays.
 
-A window is cut into elements. Rectangles are sampled evenly by the solid angle they
-subtend (C. Ureña, M. Fajardo, A. King, "An area-preserving parametrization for
-spherical rectangles", Computer Graphics Forum 32 (4), 2013), so that points near a
-window are as calm as far ones; from far away, where that loses its digits, and for
-triangles, evenly by area.
+A window is cut into elements. Rectangles are sampled by the solid angle
+they subtend (`spherical_rectangle`), so that points near a window have as little
+variance as far ones; from far away, where that is inexact in single precision, and for
+triangles, by area.
 """
 
 from collections.abc import Sequence
@@ -16,12 +15,11 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.patches import PatchTable
+from clerestory.engine.sampler import choose, probability
+from clerestory.engine.spherical_rectangle import SphericalRectangle
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
-
-# Rectangles that look smaller than this [sr] are sampled by area.
-_SMALL = 0.02
 
 
 @dataclass
@@ -83,20 +81,12 @@ class WindowTable:
         )
 
     def choose(self, u):
-        """Return an element chosen by its area, and what is left of the number u."""
-        last = dr.width(self.cumulative) - 1
-        element = mi.UInt32(
-            dr.binary_search(
-                0, last, lambda i: dr.gather(mi.Float, self.cumulative, i) <= u
-            )
-        )
-        high = dr.gather(mi.Float, self.cumulative, element)
-        low = dr.gather(mi.Float, self.cumulative, element - 1, element > 0)
-        return element, (u - low) / (high - low)
+        """Return an element chosen by its area, its share, and the rest of u."""
+        return choose(self.cumulative, dr.width(self.cumulative), u)
 
     def sample_point(self, u, v):
         """Return a point spread evenly over the area of all windows, and its window."""
-        element, u = self.choose(u)
+        element, _, u = self.choose(u)
         triangle = ~dr.gather(mi.Bool, self.rectangle, element)
         fold = triangle & (u + v > 1)
         u, v = dr.select(fold, 1 - u, u), dr.select(fold, 1 - v, v)
@@ -116,7 +106,7 @@ class WindowTable:
         cosine : between the window's normal and the reversed direction
         pdf : of the direction [1/sr]
         """
-        element, rest = self.choose(u)
+        element, _, rest = self.choose(u)
         by_area, window = self.sample_point(u, v)
         view = self._view(origin, element)
         x, y = view.sample(rest, v)
@@ -137,89 +127,17 @@ class WindowTable:
         view = self._view(origin, element)
         return self._pdf(element, view, dr.squared_norm(point - origin), cosine)
 
-    def _pdf(self, element, view: "RectangleView", distance2, cosine):
-        low = dr.gather(mi.Float, self.cumulative, element - 1, element > 0)
-        share = dr.gather(mi.Float, self.cumulative, element) - low
+    def _pdf(self, element, view: "SphericalRectangle", distance2, cosine):
+        share = probability(self.cumulative, element)
         by_area = distance2 / (dr.maximum(cosine, 1e-6) * self.area)
         return dr.select(view.usable, share / view.solid_angle, by_area)
 
-    def _view(self, origin, element) -> "RectangleView":
+    def _view(self, origin, element) -> "SphericalRectangle":
         corner = dr.gather(mi.Point3f, self.corner, element) - origin
         edge_u = dr.gather(mi.Vector3f, self.edge_u, element)
         edge_v = dr.gather(mi.Vector3f, self.edge_v, element)
         rectangle = dr.gather(mi.Bool, self.rectangle, element)
-        return RectangleView.of(corner, edge_u, edge_v, rectangle)
-
-
-@dataclass
-class RectangleView:
-    """A rectangle as seen from a point, after Ureña et al.; symbols as in the paper.
-
-    Attributes
-    ----------
-    right, up, axis : frame; the axis points from the rectangle towards the point
-    x0, x1, y0, y1 : limits of the rectangle in the frame [m]
-    depth : the paper's z0, negative [m]
-    b0, b1, k : constants of the parametrization
-    solid_angle : [sr]
-    usable : whether to sample by solid angle
-    """
-
-    right: mi.Vector3f
-    up: mi.Vector3f
-    axis: mi.Vector3f
-    x0: mi.Float
-    x1: mi.Float
-    y0: mi.Float
-    y1: mi.Float
-    depth: mi.Float
-    b0: mi.Float
-    b1: mi.Float
-    k: mi.Float
-    solid_angle: mi.Float
-    usable: mi.Bool
-
-    @classmethod
-    def of(cls, corner, edge_u, edge_v, rectangle) -> "RectangleView":
-        """Return the view of a rectangle given by a corner, relative to the point."""
-        width, height = dr.norm(edge_u), dr.norm(edge_v)
-        right, up = edge_u / width, edge_v / height
-        axis = dr.cross(right, up)
-        depth = dr.dot(corner, axis)
-        axis = dr.select(depth > 0, -axis, axis)
-        depth = -dr.abs(depth)
-        x0, y0 = dr.dot(corner, right), dr.dot(corner, up)
-        x1, y1 = x0 + width, y0 + height
-
-        # Inner angles of the spherical rectangle, from the normals of its sides
-        z2 = dr.square(depth)
-        n0 = -y0 * dr.rsqrt(z2 + dr.square(y0))
-        n1 = x1 * dr.rsqrt(z2 + dr.square(x1))
-        n2 = y1 * dr.rsqrt(z2 + dr.square(y1))
-        n3 = -x0 * dr.rsqrt(z2 + dr.square(x0))
-        g0, g1 = dr.acos(-n0 * n1), dr.acos(-n1 * n2)
-        g2, g3 = dr.acos(-n2 * n3), dr.acos(-n3 * n0)
-        k = 2 * dr.pi - g2 - g3
-        solid_angle = g0 + g1 - k
-        usable = rectangle & (solid_angle > _SMALL) & (depth < -1e-4)
-        return cls(
-            right, up, axis, x0, x1, y0, y1, depth, n0, n2, k, solid_angle, usable
-        )
-
-    def sample(self, u, v):
-        """Return the place of a point of the rectangle in its frame [m]."""
-        angle = u * self.solid_angle + self.k
-        sine, cosine = dr.sincos(angle)
-        f = (cosine * self.b0 - self.b1) / sine
-        c = dr.mulsign(dr.rsqrt(dr.square(f) + dr.square(self.b0)), f)
-        x = -c * self.depth * dr.rsqrt(dr.maximum(1 - dr.square(c), 1e-7))
-        x = dr.select(x < self.x0, self.x0, dr.select(x > self.x1, self.x1, x))
-        d2 = dr.square(x) + dr.square(self.depth)
-        h0 = self.y0 * dr.rsqrt(d2 + dr.square(self.y0))
-        h1 = self.y1 * dr.rsqrt(d2 + dr.square(self.y1))
-        h = h0 + v * (h1 - h0)
-        y = h * dr.sqrt(d2) * dr.rsqrt(dr.maximum(1 - dr.square(h), 1e-7))
-        return x, dr.select(y < self.y0, self.y0, dr.select(y > self.y1, self.y1, y))
+        return SphericalRectangle.of(corner, edge_u, edge_v, rectangle)
 
 
 @dataclass

@@ -1,6 +1,6 @@
 """Glare evaluation of picture files by the options of evalglare."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,6 +40,7 @@ from clerestory.glare.sources import Members, find_sources, in_zone
 from clerestory.glare.zones import Zones
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import read_picture
+from clerestory.progress import Progress
 from clerestory.radiance.view_text import parse_view, read_view
 from clerestory.scene.view import View
 
@@ -137,7 +138,7 @@ def annual_glare_of_files(
     files: Sequence[str | Path],
     options: EvalglareOptions | None = None,
     *,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress | None = None,
 ) -> "xr.Dataset":
     """Return the glare indices of pictures of one view, one per time step.
 

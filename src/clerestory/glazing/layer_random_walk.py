@@ -8,7 +8,7 @@ batches give standard errors.
 Reference: L. O. Grobe, Buildings 7 (1), 22, 2017 (layers at high resolution).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -26,6 +26,7 @@ from clerestory.glazing.layer import Layer
 from clerestory.glazing.scatterer import Scatterer, scatterer
 from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
 from clerestory.hemisphere.shirley_chiu import directions_from_square, square_from_disc
+from clerestory.progress import Progress
 
 # Most halvings: 17 million cells before reduction.
 _FINEST = 6
@@ -33,8 +34,6 @@ _FINEST = 6
 # Simultaneous walks, and the weight below which Russian roulette applies.
 _TOGETHER = 1 << 18
 _FAINT = 0.05
-
-Report = Callable[[float, str], None]
 
 
 @final
@@ -63,7 +62,7 @@ def walk_layers(
     channels: Sequence[Channel] = CHANNELS,
     standard: Standard | None = None,
     name: str = "",
-    report: Report = lambda _share, _note: None,
+    report: Progress = lambda _share, _note: None,
 ) -> WalkedLayers:
     """Return the optical properties of a stack of layers as tensor trees.
 

@@ -5,7 +5,7 @@ into the solar and the visible average. Unlike the combination of band averages 
 exact for spectrally selective layers.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, final
 
@@ -31,13 +31,13 @@ from clerestory.glazing.optics import Optics
 from clerestory.glazing.standard import CHANNELS, Band, Channel, Standard, nfrc
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
+from clerestory.progress import Progress
 from clerestory.spectra import common_wavelengths
 
 # Numbers per chunk of matrices: 100 MB for four of them.
 _TOGETHER = 3_000_000
 
 Method = Literal["wavelengths", "bands"]
-Report = Callable[[float, str], None]
 
 
 @final
@@ -86,7 +86,7 @@ def stack_layers(
     method: Method = "wavelengths",
     name: str = "",
     gap_thickness: float = 0.0,
-    report: Report = lambda _share, _note: None,
+    report: Progress = lambda _share, _note: None,
 ) -> StackedLayers:
     """Return the optical properties of a stack of layers.
 
@@ -159,7 +159,7 @@ def _by_wavelength(
     layers: Sequence[Layer],
     standard: Standard,
     partition: RingPartition,
-    report: Report,
+    report: Progress,
 ) -> dict[Channel, StackProperties]:
     grid = common_wavelengths([layer.wavelength_nm for layer in layers])
     weights = {channel: standard.band(channel).weights(grid) for channel in CHANNELS}

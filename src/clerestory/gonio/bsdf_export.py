@@ -10,9 +10,10 @@ from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.errors import InputError
 from clerestory.gonio.fitted_measurement import Fitted, measured_bsdf
 from clerestory.gonio.interpolant import Interpolant
-from clerestory.gonio.parallel import Report, silent
+from clerestory.gonio.parallel import silent
 from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.klems import klems
+from clerestory.progress import Progress
 
 Target = Literal["full", "half", "quarter", "tree"]
 
@@ -24,7 +25,7 @@ def export_bsdf(
     halvings: int = 5,
     tolerance: float = 0.05,
     processes: int = 1,
-    progress: Callable[[str], Report] = lambda _name: silent,
+    progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> Bsdf:
     """Return a layer of fitted functions as matrices or tensor trees.
 

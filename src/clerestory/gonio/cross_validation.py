@@ -27,11 +27,12 @@ from clerestory.gonio.lobe_fitting import (
 )
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network_assembly import join
-from clerestory.gonio.parallel import Report, silent
+from clerestory.gonio.parallel import silent
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.transport_network import Network
 from clerestory.gonio.transport_refinement import refine_some_plans
+from clerestory.progress import Progress
 
 # Fewest scans for cross-validation.
 _FEWEST = 3
@@ -99,7 +100,7 @@ def cross_validate(
     symmetry: Symmetry | None = None,
     options: FitOptions = DEFAULT,
     processes: int = 1,
-    progress: Callable[[str], Report] = lambda _name: silent,
+    progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> CrossValidation:
     """Return the error of predicting each scan from all others.
 
@@ -143,7 +144,7 @@ def smoothing_study(
     symmetry: Symmetry | None = None,
     lobes: int = DEFAULT.lobes,
     processes: int = 1,
-    progress: Callable[[str], Report] = lambda _name: silent,
+    progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> tuple[CrossValidation, ...]:
     """Return the errors for several smoothing factors."""
     return tuple(

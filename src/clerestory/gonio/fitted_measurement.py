@@ -10,9 +10,10 @@ from clerestory.errors import InputError
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_fitting import DEFAULT, FitOptions, fit_scans
 from clerestory.gonio.network_assembly import connect
-from clerestory.gonio.parallel import Report, silent
+from clerestory.gonio.parallel import silent
 from clerestory.gonio.scattering_measurement import Measurement
 from clerestory.gonio.symmetry import Symmetry
+from clerestory.progress import Progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,7 @@ def fit_measurement(
     symmetry: Symmetry | None = None,
     options: FitOptions = DEFAULT,
     processes: int = 1,
-    progress: Callable[[str], Report] = lambda _name: silent,
+    progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> Fitted:
     """Return the scattering function that interpolates a measurement.
 

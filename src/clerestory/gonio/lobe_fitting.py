@@ -18,9 +18,10 @@ from clerestory.errors import InputError
 from clerestory.gonio.hemispherical_integration import integration_weights
 from clerestory.gonio.lobes import LEAST_RADIUS, MOST_RADIUS, NO_LIGHT, Lobes
 from clerestory.gonio.nonnegative_least_squares import non_negative
-from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.parallel import map_in_order, silent
 from clerestory.gonio.quadtree import Quadtree
 from clerestory.gonio.scattering_measurement import Scan
+from clerestory.progress import Progress
 
 # Most condensed points in a fit.
 _MOST_BINS = 2000
@@ -130,7 +131,7 @@ def fit_scans(
     *,
     options: FitOptions = DEFAULT,
     processes: int = 1,
-    report: Report = silent,
+    report: Progress = silent,
 ) -> list[Lobes]:
     """Return the lobes of every scan.
 

@@ -15,11 +15,12 @@ from clerestory.gonio.angles import angle_between
 from clerestory.gonio.incident_mesh import Mesh, arc_mesh, triangulate
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.optimal_transport import Plan, plan_transport
-from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.parallel import map_in_order, silent
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION
 from clerestory.gonio.symmetry import Symmetry, images, measured_quadrant, within
 from clerestory.gonio.transport_network import Network, edge_key
 from clerestory.gonio.transport_refinement import refine_plans
+from clerestory.progress import Progress
 
 
 def connect(
@@ -28,7 +29,7 @@ def connect(
     symmetry: Symmetry,
     *,
     processes: int = 1,
-    report: Report = silent,
+    report: Progress = silent,
 ) -> Network:
     """Return fits joined by transport plans, with the images symmetry implies."""
     network = join(incidents, fits, symmetry, processes=processes, report=report)
@@ -42,7 +43,7 @@ def join(
     *,
     known: Mapping[bytes, Plan] | None = None,
     processes: int = 1,
-    report: Report = silent,
+    report: Progress = silent,
 ) -> Network:
     """Return fits joined by initial plans, which `refine_plans` refines.
 
@@ -136,7 +137,7 @@ def _plans(
     lobes: Sequence[Lobes],
     known: Mapping[bytes, Plan],
     processes: int,
-    report: Report,
+    report: Progress,
 ) -> tuple[Plan, ...]:
     keys = [edge_key(mesh.vertices[edge]) for edge in mesh.edges]
     new = [k for k, key in enumerate(keys) if key not in known]

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from threadpoolctl import ThreadpoolController
 
-Report = Callable[[float, str], None]
+from clerestory.progress import Progress
 
 # Fewest values for which processes are started.
 _WORTH_IT = 16
@@ -30,7 +30,7 @@ def map_in_order(
     values: Sequence[_Value],
     *,
     processes: int = 1,
-    report: Report = silent,
+    report: Progress = silent,
 ) -> list[_Result]:
     """Return the function of each value; the result does not depend on `processes`.
 

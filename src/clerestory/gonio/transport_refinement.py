@@ -19,15 +19,16 @@ from clerestory.gonio.angles import angle_table, directions_over_disc, undeviate
 from clerestory.gonio.lobe_motion import LobeMotion, mean_motion
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.optimal_transport import Plan, plan_moves
-from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.parallel import map_in_order, silent
 from clerestory.gonio.transport_network import Network
+from clerestory.progress import Progress
 
 # Reach beyond the radius of a lobe over the rotation of the incident direction.
 _REACH_PER_TURN = 0.5
 
 
 def refine_plans(
-    network: Network, *, processes: int = 1, report: Report = silent
+    network: Network, *, processes: int = 1, report: Progress = silent
 ) -> Network:
     """Return a network with all plans refined by the expected motion of lobes."""
     every = np.arange(len(network.mesh.edges))
@@ -35,7 +36,7 @@ def refine_plans(
 
 
 def refine_some_plans(
-    network: Network, chosen: Indices, *, processes: int = 1, report: Report = silent
+    network: Network, chosen: Indices, *, processes: int = 1, report: Progress = silent
 ) -> Network:
     """Return a network with some plans refined, as by `refine_plans`.
 

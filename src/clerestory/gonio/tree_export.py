@@ -20,10 +20,11 @@ from clerestory.bsdf.tree_parser import morton_order
 from clerestory.errors import InputError
 from clerestory.gonio.angles import undeviated
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.parallel import Report, map_in_order, silent
+from clerestory.gonio.parallel import map_in_order, silent
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, images
 from clerestory.hemisphere.shirley_chiu import directions_from_square
+from clerestory.progress import Progress
 
 # Halvings of a block, counted from the smallest cells.
 _BLOCK = 3
@@ -59,7 +60,7 @@ def to_tree(
     halvings: int,
     tolerance: float = 0.05,
     processes: int = 1,
-    report: Report = silent,
+    report: Progress = silent,
 ) -> ScatteringTree:
     """Return the tensor tree of an interpolant: rank 3 if isotropic, else rank 4.
 

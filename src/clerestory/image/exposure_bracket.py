@@ -3,7 +3,7 @@
 Each pixel is the mean of its radiances in all photographs, weighted by reliability.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,6 +25,7 @@ from clerestory.image.photograph import (
     read_photograph,
 )
 from clerestory.image.picture import Picture
+from clerestory.progress import Progress
 
 # Values below and above are noise and overflow
 _DARKEST, _BRIGHTEST = 3, 252
@@ -51,7 +52,7 @@ def merge_photographs(
     times: Sequence[float] | None = None,
     response: str = "debevec",
     align_first: bool = False,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Merged, ResponseCurve]:
     """Return the picture of photographs in files, and the camera response.
 

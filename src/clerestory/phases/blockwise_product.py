@@ -14,11 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float32, Int
-from scipy.sparse import csc_array
 
-from clerestory.bands import Bands, common_bands
-from clerestory.errors import MatrixError
-from clerestory.matrix.transfer_matrix import TransferMatrix, require_fit
+from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.column_light import (
     Light,
     SkyLight,
@@ -36,20 +33,23 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
     chains,
     checked_states,
+    require_columns,
 )
 from clerestory.phases.receivers import (
-    Columns,
     SkyCoefficients,
     chain_components,
     coefficients_cost_less,
     component_count,
+    readable,
+    shining_columns,
     side_by_side,
 )
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.sky_product import lit_steps
 
-# Largest arrays of exiting light, and of what a block of receivers gets [bytes]
-_LIGHT, _RECEIVED = 1 << 29, 1 << 26
+# Largest arrays of exiting light, with view matrices in memory and in files, which are
+# read anew for every block of steps, and of what a block of receivers gets [bytes]
+_LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 27, 1 << 29, 1 << 26
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ class BlockwiseProduct:
         object.__setattr__(self, "states", states)
         for term in self.terms:
             for chain in chains(self.windows, term.part):
-                _require_columns(term, chain, self.skies)
+                require_columns(term, chain, self.skies)
 
     def blocks(self) -> Iterator[Block]:
         """Yield the light of all receivers: block of steps after block of steps."""
@@ -156,7 +156,9 @@ class BlockwiseProduct:
         lit = _lit(self.skies)
         exiting = sum(_light_bytes(found, self.weights) for found in parts)
         layers = sum(_layers(found, errors=self.errors) for found in parts)
-        most = max(16, _LIGHT // max(1, exiting))
+        stored = isinstance(parts[0][0].receiving[0], StoredColumns)
+        light = _LIGHT_OF_FILES if stored else _LIGHT
+        most = max(16, light // max(1, exiting))
         for times, inside in self._times(lit, most):
             factors = [
                 factor
@@ -175,7 +177,8 @@ class BlockwiseProduct:
         found = chains(self.windows, term.part)
         states = self.states or ()
         fixed = all(len(s) and (s == s[0]).all() for s in states)
-        if not (fixed and found[0].factors):
+        held = isinstance(found[0].receiving[0], TransferMatrix)
+        if not (fixed and held and found[0].factors):
             return found
         chosen = [chain.at(int(s[0])) for chain, s in zip(found, states, strict=True)]
         if coefficients_cost_less(chosen, self.count, len(self.skies.times)):
@@ -206,7 +209,7 @@ class BlockwiseProduct:
         if found[0].factors:
             sky = skies.patches(term.part)
             light = exiting_light(found, sky, states, self.weights, errors=self.errors)
-            views = [_readable(chain.receiving[0]) for chain in found]
+            views = [readable(chain.receiving[0]) for chain in found]
             yield _Factor((number, 0), term.sign, views, light, every)
             return
         for window, chain in enumerate(found):
@@ -229,8 +232,8 @@ class BlockwiseProduct:
         if term.part != "sun" or skies.suns is None:
             sky = skies.patches(term.part).select(steps)
             light = SkyLight(sky, self.weights)
-            return _Factor(source, term.sign, [_readable(matrix)], light, steps)
-        columns, normal = _shining(matrix, skies.suns.direct_normal[:, steps])
+            return _Factor(source, term.sign, [readable(matrix)], light, steps)
+        columns, normal = shining_columns(matrix, skies.suns.direct_normal[:, steps])
         sun = SunLight(normal, self.weights)
         return _Factor(source, term.sign, [columns], sun, steps)
 
@@ -252,40 +255,6 @@ class BlockwiseProduct:
                 total[factor.source[0]][..., factor.steps] += values
             components += parts
         return Block(rows, times, steps, total, components)
-
-
-def equation_bands(windows: Sequence[WindowMatrices], skies: Skies) -> Bands:
-    """Return the spectral bands of a matrix equation.
-
-    Raises
-    ------
-    MatrixError : matrices or skies of different bands
-    """
-    found = [
-        (matrix.bands, len(matrix.values))
-        for window in windows
-        for chain in (window.whole, window.direct, window.sun)
-        if chain is not None
-        for matrices in (chain.receiving, *chain.factors)
-        for matrix in matrices
-        if isinstance(matrix, TransferMatrix)
-    ]
-    return common_bands([*found, (skies.whole.bands, len(skies.whole.colour))])
-
-
-def _require_columns(term: Term, chain: MatrixChain, skies: Skies) -> None:
-    # The last columns of a chain are the patches of the sky, or the suns
-    for matrix in [factors[-1] for factors in chain.factors] or chain.receiving:
-        if not isinstance(matrix, TransferMatrix):
-            continue
-        if term.part != "sun":
-            require_fit(matrix.columns, skies.patches(term.part).rows)
-        elif skies.suns is None or matrix.columns.size != len(skies.suns):
-            count = "no" if skies.suns is None else len(skies.suns)
-            raise MatrixError(
-                f"coefficients of {matrix.columns.describe()}, irradiance of {count}"
-                " suns; the same suns expected"
-            )
 
 
 def _lit(skies: Skies) -> Int[np.ndarray, " lit"]:
@@ -323,20 +292,3 @@ def _light_bytes(found: Sequence[MatrixChain], weights: Weights) -> int:
         if chain.factors
     )
     return int(4 * patches * weights.shape[1])
-
-
-def _shining(matrix: Receiving, normal: csc_array) -> tuple[Columns, csc_array]:
-    # Only the suns that shine in these steps
-    shining = np.unique(normal.tocoo().coords[0])
-    normal = csc_array(normal.tocsr()[shining])
-    if isinstance(matrix, TransferMatrix):
-        return Columns(matrix.values, matrix.components, shining), normal
-    if not callable(matrix):
-        raise MatrixError("a matrix of window patches in place of one of suns")
-    return Columns(matrix(shining)), normal
-
-
-def _readable(matrix: Receiving) -> TransferMatrix | Readable:
-    if callable(matrix):
-        raise MatrixError("a matrix of suns in place of one of patches")
-    return matrix

@@ -12,13 +12,14 @@ from jaxtyping import Bool, Float, Float32
 from clerestory.errors import MatrixError
 from clerestory.files import replace_path
 from clerestory.matrix.transfer_matrix import illuminance_dataset
-from clerestory.phases.blockwise_product import Block, BlockwiseProduct, equation_bands
+from clerestory.phases.blockwise_product import Block, BlockwiseProduct
 from clerestory.phases.matrix_equation import (
     Skies,
     States,
     Term,
     WindowMatrices,
     chains,
+    equation_bands,
     receivers,
 )
 from clerestory.progress import Progress

@@ -17,6 +17,7 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.bands import Bands, common_bands
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis, sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_fit
@@ -109,14 +110,7 @@ def window_chain(
     transmission: TransferMatrix | Sequence[TransferMatrix],
     daylight: TransferMatrix | Sequence[TransferMatrix],
 ) -> MatrixChain:
-    """Return V, T and D of one window group.
-
-    Parameters
-    ----------
-    view : V, from its interior patches to the receivers
-    transmission : T of each state, from the most open to the most closed
-    daylight : D, shared by all states; or that of each state, such as F D
-    """
+    """Return V, T of each state, and D, shared by all states or one of each (F D)."""
     T = [transmission] if isinstance(transmission, TransferMatrix) else transmission
     D = [daylight] * len(T) if isinstance(daylight, TransferMatrix) else daylight
     return MatrixChain((view,), tuple(zip(T, D, strict=True)))
@@ -239,7 +233,7 @@ def chains(windows: Sequence[WindowMatrices], part: Part) -> list[MatrixChain]:
 
 
 def receivers(chain: MatrixChain) -> Axis | None:
-    """Return the receivers of a chain; None if they are not known, as those of suns."""
+    """Return the receivers of a chain; None if they are not known."""
     first = chain.receiving[0]
     return first.rows if isinstance(first, TransferMatrix | StoredColumns) else None
 
@@ -266,3 +260,37 @@ def checked_states(
                 f" {window.states - 1} expected"
             )
     return states
+
+
+def equation_bands(windows: Sequence[WindowMatrices], skies: Skies) -> Bands:
+    """Return the spectral bands of a matrix equation.
+
+    Raises
+    ------
+    MatrixError : matrices or skies of different bands
+    """
+    found = [
+        (matrix.bands, len(matrix.values))
+        for window in windows
+        for chain in (window.whole, window.direct, window.sun)
+        if chain is not None
+        for matrices in (chain.receiving, *chain.factors)
+        for matrix in matrices
+        if isinstance(matrix, TransferMatrix)
+    ]
+    return common_bands([*found, (skies.whole.bands, len(skies.whole.colour))])
+
+
+def require_columns(term: Term, chain: MatrixChain, skies: Skies) -> None:
+    """Refuse a chain that ends in other sky patches or suns with a MatrixError."""
+    for matrix in [factors[-1] for factors in chain.factors] or chain.receiving:
+        if not isinstance(matrix, TransferMatrix):
+            continue
+        if term.part != "sun":
+            require_fit(matrix.columns, skies.patches(term.part).rows)
+        elif skies.suns is None or matrix.columns.size != len(skies.suns):
+            count = "no" if skies.suns is None else len(skies.suns)
+            raise MatrixError(
+                f"coefficients of {matrix.columns.describe()}, irradiance of {count}"
+                " suns; the same suns expected"
+            )

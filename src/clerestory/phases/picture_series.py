@@ -9,8 +9,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from clerestory.image.picture import Picture
-from clerestory.phases.blockwise_product import BlockwiseProduct, equation_bands
-from clerestory.phases.matrix_equation import Skies, States, Term, WindowMatrices
+from clerestory.phases.blockwise_product import BlockwiseProduct
+from clerestory.phases.matrix_equation import (
+    Skies,
+    States,
+    Term,
+    WindowMatrices,
+    equation_bands,
+)
 from clerestory.phases.picture_matrices import Camera
 
 # Steps multiplied at a time: 640,000 pixels of 16 steps take 123 MB

@@ -11,6 +11,7 @@ from operator import matmul
 
 import numpy as np
 from jaxtyping import Float, Float32, Int
+from scipy.sparse import csc_array
 
 from clerestory.bands import common_bands
 from clerestory.errors import MatrixError
@@ -65,14 +66,9 @@ def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMat
     views: list[int] = []
     for window in windows:
         view = window.receiving[0]
-        if isinstance(view, StoredColumns):
-            values, own = view.read(rows)
-            bands = view.views.bands
-            view = TransferMatrix(values, view.rows_of(rows), view.columns, own, bands)
-        elif isinstance(view, TransferMatrix):
-            view = view.select_rows(rows)
-        else:
-            raise MatrixError("coefficients of no known receivers; a view expected")
+        if not isinstance(view, TransferMatrix):
+            raise MatrixError("view matrices in files; matrices in memory expected")
+        view = view.select_rows(rows)
         views.append(0 if view.components is None else len(view.components))
         products.append(reduce(matmul, (view, *window.factors[0])))
     total = np.sum([product.values for product in products], axis=0)
@@ -163,3 +159,31 @@ def coefficients_cost_less(
         behind += count * (1 + views + own) * channels * inner * steps
     before += count * layers * windows[0].factors[0][-1].columns.size * steps
     return bool(before < behind)
+
+
+def shining_columns(matrix: Receiving, normal: csc_array) -> tuple[Columns, csc_array]:
+    """Return the columns of the suns that shine, and their irradiance.
+
+    Raises
+    ------
+    MatrixError : a matrix of window patches
+    """
+    shining = np.unique(normal.tocoo().coords[0])
+    normal = csc_array(normal.tocsr()[shining])
+    if isinstance(matrix, TransferMatrix):
+        return Columns(matrix.values, matrix.components, shining), normal
+    if not callable(matrix):
+        raise MatrixError("a matrix of window patches in place of one of suns")
+    return Columns(matrix(shining)), normal
+
+
+def readable(matrix: Receiving) -> TransferMatrix | Readable:
+    """Return a matrix that is read by rows.
+
+    Raises
+    ------
+    MatrixError : a matrix of suns that are traced when they are asked for
+    """
+    if callable(matrix):
+        raise MatrixError("a matrix of suns in place of one of patches")
+    return matrix

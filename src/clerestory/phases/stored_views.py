@@ -15,7 +15,6 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
-from clerestory.bands import Bands
 from clerestory.engine.controller import estimate_rows, row_blocks
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.matrix_jobs import ViewJob
@@ -82,16 +81,6 @@ class StoredViews:
         """
         parts = self._block(0).components
         return 0 if parts is None else len(parts)
-
-    @cached_property
-    def bands(self) -> Bands:
-        """Spectral bands.
-
-        Raises
-        ------
-        InputError : a file is damaged
-        """
-        return self._block(0).bands
 
     def cut(self, most: int) -> list[slice]:
         """Return the rows in parts of at most so many sensors, none in two files."""
@@ -161,10 +150,6 @@ class StoredColumns:
     def rows(self) -> Axis:
         """The sensors."""
         return sensor_axis(self.views.sensors)
-
-    def rows_of(self, rows: slice) -> Axis:
-        """Return the axis of consecutive sensors."""
-        return sensor_axis(rows.stop - rows.start)
 
     @property
     def part(self) -> slice:

@@ -5,6 +5,7 @@ What else shines in the scene's files is left out.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -14,12 +15,12 @@ from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.rendering import irradiance, render
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.material import altered
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
 from clerestory.study.job import LAMPS, Job
+from clerestory.study.kept_matrices import kept
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 
 
@@ -175,17 +176,10 @@ def _brighter(material: Material, factor: float) -> Material:
 
 
 def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
-    sensors, effort = job.inputs.sensors(), job.effort(LAMPS + number)
-    key = fingerprint("lamps", room, zone.light, sensors, effort)
+    sensors = job.inputs.sensors()
 
-    def make() -> TransferMatrix:
-        progress = job.display(f"electric light of {zone.table.label or 'the room'}")
-        found = irradiance(
-            room + zone.light,
-            sensors,
-            effort=effort,
-            progress=progress,
-        )
+    def trace(**how: Any) -> TransferMatrix:
+        found = irradiance(room + zone.light, sensors, **how)
         return TransferMatrix(
             found.irradiance.T[:, :, None],
             sensor_axis(len(sensors)),
@@ -194,26 +188,37 @@ def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
             found.bands,
         )
 
-    return job.matrix(f"lamps-{zone.table.label}", key, make)
+    return kept(
+        job,
+        f"lamps-{zone.table.label}",
+        trace,
+        ("lamps", room, zone.light, sensors),
+        job.effort(LAMPS + number),
+        shown=f"electric light of {zone.table.label or 'the room'}",
+    )
 
 
 def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.ndarray:
     table, camera = job.study.view[view], job.inputs.cameras[view]
-    effort = job.pixel_effort(table.samples, LAMPS + number)
-    key = fingerprint("lamps seen", room, zone.light, camera, effort)
 
-    def make() -> TransferMatrix:
+    def trace(**how: Any) -> TransferMatrix:
         picture = render(
             room + zone.light,
             camera.view,
             columns=camera.columns,
             rows=camera.rows,
-            effort=effort,
-            progress=job.display(f"electric light in {table.label}"),
+            **how,
         ).picture
         values = np.moveaxis(picture.radiance, -1, 0).reshape(-1, len(camera), 1)
         axes = pixel_axis(len(camera)), unknown_axis(1)
         return TransferMatrix(values, *axes, bands=picture.bands)
 
-    name = f"lamps-{table.label}-{zone.table.label}"
-    return job.matrix(name, key, make).values[:, :, 0].T
+    matrix = kept(
+        job,
+        f"lamps-{table.label}-{zone.table.label}",
+        trace,
+        ("lamps seen", room, zone.light, camera),
+        job.pixel_effort(table.samples, LAMPS + number),
+        shown=f"electric light in {table.label}",
+    )
+    return matrix.values[:, :, 0].T

@@ -12,12 +12,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
 
 from clerestory.errors import InputError
 from clerestory.files import read_bytes, read_text, replace_path, write_text
-from clerestory.study.hourly_file import append_hourly
+from clerestory.phases.illuminance import hourly_variable
 
 RESULTS_FILE = "results.nc"
 RUN_FILE = "run.json"
@@ -25,6 +26,9 @@ _FORMAT = "clerestory results 1"
 
 # Hourly values of more bytes are read and written some sensors at a time
 _LARGE = 500_000_000
+
+# Sensors written at a time: a year of them takes 36 MB
+_SENSORS = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +126,20 @@ def save_results(results: Results, folder: str | Path) -> Path:
     with replace_path(folder / RESULTS_FILE) as file:
         file.write_bytes(content)
         for name in hourly:
-            append_hourly(file, name, data[name])
+            _append_hourly(file, name, data[name])
     return folder / RESULTS_FILE
+
+
+def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:
+    # Values may lie in another file; those of some sensors are in memory
+    sensors, steps = data.shape
+    with h5netcdf.File(path, "a") as file:
+        variable = hourly_variable(file, name, sensors, steps)
+        for key, value in data.attrs.items():
+            variable.attrs[key] = value
+        for first in range(0, sensors, _SENSORS):
+            rows = slice(first, min(first + _SENSORS, sensors))
+            variable[rows] = data[rows].values
 
 
 def _is_large(data: xr.DataArray) -> bool:

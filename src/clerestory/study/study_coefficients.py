@@ -73,7 +73,8 @@ def _of_state(job: Job, number: int, at: int, *, direct: bool) -> TransferMatrix
         for each in groups
         for polygon in each.inner.polygons
     ]
-    panes = Scene({shade.name: shade, black.name: black}, tuple(surfaces))
+    materials = {shade.name: shade, black.name: black}
+    panes = Scene(materials, tuple(surfaces), bands=job.scene.bands)
     stream = COEFFICIENTS + number + STATE * at + DIRECT * direct
     label = state_label(chosen, at)
     return _traced(job, job.scene + panes, label, stream, direct=direct)

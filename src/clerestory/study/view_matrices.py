@@ -9,14 +9,13 @@ forgotten as the pictures pass.
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     Skies,
@@ -34,6 +33,7 @@ from clerestory.phases.picture_matrices import (
 from clerestory.phases.picture_series import pictures_over_time
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, STATE, SUN, Job
+from clerestory.study.kept_matrices import kept, kept_together
 from clerestory.study.study_matrices import StudyMatrices
 
 # Bytes of a pixel's coefficient for one sun: three half-precision numbers
@@ -115,24 +115,25 @@ class ViewMatrices:
                 *where, suns=directions, peak=chosen.peak, effort=effort
             )
         label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
-        key = fingerprint(
-            "picture sun", job.scene_key, chosen.shade, windows, number, chosen.fine,
-            chosen.peak, self.camera, directions, effort,
-        )  # fmt: skip
 
-        def make() -> TransferMatrix:
-            progress = job.display(f"direct sun in pictures, {label}")
-            traced = picture_sun_coefficients(
-                *where,
-                suns=directions,
-                peak=chosen.peak,
-                effort=effort,
-                progress=progress,
+        def trace(**how: Any) -> TransferMatrix:
+            peak = chosen.peak
+            return _half(
+                picture_sun_coefficients(*where, suns=directions, peak=peak, **how)
             )
-            return _half(traced)
 
-        values = job.matrix(f"picture-sun-{label}", key, make).values
-        return lambda asked: values[:, :, asked]
+        found = kept(
+            job,
+            f"picture-sun-{label}",
+            trace,
+            (
+                *("picture sun", job.scene_key, chosen.shade, number, *where[1:]),
+                *(chosen.peak, directions),
+            ),
+            effort,
+            shown=f"direct sun in pictures, {label}",
+        )
+        return lambda asked: found.values[:, :, asked]
 
     def _bytes(self, suns: int) -> int:
         # What the direct suns of all views and states take
@@ -200,21 +201,18 @@ def _view_matrices(
 ) -> dict[str, TransferMatrix]:
     effort = job.pixel_effort(table.samples, DIRECT * direct)
     prefix = "direct-picture" if direct else "picture"
-    inner = {f"{prefix}-{table.label}-{g.name}": g.inner for g in job.inputs.groups}
-    windows = list(inner.values())
-    key = fingerprint("half picture", job.scene_key, windows, camera, effort, direct)
+    windows = [group.inner for group in job.inputs.groups]
 
-    def make() -> dict[str, TransferMatrix]:
-        progress = job.display(f"{prefix} matrices of {table.label}")
-        traced = picture_view_matrices(
-            job.scene,
-            windows,
-            camera,
-            direct=direct,
-            effort=effort,
-            progress=progress,
-        )
-        return {name: _half(traced[window.name]) for name, window in inner.items()}
+    def trace(**how: Any) -> dict[str, TransferMatrix]:
+        traced = picture_view_matrices(job.scene, windows, camera, direct=direct, **how)
+        return {name: _half(matrix) for name, matrix in traced.items()}
 
-    found = job.matrices(list(inner), key, make)
-    return {window.name: found[name] for name, window in inner.items()}
+    return kept_together(
+        job,
+        f"{prefix}-{table.label}",
+        windows,
+        trace,
+        ("half picture", job.scene_key, windows, camera, direct),
+        effort,
+        shown=f"{prefix} matrices of {table.label}",
+    )

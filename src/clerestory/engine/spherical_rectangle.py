@@ -1,0 +1,84 @@
+"""Spherical rectangles: sampling of a rectangle by the solid angle it subtends.
+
+Reference: C. Ureña, M. Fajardo, A. King, "An area-preserving parametrization for
+spherical rectangles", Computer Graphics Forum 32 (4), 2013.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+
+# Rectangles of a smaller solid angle [sr] are sampled by area.
+_SMALL = 0.02
+
+
+@dataclass
+class SphericalRectangle:
+    """A rectangle seen from a point; symbols as in the paper.
+
+    Attributes
+    ----------
+    right, up, axis : frame; the axis points from the rectangle towards the point
+    x0, x1, y0, y1 : limits of the rectangle in the frame [m]
+    depth : the paper's z0, negative [m]
+    b0, b1, k : constants of the parametrization
+    solid_angle : [sr]
+    usable : whether to sample by solid angle
+    """
+
+    right: mi.Vector3f
+    up: mi.Vector3f
+    axis: mi.Vector3f
+    x0: mi.Float
+    x1: mi.Float
+    y0: mi.Float
+    y1: mi.Float
+    depth: mi.Float
+    b0: mi.Float
+    b1: mi.Float
+    k: mi.Float
+    solid_angle: mi.Float
+    usable: mi.Bool
+
+    @classmethod
+    def of(cls, corner, edge_u, edge_v, rectangle) -> "SphericalRectangle":
+        """Return the view of a rectangle given by a corner, relative to the point."""
+        width, height = dr.norm(edge_u), dr.norm(edge_v)
+        right, up = edge_u / width, edge_v / height
+        axis = dr.cross(right, up)
+        depth = dr.dot(corner, axis)
+        axis = dr.select(depth > 0, -axis, axis)
+        depth = -dr.abs(depth)
+        x0, y0 = dr.dot(corner, right), dr.dot(corner, up)
+        x1, y1 = x0 + width, y0 + height
+
+        # Inner angles of the spherical rectangle, from the normals of its sides
+        z2 = dr.square(depth)
+        n0 = -y0 * dr.rsqrt(z2 + dr.square(y0))
+        n1 = x1 * dr.rsqrt(z2 + dr.square(x1))
+        n2 = y1 * dr.rsqrt(z2 + dr.square(y1))
+        n3 = -x0 * dr.rsqrt(z2 + dr.square(x0))
+        g0, g1 = dr.acos(-n0 * n1), dr.acos(-n1 * n2)
+        g2, g3 = dr.acos(-n2 * n3), dr.acos(-n3 * n0)
+        k = 2 * dr.pi - g2 - g3
+        solid_angle = g0 + g1 - k
+        usable = rectangle & (solid_angle > _SMALL) & (depth < -1e-4)
+        return cls(
+            right, up, axis, x0, x1, y0, y1, depth, n0, n2, k, solid_angle, usable
+        )
+
+    def sample(self, u, v):
+        """Return a point of the rectangle in its frame [m]."""
+        angle = u * self.solid_angle + self.k
+        sine, cosine = dr.sincos(angle)
+        f = (cosine * self.b0 - self.b1) / sine
+        c = dr.mulsign(dr.rsqrt(dr.square(f) + dr.square(self.b0)), f)
+        x = -c * self.depth * dr.rsqrt(dr.maximum(1 - dr.square(c), 1e-7))
+        x = dr.select(x < self.x0, self.x0, dr.select(x > self.x1, self.x1, x))
+        d2 = dr.square(x) + dr.square(self.depth)
+        h0 = self.y0 * dr.rsqrt(d2 + dr.square(self.y0))
+        h1 = self.y1 * dr.rsqrt(d2 + dr.square(self.y1))
+        h = h0 + v * (h1 - h0)
+        y = h * dr.sqrt(d2) * dr.rsqrt(dr.maximum(1 - dr.square(h), 1e-7))
+        return x, dr.select(y < self.y0, self.y0, dr.select(y > self.y1, self.y1, y))
