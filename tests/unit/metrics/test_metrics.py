@@ -106,7 +106,7 @@ def test_an_hour_within_its_error_of_a_limit_blurs_the_metric():
 
 
 def test_the_error_of_a_group_mean_is_that_of_repeated_estimates():
-    """Components of a mean are deviations of batches: independent sensors average out."""
+    """Components are deviations of batches; independent sensors average out."""
     rng = np.random.default_rng(3)
     repeats, batches, sensors = 4000, 16, 25
     batch = rng.normal(100.0, 8.0, (repeats, batches, sensors))
