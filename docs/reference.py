@@ -5,9 +5,9 @@ from pathlib import Path
 
 import clerestory
 
-# Title of each page, what it says first, and the packages whose names stand on it
+# Title and summary of each page, and the packages whose names it lists
 _PAGES = (
-    ("studies", "Studies", "A whole run, from its file to its results.", ("study",)),
+    ("studies", "Studies", "Annual simulations described by one file.", ("study",)),
     (
         "scenes",
         "Scenes",
@@ -20,26 +20,26 @@ _PAGES = (
         "Scattering of layers: read, measured, generated, stacked.",
         ("bsdf", "gonio", "bsdfgen", "glazing", "hemisphere"),
     ),
-    ("skies", "Weather and skies", "A year of sky and sun.", ("sky",)),
+    ("skies", "Weather and skies", "Weather files, sky matrices, suns.", ("sky",)),
     (
         "matrices",
         "Matrices and tracing",
-        "From scenes to matrices, from matrices to light.",
+        "Traced transfer matrices, rendering, effort, bands.",
         ("bands", "colorimetry", "matrix", "phases", "cluster", "engine"),
     ),
     (
         "pictures",
         "Pictures and glare",
-        "What is seen, and whether it dazzles.",
+        "Pictures of radiance and glare indices.",
         ("image", "glare"),
     ),
     (
         "judging",
         "Control, metrics, comparison",
-        "What follows from a year of light.",
+        "Shading control, metrics, comparison with measurements.",
         ("control", "metrics", "comparison", "report"),
     ),
-    ("errors", "Errors", "What goes wrong, in one line.", ("errors",)),
+    ("errors", "Errors", "Exceptions and warnings.", ("errors",)),
 )
 
 

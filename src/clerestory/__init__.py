@@ -66,6 +66,7 @@ _HOME = {
     "facade_matrices": "phases.facade_matrices",
     "facade_daylight": "phases.facade_matrices",
     "Cluster": "cluster.cluster",
+    "Effort": "engine.effort",
     "irradiance": "phases.rendering",
     "render": "phases.rendering",
     "render_irradiance": "phases.rendering",

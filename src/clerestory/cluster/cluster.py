@@ -1,13 +1,13 @@
-"""A dask.distributed cluster as a place where units of work are done.
+"""Execution of work units on a dask.distributed cluster.
 
-The scheduler and its workers run already, started by any of dask's own deployments.
-A scene is sent to each worker once, and so is each job, without its scene; units
-follow, and their sums come back. Units of a worker that is lost are done again
-elsewhere, and since every unit is pure the result is the same to the bit.
+The scheduler and its workers are started beforehand, by any dask deployment method.
+The scene and each job (without its scene) are sent to each worker once; work units
+follow, and their sums are returned. Units of a lost worker are repeated on another
+worker. As units are deterministic, results are bitwise reproducible.
 
-Client, scheduler and workers trust each other: dask sends values by pickle, so
-whoever reaches the scheduler's port can run code. Nothing of this is ever written
-to a file. See `docs/cluster.md`.
+Client, scheduler and workers must trust each other: dask transfers values by pickle,
+so anyone with access to the port of the scheduler can execute code. Pickled values are
+never written to files. See `docs/cluster.md`.
 """
 
 import time
@@ -27,22 +27,21 @@ from clerestory.engine.work_units import Executor, Goal, Job, Local, Unit, UnitS
 from clerestory.errors import ClerestoryError, ClerestoryWarning, DeviceError
 from clerestory.scene.model import Scene
 
-# Units are small beside launches on one machine: many workers share a round, and what
-# they return travels over a network.
+# Units are smaller than on one machine: they are distributed over many workers, and
+# their sums are sent over a network.
 _UNIT_SIZE = UnitSize(paths=1 << 20, sums=1 << 25)
 
-# Units under way, for each worker; what is done waits here for its turn
+# Units submitted in advance per worker; results are returned in the order of the units
 _AHEAD = 3
 
-# How often a unit is tried when its worker is lost, and how long a cluster without
-# workers is waited for [s]
+# Number of attempts per unit if workers are lost, and time to wait for a worker [s]
 _TRIES = 10
 _PATIENCE = 60.0
 
 
 @dataclass(frozen=True, eq=False)
 class _Sent:
-    # A value, and its copies on the workers
+    # A value and the future of its copies on the workers
     value: object
     copies: Any
 
@@ -51,16 +50,16 @@ _NOTHING = _Sent(None, None)
 
 
 class Cluster:
-    """Workers of a running dask scheduler; a context manager, or call `close`.
+    """Executor on the workers of a running dask scheduler; also a context manager.
 
     Parameters
     ----------
-    address : of the scheduler, such as "tcp://10.0.0.1:8786"
+    address : address of the scheduler, such as "tcp://10.0.0.1:8786"
 
     Raises
     ------
-    InputError : nothing answers there
-    DeviceError : no workers, other versions than here, or dask is not installed
+    InputError : no scheduler responds at the address
+    DeviceError : no workers, different package versions, or dask is not installed
     """
 
     def __init__(self, address: str):
@@ -89,47 +88,47 @@ class Cluster:
         self.close()
 
     def close(self) -> None:
-        """Let go of the cluster; it goes on running."""
+        """Disconnect from the cluster without stopping it."""
         self._scene = self._job = _NOTHING
         self._client.close()
 
     def workers(self) -> int:
-        """Return how many units are done at once: the workers there are now."""
+        """Return the current number of workers: one unit at a time runs on each."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
-        """Return the device of all workers: a GPU only if each of them has one."""
+        """Return the device used by all workers: a GPU only if every worker has one."""
         found = set(self._client.run(self._worker.device_of, device).values())
         if found == {"cuda"}:
             return "cuda"
         if "cuda" in found:
             warnings.warn(
-                "not every worker of the cluster has a GPU; all trace on the CPU, so"
-                " that results do not depend on who did what",
+                "not every worker of the cluster has a GPU; all workers use the CPU, so"
+                " that results do not depend on the distribution of work units",
                 ClerestoryWarning,
                 stacklevel=2,
             )
         return "cpu"
 
     def accepts(self, job: Job, goal: Goal) -> bool:
-        """Return True: every job is done."""
+        """Return True: every job is accepted."""
         return True
 
     def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
-        """Return how large units may be."""
+        """Return the largest size of a unit."""
         return _UNIT_SIZE
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
-        """Yield what each unit adds, in the order of the units.
+        """Yield the sums of each unit, in the order of the units.
 
         Raises
         ------
-        DeviceError : the workers are gone for good, or a unit ends every worker
+        DeviceError : no workers are left, or a unit fails on every attempt
         """
         waiting, running = iter(units), deque[tuple[Unit, Any]]()
         try:
             while True:
-                # Keep every worker busy, and a few units ahead
+                # Submit several units per worker in advance
                 ahead = _AHEAD * max(1, self.workers())
                 while len(running) < ahead and (unit := next(waiting, None)):
                     running.append((unit, self._submit(job, unit)))
@@ -138,11 +137,11 @@ class Cluster:
                 unit, future = running.popleft()
                 yield self._result(job, unit, future)
         finally:
-            # On an error or an interruption: nothing goes on behind the back
+            # Also after an error or an interruption: cancel the submitted units
             self._client.cancel([future for _, future in running])
 
     def _submit(self, job: Job, unit: Unit) -> Any:
-        # The next window's job goes through the same scene: that is sent once
+        # Jobs of several windows share a scene, which is sent once
         if job.scene is not self._scene.value:
             self._scene = self._job = _NOTHING
             self._scene = self._send(job.scene, job.scene)
@@ -157,7 +156,7 @@ class Cluster:
         return _Sent(value, copies)
 
     def _result(self, job: Job, unit: Unit, future: Any) -> np.ndarray:
-        # Wait for a unit; do it again as long as only workers are lost
+        # Wait for the result; repeat the unit if its worker was lost
         for _ in range(_TRIES):
             try:
                 sums: np.ndarray = future.result()
@@ -165,13 +164,13 @@ class Cluster:
             except ClerestoryError:
                 raise
             except optional.losses(self._dask):
-                # The copies of the scene may be gone with the workers
+                # The copies of the scene may be lost with the workers
                 self._wait_for_workers()
                 self._scene = self._job = _NOTHING
                 future = self._submit(job, unit)
         raise DeviceError(
-            f"a unit of work was lost {_TRIES} times with its workers; look at their"
-            " memory limits and logs"
+            f"a work unit failed {_TRIES} times because its worker was lost; check the"
+            " memory limits and logs of the workers"
         )
 
     def _wait_for_workers(self) -> None:
@@ -191,13 +190,13 @@ class Cluster:
                 if theirs[name] != version:
                     raise DeviceError(
                         f"worker {worker} has {name} {theirs[name]};"
-                        f" {version} expected, as here"
+                        f" {version} expected, as on the client"
                     )
 
 
 @contextmanager
 def executor_at(address: str | None) -> Iterator[Executor]:
-    """Yield the cluster at an address, or this process where there is none."""
+    """Yield the cluster at an address, or the local executor if the address is None."""
     if address is None:
         yield Local()
         return

@@ -1,4 +1,4 @@
-"""dask.distributed, which only clusters need: the extra `cluster`."""
+"""Optional import of dask.distributed (extra `cluster`)."""
 
 import importlib
 from types import ModuleType
@@ -6,7 +6,7 @@ from typing import Any
 
 from clerestory.errors import DeviceError, InputError
 
-# How long a scheduler has to answer [s]
+# Timeout of the connection to a scheduler [s]
 _PATIENCE = 10
 
 
@@ -15,18 +15,18 @@ def load() -> ModuleType:
 
     Raises
     ------
-    DeviceError : it is not installed
+    DeviceError : dask.distributed is not installed
     """
     try:
         return importlib.import_module("distributed")
     except ImportError as error:
         raise DeviceError(
-            "a cluster needs dask.distributed; pip install 'clerestory[cluster]'"
+            "a cluster requires dask.distributed; pip install 'clerestory[cluster]'"
         ) from error
 
 
 def load_worker() -> ModuleType:
-    """Return the module of what workers do."""
+    """Return the module with the worker functions."""
     return importlib.import_module("clerestory.cluster.worker")
 
 
@@ -35,7 +35,7 @@ def connect(dask: ModuleType, address: str) -> Any:
 
     Raises
     ------
-    InputError : nothing answers there
+    InputError : no scheduler responds at the address
     """
     try:
         return dask.Client(address, timeout=_PATIENCE, set_as_default=False)
@@ -47,7 +47,7 @@ def connect(dask: ModuleType, address: str) -> Any:
 
 
 def losses(dask: ModuleType) -> tuple[type[BaseException], ...]:
-    """Return what is raised when workers are lost together with what they held."""
+    """Return the exception types raised when a worker and its data are lost."""
     client = importlib.import_module("distributed.client")
     killed = importlib.import_module("distributed.scheduler").KilledWorker
     return client.FutureCancelledError, killed, OSError

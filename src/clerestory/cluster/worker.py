@@ -1,7 +1,7 @@
-"""What a worker of a cluster does: it keeps one job prepared and does its units.
+"""Execution of work units on a worker of a dask cluster.
 
-A worker process computes on one device and with one scene at a time, however many
-threads dask gives it; Dr.Jit spreads each launch over the processor's cores itself.
+A worker process computes one unit at a time, whatever its number of dask threads;
+Dr.Jit distributes each launch over the cores of the processor.
 """
 
 import threading
@@ -24,18 +24,18 @@ _PACKAGES = ("drjit", "mitsuba", "numpy")
 
 
 class Bench(distributed.WorkerPlugin):
-    """A worker's own place: its executor, and a lock that keeps it to one unit."""
+    """Plugin that holds the executor of a worker and a lock for one unit at a time."""
 
     name = NAME
 
     def setup(self, worker: Any) -> None:
-        """Start with nothing prepared."""
+        """Create the executor and the lock."""
         self.local, self.lock = Local(), threading.Lock()
         self.sent: Any = None
         self.whole: Any = None
 
     def do(self, scene: Scene, job: Any, unit: Unit) -> np.ndarray:
-        """Return what a unit adds; the job was sent without its scene."""
+        """Return the sums of a unit; `job` was sent without its scene."""
         with self.lock:
             if self.sent is not job or self.whole.scene is not scene:
                 self.sent, self.whole = job, replace(job, scene=scene)
@@ -44,18 +44,18 @@ class Bench(distributed.WorkerPlugin):
 
 
 def do_unit(scene: Scene, job: Job, unit: Unit) -> np.ndarray:
-    """Return what a unit adds, on the worker that this is called on."""
+    """Return the sums of a unit, computed by the plugin of the current worker."""
     bench: Any = distributed.get_worker().plugins[NAME]
     sums: np.ndarray = bench.do(scene, job, unit)
     return sums
 
 
 def versions() -> dict[str, str]:
-    """Return the versions that results depend on."""
+    """Return the package versions that affect results."""
     ours = {NAME: __version__, "estimators": str(ESTIMATOR_REVISION)}
     return {**ours, **{name: version(name) for name in _PACKAGES}}
 
 
 def device_of(wanted: Device) -> str:
-    """Return the device that a request leads to on this worker."""
+    """Return the device selected on this worker for a request."""
     return str(resolve(wanted))

@@ -15,11 +15,11 @@ from jaxtyping import Float
 
 from clerestory.array_types import Values
 
-# Arrays that are broadcast against each other
+# Mutually broadcastable arrays
 _Broadcast = Float[np.ndarray, "*#batch"]
 
-# Polynomials in the cosine, lowest power first (LBL-33943): transmittance over that at
-# normal incidence, and reflectance likewise.
+# Polynomials in the cosine of incidence, lowest power first (LBL-33943), for the
+# transmittance and the reflectance relative to normal incidence.
 _CLEAR_T = (-0.0015, 3.355, -3.84, 1.46, 0.0288)
 _CLEAR_R = (0.999, -0.563, 2.043, -2.532, 1.054)
 _BRONZE_T = (-0.002, 2.813, -2.341, -0.05725, 0.599)
@@ -36,8 +36,8 @@ def uncoated(
 
     Parameters
     ----------
-    cosine : of the angle of incidence
-    transmittance, reflectance : at normal incidence
+    cosine : cosine of the angle of incidence
+    transmittance, reflectance : values at normal incidence
 
     Examples
     --------
@@ -79,8 +79,8 @@ def coated(
 
     Parameters
     ----------
-    cosine : of the angle of incidence
-    transmittance, reflectance : at normal incidence
+    cosine : cosine of the angle of incidence
+    transmittance, reflectance : values at normal incidence
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """BSDF layers in glazing systems, from visible and solar matrices.
 
-Visible wavelengths use the visible matrix, all others the matrix that gives the solar
-average, with 49 % of solar energy in the visible range as in WINDOW.
+Visible wavelengths use the visible matrix. Other wavelengths use the matrix that yields
+the solar average, with 49 % of solar energy in the visible range as in WINDOW.
 """
 
 import warnings
@@ -43,9 +43,9 @@ class BsdfLayer(Layer):
 
     Attributes
     ----------
-    bsdf : matrices or trees; the front faces the sky
-    conductivity : thermal [W/(m K)]
-    infrared_transmittance : in the far infrared
+    bsdf : BSDF matrices or tensor trees; the front faces the sky
+    conductivity : thermal conductivity [W/(m K)]
+    infrared_transmittance : transmittance in the far infrared
     permeability : area fraction that is permeable to air
     """
 
@@ -73,7 +73,7 @@ class BsdfLayer(Layer):
             if not self.bsdf.has(part, channel=self.channel("visible")):
                 warnings.warn(
                     f"BSDF {self.bsdf.product.name!r} has no"
-                    f" {part.replace('_', ' ')}; it is taken as zero",
+                    f" {part.replace('_', ' ')} data; zero is assumed",
                     ClerestoryWarning,
                     stacklevel=3,
                 )
@@ -85,17 +85,17 @@ class BsdfLayer(Layer):
 
     @property
     def wavelength_nm(self) -> Values:
-        """Ends of the solar range, and steps at the ends of the visible range."""
+        """Limits of the solar range, and steps at the limits of the visible range."""
         return two_band_wavelengths()
 
     @property
     def thickness(self) -> float:
-        """Thickness in the file, 1 mm if not given [m]."""
+        """Thickness stated in the file; default: 1 mm [m]."""
         return self.bsdf.product.thickness or _UNKNOWN_THICKNESS
 
     @property
     def emissivities(self) -> tuple[float, float]:
-        """Emissivities in the file, 0.84 if not given."""
+        """Emissivities stated in the file; default: 0.84."""
         product = self.bsdf.product
         known = (product.emissivity_front, product.emissivity_back)
         front, back = (GLASS_EMISSIVITY if e is None else e for e in known)
@@ -145,7 +145,7 @@ class BsdfLayer(Layer):
         )
 
     def channel(self, wanted: Channel) -> Channel:
-        """Return the channel that is used for the wanted one."""
+        """Return the wanted channel, or the other one if it is not in the file."""
         other: Channel = "solar" if wanted == "visible" else "visible"
         return wanted if self.bsdf.has("transmission_front", channel=wanted) else other
 

@@ -1,4 +1,4 @@
-"""A glazing system: layers, the gaps between them, and how it is described in TOML.
+"""Glazing systems of layers and gaps, and their description in TOML.
 
     name = "Double glazing with an inner blind"
 
@@ -19,7 +19,8 @@
     [[layer]]
     venetian = { material = "slat.json", width_mm = 25, spacing_mm = 20, tilt_deg = 45 }
 
-Layers and gaps run from the sky to the room. Files stand beside the description.
+Layers and gaps are listed from outdoors to indoors. File paths are relative to the
+TOML file.
 """
 
 import math
@@ -53,13 +54,14 @@ class Gap:
 
     Attributes
     ----------
-    thickness : [m]
-    gases : fractions of the gases, with a sum of 1
-    pressure : [Pa]
+    thickness : distance between the layers [m]
+    gases : volume fraction of each gas; the fractions sum to 1
+    pressure : gas pressure [Pa]
 
     Raises
     ------
-    InputError : no thickness, unknown gases, or another sum
+    InputError : thickness or pressure not above 0, unknown gases, or a wrong sum of
+        fractions
 
     Examples
     --------
@@ -74,8 +76,8 @@ class Gap:
     def __post_init__(self) -> None:
         if not (self.thickness > 0 and self.pressure > 0):
             raise InputError(
-                f"a gap of {self.thickness:g} m at {self.pressure:g} Pa; both above 0"
-                " expected"
+                f"gap of {self.thickness:g} m at {self.pressure:g} Pa; thickness and"
+                " pressure above 0 expected"
             )
         unknown = [name for name in self.gases if name not in GASES]
         if unknown:
@@ -84,7 +86,7 @@ class Gap:
             )
         total = sum(self.gases.values())
         if min(self.gases.values(), default=0) < 0 or abs(total - 1) > 1e-6:
-            raise InputError(f"shares of gases sum to {total:g}; 1 expected")
+            raise InputError(f"gas fractions sum to {total:g}; 1 expected")
 
 
 _MILLIMETRE = 1e-3
@@ -94,13 +96,13 @@ _DEFAULT_GAP = 0.0127
 @final
 @dataclass(frozen=True, eq=False)
 class GlazingSystem:
-    """Layers and gaps from the sky to the room.
+    """Layers and gaps from outdoors to indoors.
 
     Attributes
     ----------
-    name : in reports
-    layers : at least one
-    gaps : between them, one fewer
+    name : name in reports
+    layers : layers from outdoors to indoors, at least one
+    gaps : gaps between the layers, one fewer than layers
 
     Raises
     ------
@@ -113,7 +115,7 @@ class GlazingSystem:
 
     def __post_init__(self) -> None:
         if not self.layers:
-            raise InputError("a glazing system without layers; at least one expected")
+            raise InputError("glazing system without layers; at least one expected")
         if len(self.gaps) != len(self.layers) - 1:
             raise InputError(
                 f"{len(self.gaps)} gaps between {len(self.layers)} layers;"
@@ -229,7 +231,7 @@ def _layer(row: _Row, folder: Path, path: str | Path, number: int) -> Layer:
     ]
     if len(kinds) != 1:
         raise InputError(
-            f"layer {number} is {' and '.join(kinds) or 'nothing'}; one of file,"
+            f"layer {number} is {' and '.join(kinds) or 'undefined'}; one of file,"
             " venetian, woven, perforated or diffuser expected",
             file=path,
         )
@@ -268,7 +270,7 @@ def _made(row: _Row, folder: Path) -> Layer:
             thread_diameter=row.woven.thread_diameter_mm * _MILLIMETRE,
             thread_spacing=row.woven.thread_spacing_mm * _MILLIMETRE,
         )
-    assert row.perforated is not None  # the caller has counted
+    assert row.perforated is not None  # checked by the caller
     return _screen(row.perforated, read_pane(folder / row.perforated.material))
 
 
@@ -276,7 +278,7 @@ def _screen(plan: _Perforated, material: Pane) -> PerforatedScreen:
     wanted = plan.radius_mm if plan.shape == "circular" else plan.size_mm
     if wanted is None:
         key = "radius_mm" if plan.shape == "circular" else "size_mm"
-        raise InputError(f"{plan.shape} perforations without {key}")
+        raise InputError(f"{plan.shape} perforations require the key {key}")
     size = (wanted, wanted) if isinstance(wanted, float) else wanted
     return PerforatedScreen(
         material,

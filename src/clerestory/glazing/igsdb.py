@@ -20,7 +20,7 @@ from clerestory.files import read_text
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import GLASS_CONDUCTIVITY, GLASS_EMISSIVITY, Pane
 
-# Types with the angular dependence of coated glass, as in WINDOW.
+# Product types with the angular dependence of coated glass, as in WINDOW.
 _COATED = {"coated", "coated-glass", "applied-film", "applied film", "laminate", "film"}
 _COATED |= {"electrochromic", "thermochromic", "chromogenic"}
 
@@ -28,7 +28,7 @@ _MILLIMETRE, _MICROMETRE_NM = 1e-3, 1e3
 
 
 def read_igsdb(path: str | Path) -> Pane:
-    """Return the pane, or the material, of a JSON file of either version."""
+    """Return the pane, or the shade material, in a JSON file of version 1 or 2."""
     product = load_product(path)
     if product.get("composition"):
         raise InputError(
@@ -58,7 +58,7 @@ def pane_of(product: dict[str, Any], path: str | Path) -> Pane:
     """Return the pane that a product describes."""
     physical = product.get("physical_properties") or product.get("measured_data") or {}
     if not isinstance(physical, dict):
-        raise InputError("measured data are not a JSON object", file=path)
+        raise InputError("measured data that are not a JSON object", file=path)
     rows = _rows(product, path)
     wavelength = np.array([row["wavelength"] for row in rows])
     order = np.argsort(wavelength, kind="stable")
@@ -88,7 +88,7 @@ def pane_of(product: dict[str, Any], path: str | Path) -> Pane:
 
 
 def warn_of_excess(pane: Pane) -> None:
-    """Warn of a pane whose transmittance plus reflectance exceeds 1.01."""
+    """Warn if the transmittance plus reflectance of a pane exceeds 1.01."""
     passed = pane.at(pane.wavelength_nm)
     most = np.maximum(
         passed.transmission_front + passed.reflection_front,
@@ -98,14 +98,14 @@ def warn_of_excess(pane: Pane) -> None:
         at = pane.wavelength_nm[int(np.argmax(most))]
         warnings.warn(
             f"{pane.source}: {pane.name!r} scatters {most.max():.3f} times the"
-            f" incident flux at {at:g} nm; 1 at most expected",
+            f" incident flux at {at:g} nm; at most 1 expected",
             ClerestoryWarning,
             stacklevel=4,
         )
 
 
 def _rows(product: dict[str, Any], path: str | Path) -> list[dict[str, Any]]:
-    # Table of either version as rows of wavelength, specular and diffuse values
+    # Spectral table (version 1 or 2) as rows of wavelength, specular and diffuse values
     try:
         if "physical_properties" in product:
             optical = product["physical_properties"]["optical_properties"]
@@ -119,7 +119,7 @@ def _rows(product: dict[str, Any], path: str | Path) -> list[dict[str, Any]]:
             found = [_row_of_version_1(row) for row in table]
     except (KeyError, TypeError, IndexError, ValueError, AttributeError) as error:
         raise InputError(
-            f"{product.get('name')!r} has no spectral data that can be read"
+            f"{product.get('name')!r} has no readable spectral data"
             f" ({type(error).__name__}: {error}); T, Rf, Rb over wavelength expected",
             file=path,
         ) from error

@@ -1,4 +1,4 @@
-"""Interreflection between parallel layers, with all orders summed.
+"""Interreflection between parallel layers, summed over all orders.
 
 Matrices are flux fractions: entry (i, j) is the fraction of the flux through incident
 patch j that leaves through patch i, the BSDF times the projected solid angle of patch
@@ -24,8 +24,8 @@ class StackProperties(NamedTuple):
     Attributes
     ----------
     system : flux matrices of the whole stack, (…, n, n)
-    absorbed_front, absorbed_back : absorptance of each layer for light from each
-        incident patch of either side, (layer, …, n)
+    absorbed_front, absorbed_back : absorptance of each layer, per incident patch of the
+        front or the back of the stack, (layer, …, n)
     """
 
     system: Optics
@@ -36,7 +36,7 @@ class StackProperties(NamedTuple):
 def stack_properties(layers: Sequence[Optics]) -> StackProperties:
     """Return the optical properties of a stack from flux matrices of its layers.
 
-    `layers`: from the sky to the room, each of (…, n, n).
+    `layers`: flux matrices from outdoors to indoors, each of shape (…, n, n).
 
     >>> half = Optics.alike(0.5, 0.2).map(lambda share: share.reshape(1, 1))
     >>> passage = stack_properties([half, half])
@@ -51,7 +51,7 @@ def stack_properties(layers: Sequence[Optics]) -> StackProperties:
 
 
 def combine(outer: Optics, inner: Optics) -> Optics:
-    """Return two layers, or stacks of layers, as one (Klems 1994, II, eq. 8–11)."""
+    """Combine two layers, or stacks of layers, into one (Klems 1994, II, eq. 8–11)."""
     enter = between(
         outer.reflection_back, inner.reflection_front, outer.transmission_front
     )
@@ -77,7 +77,7 @@ def between(
 
     Parameters
     ----------
-    behind, ahead : reflections of the two sides of the gap
+    behind, ahead : reflection matrices of the two sides of the gap
     arriving : flux that enters the gap from behind
     """
     loop = np.eye(behind.shape[-1]) - behind @ ahead
@@ -85,7 +85,7 @@ def between(
 
 
 def _accumulate(layers: Sequence[Optics]) -> list[Optics]:
-    # Stacks of the first one, two, three … layers
+    # Stacks of the first one, two, … layers
     stacks = [layers[0]]
     for layer in layers[1:]:
         stacks.append(combine(stacks[-1], layer))
@@ -95,8 +95,8 @@ def _accumulate(layers: Sequence[Optics]) -> list[Optics]:
 def _absorbed(
     layers: Sequence[Optics], outer: Sequence[Optics], inner: Sequence[Optics]
 ) -> list[Float[np.ndarray, "*batch n"]]:
-    # Absorptance of each layer on its front and back for light that enters through
-    # layer 0. `inner` holds the stacks behind each layer, seen from behind.
+    # Absorptance of each layer for light incident on layer 0. `inner` holds the stacks
+    # of the last one, two, … layers, reversed.
     kept = []
     for k, layer in enumerate(layers):
         behind = len(layers) - 1 - k

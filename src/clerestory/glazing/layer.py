@@ -32,7 +32,7 @@ class Layer(ABC):
     @property
     @abstractmethod
     def wavelength_nm(self) -> Values:
-        """Wavelengths of the data."""
+        """Wavelengths of the data [nm]."""
 
     @property
     @abstractmethod
@@ -50,20 +50,18 @@ class Layer(ABC):
 
     @abstractmethod
     def flipped(self) -> "Layer":
-        """Return the layer turned about its vertical axis, inside out."""
+        """Return the layer turned about its vertical axis, exchanging its sides."""
 
     def specular(
         self, wavelength_nm: PerWavelength, cosine: Float[np.ndarray, " angle"]
     ) -> Optics | None:
-        """Transmittances and reflectances over (wavelength, angle); None
-        if scattering.
-        """
+        """Specular properties over (wavelength, angle); None if the layer scatters."""
         return None
 
     def openness(self, direction: Directions) -> Values:
         """Fraction of light along each direction that passes without scattering.
 
-        `direction`: of travel, into the room; opposite directions are equal.
+        `direction`: directions of travel into the room; the reverse is equivalent.
         """
         return np.zeros(len(direction))
 
@@ -73,7 +71,7 @@ class MaterialLayer(Layer):
 
     Attributes
     ----------
-    material : the sheet, whose properties describe the layer
+    material : properties of the sheet
     """
 
     material: Pane
@@ -85,7 +83,7 @@ class MaterialLayer(Layer):
 
     @property
     def wavelength_nm(self) -> PerWavelength:
-        """Wavelengths of the material."""
+        """Wavelengths of the material data [nm]."""
         return self.material.wavelength_nm
 
     @property
@@ -104,8 +102,8 @@ class MaterialLayer(Layer):
 class Glass(MaterialLayer):
     """A pane of glass in the system.
 
-    Scattered light is distributed uniformly over all patches but the undeviated one, as
-    in WINDOW.
+    Scattered light is distributed uniformly over all patches except that of the
+    undeviated direction, as in WINDOW.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> air = Pane("nothing", np.array([300.0, 2500.0]),
@@ -138,9 +136,7 @@ class Glass(MaterialLayer):
     def specular(
         self, wavelength_nm: PerWavelength, cosine: Float[np.ndarray, " angle"]
     ) -> Optics | None:
-        """Transmittances and reflectances over (wavelength, angle); None
-        if scattering.
-        """
+        """Specular properties over (wavelength, angle); None if the layer scatters."""
         if self.material.diffuse is not None:
             return None
         return self.material.angular(wavelength_nm, cosine)
@@ -162,7 +158,7 @@ def diagonal(
 
 
 def mirrored_patches(partition: RingPartition) -> Indices:
-    """Patch at the left–right mirror image of each one."""
+    """Number of the left–right mirror image of each patch."""
     return partition.find(partition.centres() * [-1, 1, 1])
 
 
@@ -173,7 +169,7 @@ class Diffuser(MaterialLayer):
 
     Attributes
     ----------
-    material : transmittances and reflectances at every angle
+    material : transmittances and reflectances, used at all angles of incidence
     """
 
     material: Pane
@@ -184,7 +180,7 @@ class Diffuser(MaterialLayer):
         return lambertian_matrices(self.material.at(wavelength_nm), covered)
 
     def flipped(self) -> "Diffuser":
-        """Return the layer turned round."""
+        """Return the layer reversed."""
         return Diffuser(self.material.flipped())
 
 
@@ -193,8 +189,8 @@ def lambertian_matrices(shares: Optics, covered: Values) -> Optics:
 
     Parameters
     ----------
-    shares : of the material, over wavelength
-    covered : covered area fraction, seen from each incident patch
+    shares : transmittances and reflectances of the material, over wavelength
+    covered : covered area fraction, as projected along each incident patch
     """
     even = covered / np.pi * np.ones((len(covered), 1))
     return shares.map(lambda share: share[:, None, None] * even)

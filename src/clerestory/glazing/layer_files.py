@@ -28,11 +28,11 @@ def read_layer(path: str | Path) -> Layer:
     """Return the layer that a file describes.
 
     `.json` is a product of the IGSDB (glass, or a venetian, perforated or woven shade
-    with its geometry), `.xml` a BSDF, all else glass in the format of LBNL Optics.
+    with its geometry), `.xml` a BSDF, any other file glass in the LBNL Optics format.
 
     Raises
     ------
-    InputError : the file is none of these, or damaged
+    InputError : the file is of another format, or damaged
     """
     ending = Path(path).suffix.lower()
     if ending == ".xml":
@@ -43,7 +43,7 @@ def read_layer(path: str | Path) -> Layer:
 
 
 def read_pane(path: str | Path) -> Pane:
-    """Return the glass, or the material, that a file describes."""
+    """Return the glass, or the shade material, that a file describes."""
     if Path(path).suffix.lower() == ".json":
         product = load_product(path)
         composition = product.get("composition")
@@ -58,9 +58,9 @@ class Entry:
 
     Attributes
     ----------
-    name, nfrc_id : as in its file
-    path : the file
-    problem : why it cannot be read; empty if it can
+    name, nfrc_id : product name and NFRC number stated in the file
+    path : path of the product file
+    problem : reason why the file cannot be read; empty if it can be read
     """
 
     name: str
@@ -70,7 +70,7 @@ class Entry:
 
 
 def read_catalogue(folder: str | Path) -> tuple[Entry, ...]:
-    """Return the products in a folder by name, with reasons for unreadable files."""
+    """Return the products in a folder, sorted by name, including unreadable files."""
     folder = Path(folder)
     if not folder.is_dir():
         raise InputError("a folder of products expected", file=folder)
@@ -84,13 +84,13 @@ def read_catalogue(folder: str | Path) -> tuple[Entry, ...]:
     entries = [_entry(path) for path in files]
     if not entries:
         raise InputError(
-            "no product in this folder; .json, .xml, .dat expected", file=folder
+            "no product in this folder; files .json, .xml or .dat expected", file=folder
         )
     return tuple(sorted(entries, key=lambda entry: (entry.name.lower(), entry.path)))
 
 
 def find_layer(folder: str | Path, wanted: str) -> Layer:
-    """Return the layer of a catalogue by name, NFRC number or file name."""
+    """Return the layer of a catalogue with a given name, NFRC number or file name."""
     word = wanted.strip().lower()
     found = [
         entry
@@ -101,8 +101,8 @@ def find_layer(folder: str | Path, wanted: str) -> Layer:
     if len(found) != 1:
         what = "no product" if not found else f"{len(found)} products"
         raise InputError(
-            f"{what} called {wanted!r}; the name, the NFRC number or the file of one"
-            " expected",
+            f"{what} called {wanted!r}; the name, NFRC number or file name of one"
+            " product expected",
             file=folder,
         )
     return read_layer(found[0].path)
@@ -159,7 +159,7 @@ def _screen(material: Pane, geometry: dict[str, Any], length: Any) -> Perforated
     kind = str(geometry["perforation_type"]).lower()
     if kind not in ("circular", "square", "rectangular"):
         raise InputError(
-            f"perforations {kind[:40]!r}; circular, square or rectangular ones expected"
+            f"perforation_type {kind[:40]!r}; circular, square or rectangular expected"
         )
     width = length("dimension_x")
     height = length("dimension_y") if kind == "rectangular" else width
@@ -175,9 +175,9 @@ def _child(composition: Any, path: str | Path) -> dict[str, Any]:
     try:
         child = composition[0]["child_product"]
     except (KeyError, IndexError, TypeError) as error:
-        raise InputError("a composition without a child_product", file=path) from error
+        raise InputError("composition without a child_product", file=path) from error
     if not isinstance(child, dict):
-        raise InputError("a child_product that is not a JSON object", file=path)
+        raise InputError("child_product is not a JSON object", file=path)
     return child
 
 
@@ -186,10 +186,10 @@ def _geometry(composition: Any, path: str | Path) -> dict[str, Any]:
         geometry = composition[0]["extra_data"]["geometry"]
     except (KeyError, IndexError, TypeError) as error:
         raise InputError(
-            "a shade without a geometry in its extra_data", file=path
+            "shade without a geometry in its extra_data", file=path
         ) from error
     if not isinstance(geometry, dict):
-        raise InputError("a geometry that is not a JSON object", file=path)
+        raise InputError("geometry is not a JSON object", file=path)
     return geometry
 
 

@@ -1,7 +1,7 @@
 """Stacks of layers as tensor trees, by random walks between the layers.
 
-Klems patches of ten degrees do not resolve the interaction of blinds and films with the
-sun. Here light starts in a cell of the incident square with an exact direction, is
+Klems patches, about ten degrees wide, do not resolve how blinds and films transmit
+sunlight. Each random walk starts with a direction sampled within an incident cell, is
 transmitted or reflected at each layer, and is scored in the exit cell. Independent
 batches give standard errors.
 
@@ -28,10 +28,10 @@ from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
 from clerestory.hemisphere.shirley_chiu import directions_from_square, square_from_disc
 from clerestory.progress import Progress
 
-# Most halvings: 17 million cells before reduction.
+# Largest number of halvings: 17 million cells before tree reduction.
 _FINEST = 6
 
-# Simultaneous walks, and the weight below which Russian roulette applies.
+# Number of simultaneous walks, and weight below which Russian roulette applies.
 _TOGETHER = 1 << 18
 _FAINT = 0.05
 
@@ -39,13 +39,13 @@ _FAINT = 0.05
 @final
 @dataclass(frozen=True, eq=False)
 class WalkedLayers:
-    """A stack of layers at tree resolution.
+    """Optical properties of a stack of layers as tensor trees.
 
     Attributes
     ----------
-    bsdf : trees of rank 4 with standard errors
-    diffuse : per channel and function, diffuse transmittance or reflectance and its
-        standard error
+    bsdf : tensor trees of rank 4 with standard errors
+    diffuse : diffuse transmittance or reflectance and its standard error, per channel
+        and function
     """
 
     bsdf: Bsdf
@@ -70,14 +70,14 @@ def walk_layers(
 
     Parameters
     ----------
-    layers : from the sky to the room, at least one
-    halvings : 2^halvings cells along each axis, 6 at most
-    walkers : random walks per incident cell, side and channel, in all batches together
-    batches : independent repetitions, 2 at least
-    seed : of the random numbers; results are bitwise reproducible
+    layers : layers from outdoors to indoors, at least one
+    halvings : number of halvings h, at most 6; 2^h cells along each axis
+    walkers : random walks per incident cell, side and channel, summed over all batches
+    batches : number of independent batches, at least 2
+    seed : seed of the random numbers; results are bitwise reproducible
     channels : "solar", "visible" or both
-    standard : spectral averages; None for NFRC's
-    report : called with the fraction done, and a note
+    standard : standard of the spectral averages; default: NFRC
+    report : function called with the completed fraction and the channel
 
     Raises
     ------
@@ -96,8 +96,8 @@ def walk_layers(
     if not layers or not 0 <= halvings <= _FINEST or batches < 2 or walkers < batches:
         raise InputError(
             f"{len(layers)} layers, {halvings} halvings, {walkers} walkers in {batches}"
-            f" batches; a layer, at most {_FINEST} halvings, 2 batches and a walker in"
-            " each expected"
+            f" batches; at least one layer, at most {_FINEST} halvings, at least 2"
+            " batches and one walker per batch expected"
         )
     standard = standard or nfrc()
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
@@ -142,7 +142,7 @@ class _Plan:
 
 @dataclass(frozen=True, eq=False)
 class _Tally:
-    # Exit flux per walk over (incident cell, exit cell)
+    # Mean exit flux per walk, over (incident cell, exit cell)
     passed: Float[np.ndarray, "incident leaving"]
     sent: Float[np.ndarray, "incident leaving"]
 
@@ -165,7 +165,7 @@ class _Tally:
 
 
 def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
-    # Directions of travel, uniform in projected solid angle over the cell
+    # Directions of travel, uniform in projected solid angle within each cell
     wide = 1 << plan.halvings
     inside = rng.random((2, len(cell)))
     travel = directions_from_square(
@@ -178,7 +178,7 @@ def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
 def _walk(
     met: Sequence[Scatterer], travel: Directions, rng: np.random.Generator
 ) -> tuple[Directions, Values, Mask]:
-    """Return direction and weight at exit, and whether the stack was crossed."""
+    """Return the exit direction, the weight, and whether the stack was crossed."""
     into_room = bool(travel[0, 2] > 0)
     weight = np.ones(len(travel))
     ahead = np.full(len(travel), 0 if into_room else len(met) - 1)
@@ -199,8 +199,8 @@ def _walk(
                 ahead[some] = np.where(travel[some, 2] > 0, number + 1, number - 1)
                 active[some] = total > 0
 
-        # Walks beyond the first or last layer are finished; Russian roulette for the
-        # others
+        # Walks beyond the first or last layer are finished; the remaining walks are
+        # subject to Russian roulette
         active &= (ahead >= 0) & (ahead < len(met))
         faint = active & (weight < _FAINT)
         survive = rng.random(int(faint.sum())) < 0.5

@@ -1,7 +1,8 @@
-"""Reader of glass in the text format of LBNL Optics: .dat, .usr and others.
+"""Reader of glazing products in the text format of LBNL Optics (.dat, .usr).
 
-Lines in braces describe the product; others are rows of wavelength, transmittance,
-front and back reflectance, or nine columns with diffuse values beside direct ones.
+Lines in braces describe the product. All other lines are rows of four columns
+(wavelength, transmittance, front and back reflectance) or nine columns (wavelength,
+then direct and diffuse values in turn).
 """
 
 import re
@@ -36,7 +37,8 @@ def read_optics_file(path: str | Path) -> Pane:
             rows.append(_row(line, number, path, rows))
     if not rows:
         raise InputError(
-            "no rows of wavelength and optical properties; some expected", file=path
+            "no rows of wavelength and optical properties; at least one expected",
+            file=path,
         )
     table = np.array(rows)
     try:

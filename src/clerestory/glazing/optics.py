@@ -14,12 +14,12 @@ from clerestory.bsdf.scattering_function import FUNCTIONS, Function, Side
 @final
 @dataclass(frozen=True, eq=False)
 class Optics:
-    """Transmittances and reflectances, arrays of one shape.
+    """Transmittances and reflectances as arrays of equal shape.
 
     Attributes
     ----------
     transmission_front, transmission_back, reflection_front, reflection_back : fractions
-        of the light incident on that side; front is the side of the sky
+        of the light incident on the named side; the front is the outdoor side
 
     Examples
     --------
@@ -40,17 +40,17 @@ class Optics:
 
     @classmethod
     def gather(cls, part: Callable[[Function], Values]) -> "Optics":
-        """Return the values of a function of the four names."""
+        """Return the four properties computed by a function of their names."""
         return cls(**{name: part(name) for name in FUNCTIONS})
 
     def of(self, name: Function) -> Values:
-        """Return one of the four by its name."""
+        """Return one of the four properties by its name."""
         return np.asarray(getattr(self, name))
 
     def map(
         self, change: Callable[[Float[np.ndarray, "*batch"]], Float[np.ndarray, "*new"]]
     ) -> "Optics":
-        """Return all four transformed by the same function."""
+        """Return the four properties, each transformed by the same function."""
         return Optics.gather(lambda name: change(self.of(name)))
 
     def swapped(self) -> "Optics":

@@ -20,7 +20,7 @@ from clerestory.spectra import check_wavelengths
 GLASS_EMISSIVITY = 0.84
 GLASS_CONDUCTIVITY = 1.0
 
-# Visible range, width of a step, and solar range [nm].
+# Visible range, width of the step at its limits, and solar range [nm].
 _VISIBLE_NM = (380.0, 780.0)
 _STEP_NM = 1e-3
 _SOLAR_NM = (300.0, 2500.0)
@@ -36,23 +36,23 @@ class Pane:
 
     Attributes
     ----------
-    name : of the product
-    wavelength_nm : wavelengths of the data
+    name : product name
+    wavelength_nm : wavelengths of the data [nm]
     direct : specular transmittances and reflectances over wavelength
-    diffuse : diffuse ones; None for clear sheets
-    coated : whether angles follow the regression for coatings (also films and
-        laminates) or Fresnel's equations
-    thickness : [m]
-    conductivity : thermal [W/(m K)]
-    emissivity_front, emissivity_back : hemispherical, in the far infrared
-    infrared_transmittance : in the far infrared
-    coated_side : "front", "back", "both" or "neither", as in the file
-    manufacturer, nfrc_id : as in the file
-    source : file, for messages
+    diffuse : diffuse transmittances and reflectances; None for clear sheets
+    coated : whether the angular dependence follows the regression for coatings (also
+        films and laminates) instead of Fresnel's equations
+    thickness : thickness of the sheet [m]
+    conductivity : thermal conductivity [W/(m K)]
+    emissivity_front, emissivity_back : hemispherical emissivities in the far infrared
+    infrared_transmittance : transmittance in the far infrared
+    coated_side : "front", "back", "both" or "neither", as stated in the file
+    manufacturer, nfrc_id : manufacturer and NFRC number stated in the file
+    source : path of the file, for messages
 
     Raises
     ------
-    InputError : different lengths, or values that are negative or not finite
+    InputError : arrays of different lengths, or values that are negative or not finite
     """
 
     name: str
@@ -82,7 +82,7 @@ class Pane:
             if part.shape[1:] != self.wavelength_nm.shape:
                 raise InputError(
                     f"pane {self.name!r} has {part.shape[1:]} values at"
-                    f" {len(self.wavelength_nm)} wavelengths; one each expected"
+                    f" {len(self.wavelength_nm)} wavelengths; one value each expected"
                 )
             if not np.all(np.isfinite(part) & (part >= 0)):
                 raise InputError(
@@ -92,11 +92,11 @@ class Pane:
         if not (self.thickness > 0 and self.conductivity > 0):
             raise InputError(
                 f"pane {self.name!r} is {self.thickness:g} m thick and conducts"
-                f" {self.conductivity:g} W/(m K); both above 0 expected"
+                f" {self.conductivity:g} W/(m K); values above 0 expected"
             )
 
     def at(self, wavelength_nm: Values) -> Optics:
-        """Total (direct and diffuse) values at normal incidence."""
+        """Total (direct plus diffuse) properties at normal incidence."""
         total = self.direct.map(lambda share: self._at(share, wavelength_nm))
         if self.diffuse is None:
             return total
@@ -104,7 +104,7 @@ class Pane:
         return Optics.gather(lambda name: total.of(name) + scattered.of(name))
 
     def haze(self, wavelength_nm: Values) -> Optics:
-        """Diffuse over total values, 0…1; 0 where the total is 0."""
+        """Ratio of diffuse to total values, 0…1; 0 where the total is 0."""
         total = self.at(wavelength_nm)
         if self.diffuse is None:
             return total.map(np.zeros_like)
@@ -120,9 +120,9 @@ class Pane:
         wavelength_nm: Float[np.ndarray, " wanted"],
         cosine: Float[np.ndarray, " angle"],
     ) -> Optics:
-        """Total values at other angles over (wavelength, angle).
+        """Total properties at oblique incidence, over (wavelength, angle).
 
-        `cosine`: of the angle of incidence.
+        `cosine`: cosine of each angle of incidence.
         """
         course = coated if self.coated else uncoated
         normal = self.at(wavelength_nm).map(lambda share: share[:, None])
@@ -158,10 +158,10 @@ class Pane:
 
 
 def two_band_pane(name: str, *, solar: Optics, visible: Optics) -> Pane:
-    """Return a sheet of which only solar and visible averages are known.
+    """Return a sheet with known solar and visible averages.
 
-    Invisible wavelengths get the remaining solar energy, with 49 % of it in the visible
-    range as in WINDOW.
+    Values at invisible wavelengths follow from the solar average, with 49 % of solar
+    energy in the visible range as in WINDOW.
 
     >>> grey = two_band_pane("cloth", solar=Optics.alike(0.3, 0.2),
     ...                      visible=Optics.alike(0.1, 0.2))
@@ -190,16 +190,16 @@ def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -
 
 
 def invisible(visible: Values, solar: Values) -> Values:
-    """Property outside the visible range that gives the solar average.
+    """Value outside the visible range that yields the solar average.
 
-    It is zero where it would be negative.
+    Negative values are set to zero.
     """
     rest = (solar - VISIBLE_SHARE * visible) / (1 - VISIBLE_SHARE)
     return np.asarray(np.maximum(rest, 0))
 
 
 def two_band_wavelengths() -> Values:
-    """Ends of the solar range, and steps at the ends of the visible range [nm]."""
+    """Limits of the solar range, and steps at the limits of the visible range [nm]."""
     low, high = _VISIBLE_NM
     return np.array(
         [_SOLAR_NM[0], low - _STEP_NM, low, high, high + _STEP_NM, _SOLAR_NM[1]]
@@ -207,6 +207,6 @@ def two_band_wavelengths() -> Values:
 
 
 def is_visible(wavelength_nm: Values) -> Values:
-    """One for visible wavelengths, 380 to 780 nm, else zero."""
+    """1 for visible wavelengths (380 to 780 nm), 0 for all others."""
     low, high = _VISIBLE_NM
     return ((wavelength_nm >= low) & (wavelength_nm <= high)).astype(float)

@@ -1,7 +1,8 @@
-"""Sampling of a layer in one band, for random walks between layers.
+"""Sampling of a layer in one spectral band, for random walks between layers.
 
-Panes transmit or reflect specularly, by tables over the angle of incidence; openings
-transmit undeviated light; all else is scattered by a BSDF at its own resolution.
+Panes transmit or reflect specularly, by tables over the angle of incidence. Openings
+transmit light undeviated. All other light is scattered by the BSDF of the layer, at the
+resolution of its data.
 """
 
 from dataclasses import dataclass
@@ -25,10 +26,10 @@ from clerestory.glazing.optics import Optics
 from clerestory.glazing.standard import Band, Channel
 from clerestory.hemisphere.klems import klems
 
-# Number of cosines in the tables of panes.
+# Number of cosines in the specular table of a pane.
 _TABLE = 513
 
-# Factors from exit patches to directions of travel into the room.
+# Factors that turn centres of exit patches into directions of travel.
 _TURN = {
     "transmission_front": np.array([1.0, 1.0, 1.0]),
     "transmission_back": np.array([-1.0, -1.0, 1.0]),
@@ -40,13 +41,13 @@ _Directions = Float[np.ndarray, "walker 3"]
 @final
 @dataclass(frozen=True, eq=False)
 class Scatterer:
-    """One layer in one band.
+    """One layer in one spectral band.
 
     Attributes
     ----------
-    layer : whose openings transmit undeviated light
-    mirror : specular values over the table's cosines; None if light is scattered
-    bsdf : of the scattered light, in the channel "visible"; None for panes
+    layer : layer that is sampled; its openings transmit light undeviated
+    mirror : specular properties over the cosines of the table; None if scattering
+    bsdf : BSDF of the scattered light, in the channel "visible"; None for panes
     """
 
     layer: Layer
@@ -74,8 +75,8 @@ class Scatterer:
 
         Parameters
         ----------
-        travel : before, all with the same sign of z
-        passed : which light is transmitted; the rest is reflected
+        travel : directions of travel before the layer, all with the same sign of z
+        passed : whether each walk is transmitted instead of reflected
         """
         leaving = np.where(passed[:, None], travel, travel * [1, 1, -1])
         if self.mirror is not None:
@@ -101,7 +102,7 @@ class Scatterer:
 
 
 def scatterer(layer: Layer, band: Band, channel: Channel) -> Scatterer:
-    """Return the sampling of a layer in one band."""
+    """Return the sampler of a layer in one spectral band."""
     known = layer.wavelength_nm
     weights = band.weights(known)
     cosine = np.linspace(0, 1, _TABLE)
@@ -117,7 +118,7 @@ def scatterer(layer: Layer, band: Band, channel: Channel) -> Scatterer:
                 )
         return Scatterer(layer, None, Bsdf(functions))
 
-    # Scattering of the layer without its openings, on Klems full
+    # BSDF of the layer without its openings, in the full Klems basis
     partition = klems("full")
     counts = np.flatnonzero(weights)
     shares = layer.matrices(known[counts], partition).map(

@@ -32,10 +32,11 @@ class PerforatedScreen(MaterialLayer):
 
     Attributes
     ----------
-    material : of the sheet, whose thickness limits oblique transmission
-    shape : of the holes
-    spacing : distance of their centres, to the right and upwards [m]
-    size : radius of circular holes (the first number), or width and height [m]
+    material : material of the sheet; its thickness limits oblique transmission
+    shape : shape of the holes
+    spacing : horizontal and vertical distance between the hole centres [m]
+    size : width and height of rectangular holes, or radius of circular holes (first
+        number) [m]
 
     Raises
     ------
@@ -66,7 +67,7 @@ class PerforatedScreen(MaterialLayer):
         if any(w > s for w, s in zip(widest, self.spacing, strict=True)):
             raise InputError(
                 f"screen {self.name!r} has holes of {tuple(widest)} m every"
-                f" {self.spacing} m, which overlap; smaller ones expected"
+                f" {self.spacing} m, which overlap; smaller holes expected"
             )
 
     def openness(self, direction: Directions) -> Values:
@@ -93,7 +94,7 @@ class PerforatedScreen(MaterialLayer):
         return _with_openings(even, free, partition)
 
     def flipped(self) -> "PerforatedScreen":
-        """Return the screen turned round."""
+        """Return the screen reversed."""
         return replace(self, material=self.material.flipped())
 
 
@@ -104,8 +105,8 @@ class WovenShade(MaterialLayer):
 
     Attributes
     ----------
-    material : of the threads
-    thread_diameter, thread_spacing : [m]
+    material : material of the threads
+    thread_diameter, thread_spacing : diameter and spacing of the threads [m]
 
     Raises
     ------
@@ -128,8 +129,8 @@ class WovenShade(MaterialLayer):
     def __post_init__(self) -> None:
         if not 0 < self.thread_diameter <= self.thread_spacing:
             raise InputError(
-                f"cloth {self.name!r} has threads of {self.thread_diameter:g} m every"
-                f" {self.thread_spacing:g} m; thinner threads expected"
+                f"fabric {self.name!r} has threads of {self.thread_diameter:g} m every"
+                f" {self.thread_spacing:g} m; 0 < diameter ≤ spacing expected"
             )
 
     def openness(self, direction: Directions) -> Values:
@@ -152,7 +153,7 @@ class WovenShade(MaterialLayer):
                 ("back", shares.reflection_front),
             )
         }
-        # Forward scattering by threads increases transmission and lowers reflection
+        # Forward scattering by threads increases transmission and decreases reflection
         gain = {"transmission": 1, "reflection": -1}
 
         def total(name: Function) -> Float[np.ndarray, "wavelength exit incident"]:
@@ -162,13 +163,13 @@ class WovenShade(MaterialLayer):
         return _with_openings(Optics.gather(total), free, partition)
 
     def flipped(self) -> "WovenShade":
-        """Return the fabric turned round."""
+        """Return the fabric reversed."""
         return replace(self, material=self.material.flipped())
 
     def _scattered_forwards(
         self, reflectance: PerWavelength, direction: Float[np.ndarray, "direction 3"]
     ) -> Float[np.ndarray, "wavelength direction"]:
-        # Regression over measured fabrics; angles in degrees
+        # Regression of measured fabrics; angles in degrees
         gamma = self.thread_diameter / self.thread_spacing
         if gamma >= 1:
             return np.zeros((len(reflectance), len(direction)))
@@ -193,7 +194,7 @@ class WovenShade(MaterialLayer):
 
 
 def _with_openings(even: Optics, free: Values, partition: RingPartition) -> Optics:
-    # Undeviated transmission of the openings on both sides
+    # Add the undeviated transmission of the openings in both directions
     straight = diagonal((free / partition.projected_solid_angles())[None])
     return Optics(
         even.transmission_front + straight,
@@ -204,6 +205,6 @@ def _with_openings(even: Optics, free: Values, partition: RingPartition) -> Opti
 
 
 def _altitude_azimuth(direction: Directions) -> tuple[Values, Values]:
-    # Absolute altitude and azimuth relative to the normal
+    # Absolute values of altitude and azimuth relative to the normal
     x, y, z = direction.T
     return np.arcsin(np.clip(np.abs(y), 0, 1)), np.arctan2(np.abs(x), z)

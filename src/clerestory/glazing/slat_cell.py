@@ -1,9 +1,9 @@
-"""Section of the space between two slats, with view factors by ray counting.
+"""Cross-section of the space between two slats, with view factors by ray casting.
 
-The first coordinate runs from the sky into the room, the second upwards. The space is
-bounded by the lower face of one slat, the upper face of the next, and the openings to
-the sky and to the room. Rays are intersected with these faces for view factors, sunlit
-fractions and visible fractions, so that flux is conserved.
+The first coordinate points from outdoors to indoors, the second upwards. The space is
+bounded by the lower face of the upper slat, the upper face of the lower slat, and the
+openings to the sky and to the room. View factors, sunlit fractions and visible
+fractions are computed by intersecting rays with these faces, so that flux is conserved.
 """
 
 from dataclasses import dataclass
@@ -15,23 +15,23 @@ from jaxtyping import Float
 from clerestory.array_types import Indices, Points2, Values
 from clerestory.errors import InputError
 
-# Rays per segment and per angle for view factors, and per opening.
+# Points and angles per face for view factors, and rays per opening for beams.
 _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
 
 
 @final
 @dataclass(frozen=True)
 class SlatGeometry:
-    """Section of a venetian blind.
+    """Cross-section of a venetian blind.
 
     Attributes
     ----------
     width : chord of a slat [m]
-    spacing : distance of two slats [m]
-    tilt : positive if the outer edge is lowered [rad]
-    curvature_radius : of the slats [m]; 0 for flat ones, positive if the middle is
-        above the edges at no tilt
-    segments : per slat
+    spacing : distance between adjacent slats [m]
+    tilt : tilt angle, positive if the outdoor edge is lowered [rad]
+    curvature_radius : radius of curvature of the slats [m]; 0 for flat slats, positive
+        if the middle of an untilted slat is above its edges
+    segments : number of straight segments per slat
 
     Raises
     ------
@@ -48,8 +48,8 @@ class SlatGeometry:
     def __post_init__(self) -> None:
         if not (self.width > 0 and self.spacing > 0):
             raise InputError(
-                f"slats {self.width:g} m wide every {self.spacing:g} m; both above 0"
-                " expected"
+                f"slats {self.width:g} m wide every {self.spacing:g} m; width and"
+                " spacing above 0 expected"
             )
         if not abs(self.tilt) <= np.pi / 2:
             raise InputError(
@@ -62,12 +62,10 @@ class SlatGeometry:
                 " than half the width expected, or 0 for flat slats"
             )
         if not 1 <= self.segments <= 100:
-            raise InputError(f"{self.segments} segments; 1 to 100 expected")
+            raise InputError(f"{self.segments} segments per slat; 1 to 100 expected")
 
     def polyline(self) -> Points2:
-        """Points of a slat from the sky to the room, the middle of its
-        chord at 0 [m].
-        """
+        """Points of a slat from outdoors to indoors, relative to its mid-chord [m]."""
         if self.curvature_radius:
             radius = self.curvature_radius
             half = np.arcsin(self.width / 2 / abs(radius))
@@ -86,14 +84,15 @@ class SlatGeometry:
 class SlatCell:
     """Faces of the space between two slats.
 
-    Faces are the upper faces of the lower slat's segments, from the sky to the room,
-    the lower faces of the upper slat's, and the openings to the sky and to the room.
+    Faces are, in this order: the segments of the upper face of the lower slat from
+    outdoors to indoors, the segments of the lower face of the upper slat, the opening
+    to the sky and the opening to the room.
 
     Attributes
     ----------
-    start, end : of each face [m]
-    normal : into the space
-    segments : per slat
+    start, end : end points of each face [m]
+    normal : unit normal of each face, into the space
+    segments : number of segments per slat
     """
 
     start: Float[np.ndarray, "face 2"]
@@ -117,12 +116,12 @@ class SlatCell:
 
     @property
     def sky(self) -> int:
-        """Number of the opening to the sky."""
+        """Face number of the opening to the sky."""
         return 2 * self.segments
 
     @property
     def room(self) -> int:
-        """Number of the opening to the room."""
+        """Face number of the opening to the room."""
         return 2 * self.segments + 1
 
     @property
@@ -151,12 +150,12 @@ class SlatCell:
     def beam(
         self, direction: Float[np.ndarray, "direction 2"], *, opening: int
     ) -> Float[np.ndarray, "direction face"]:
-        """Fraction of parallel light through an opening that meets each face.
+        """Fraction of parallel light through an opening that reaches each face.
 
         Parameters
         ----------
-        direction : of travel, into the space
-        opening : `sky` or `room`
+        direction : directions of travel, into the space
+        opening : face number of the opening, `sky` or `room`
         """
         part = ((np.arange(_BEAMS) + 0.5) / _BEAMS)[:, None]
         origin = self.start[opening] + part * (self.end - self.start)[opening]
@@ -167,7 +166,7 @@ class SlatCell:
         return shares
 
     def _hits(self, origin: Points2, direction: Points2, leaving: int) -> Indices:
-        # Number of the face that each ray meets first
+        # Number of the first face that each ray intersects
         along = self.end - self.start
         away = self.start - origin[:, None]
         cross = _cross(direction[:, None], along)
@@ -180,7 +179,7 @@ class SlatCell:
         met[:, leaving] = False
         hit = np.argmin(np.where(met, distance, np.inf), axis=1)
         lost = ~met.any(axis=1)
-        # Rays along an edge may miss all faces: they leave through the far opening
+        # Rays along an edge may miss all faces; they leave through the opposite opening
         hit[lost] = np.where(direction[lost, 0] > 0, self.room, self.sky)
         return np.asarray(hit)
 

@@ -1,4 +1,4 @@
-"""Reader of spectra in two columns: sources, detectors and measurements."""
+"""Reader of two-column spectra of light sources, detectors and materials."""
 
 from pathlib import Path
 
@@ -13,8 +13,8 @@ def read_spectrum(path: str | Path) -> Spectrum:
     """Read a table of two columns, wavelength and value.
 
     Lines with other text are comments. A comment "Wavelength Units: microns" (as in
-    LBNL's .ssp and .dsp files) gives the unit; without it wavelengths are nanometres,
-    or micrometres if all of them are below 100.
+    .ssp and .dsp files of LBNL) gives the unit. Default: nanometres, or micrometres
+    if all wavelengths are below 100.
     """
     rows: list[tuple[float, float]] = []
     unit = None
@@ -27,7 +27,9 @@ def read_spectrum(path: str | Path) -> Spectrum:
             if "wavelength unit" in key.lower():
                 unit = wavelength_unit_nm(name)
     if not rows:
-        raise InputError("no rows of wavelength and value found", file=path)
+        raise InputError(
+            "no rows of wavelength and value; at least one expected", file=path
+        )
     wavelength, value = np.array(rows).T
     if unit is None:
         unit = 1000.0 if wavelength.max() < 100 else 1.0

@@ -1,8 +1,8 @@
 """BSDF and absorptances of a stack of layers.
 
-At each wavelength the matrices of the layers are combined, and the result is weighted
-into the solar and the visible average. Unlike the combination of band averages this is
-exact for spectrally selective layers.
+The matrices of the layers are combined at each wavelength, and the results are averaged
+over the solar and the visible band. Unlike a combination of band averages, this method
+is exact for spectrally selective layers.
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ from clerestory.hemisphere.partition import RingPartition
 from clerestory.progress import Progress
 from clerestory.spectra import common_wavelengths
 
-# Numbers per chunk of matrices: 100 MB for four of them.
+# Matrix entries per chunk of wavelengths: 100 MB for four matrices.
 _TOGETHER = 3_000_000
 
 Method = Literal["wavelengths", "bands"]
@@ -47,11 +47,10 @@ class StackedLayers:
 
     Attributes
     ----------
-    bsdf : of the whole stack, with visible and solar channels
-    absorptance : per channel and side, of each layer for light from each incident
-        patch, over (layer, incident)
-    layers : names, from the sky to the room
-    standard : name of the averages
+    bsdf : BSDF of the whole stack, with visible and solar channels
+    absorptance : absorptance over (layer, incident patch), per channel and side
+    layers : names of the layers, from outdoors to indoors
+    standard : name of the standard of the spectral averages
     """
 
     bsdf: Bsdf
@@ -63,7 +62,7 @@ class StackedLayers:
     def direct_hemispherical(
         self, function: Function, *, channel: Channel = "visible"
     ) -> Values:
-        """Directional-hemispherical value per incident patch."""
+        """Directional-hemispherical property per incident patch."""
         return self.bsdf.direct_hemispherical(function, channel=channel)
 
     def diffuse(self, function: Function, *, channel: Channel = "visible") -> float:
@@ -73,7 +72,7 @@ class StackedLayers:
     def diffuse_absorptance(
         self, *, channel: Channel = "solar", side: Side = "front"
     ) -> Values:
-        """Absorptance of each layer for light from a uniform hemisphere."""
+        """Absorptance of each layer under uniform hemispherical illumination."""
         measure = self.partition.projected_solid_angles()
         return np.asarray(self.absorptance[channel, side] @ measure / np.pi)
 
@@ -92,15 +91,15 @@ def stack_layers(
 
     Parameters
     ----------
-    layers : from the sky to the room, at least one
-    partition : patches on both sides; None for Klems full
-    standard : spectral averages; None for NFRC's
-    method : "wavelengths" combines the layers at all of their wavelengths; "bands"
-        combines their solar and visible averages, which is faster. A single BSDF keeps
-        its own averages.
-    name : of the system
-    gap_thickness : total, for the file of the stack [m]
-    report : called with the fraction done, and a note
+    layers : layers from outdoors to indoors, at least one
+    partition : patches on both sides; default: full Klems basis
+    standard : standard of the spectral averages; default: NFRC
+    method : "wavelengths" combines layers at each wavelength; "bands" combines their
+        solar and visible averages, which is faster. A single BSDF layer always uses its
+        averages.
+    name : name of the system
+    gap_thickness : total thickness of the gaps, stored in the product data [m]
+    report : function called with the completed fraction and the wavelength
 
     Raises
     ------
@@ -116,7 +115,7 @@ def stack_layers(
     0.2604
     """
     if not layers:
-        raise InputError("a stack without layers; at least one expected")
+        raise InputError("stack without layers; at least one expected")
     partition = partition or klems("full")
     standard = standard or nfrc()
     single = len(layers) == 1 and isinstance(layers[0], BsdfLayer)
@@ -190,7 +189,7 @@ def _band_by_band(
 def _layer_band(
     layer: Layer, band: Band, channel: Channel, partition: RingPartition
 ) -> Optics:
-    # Average of a single layer
+    # Band average of a single layer
     if isinstance(layer, BsdfLayer):
         return layer.band(channel, partition)
     weights = band.weights(layer.wavelength_nm)
@@ -222,7 +221,7 @@ def _passage(
         ]
         return stack_properties(flux)
 
-    # Specular panes: patches are independent, with 1 × 1 matrices
+    # In stacks of specular panes patches are independent: use 1 × 1 matrices
     single = stack_properties(
         [p.map(lambda share: share[..., None, None]) for p in panes]
     )

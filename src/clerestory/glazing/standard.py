@@ -1,11 +1,10 @@
 """Standards for solar and visible averages of spectral properties.
 
-A band is a set of weights at fixed wavelengths. Averages of properties at other
-wavelengths are weighted sums of these, so that stacks can be summed wavelength by
-wavelength.
+A band is a set of weights at fixed wavelengths. Its average of a spectrum is a weighted
+sum of the tabulated values, so that stacks can be summed wavelength by wavelength.
 
 References: NFRC 300 (source ASTM E891 direct, AM 1.5; visible D65 and CIE 1931 Y); EN
-410 (tables of weights). The sums end at the last interval within the range, as in
+410 (tables of weights). Sums include only intervals within the range, as in
 WINDOW.
 """
 
@@ -22,7 +21,7 @@ from clerestory.spectra import Spectrum, interpolation_matrix
 Channel = Literal["solar", "visible"]
 CHANNELS: tuple[Channel, ...] = ("solar", "visible")
 
-# Tolerance of wavelengths in files [nm].
+# Tolerance for rounded wavelengths in files [nm].
 _ROUNDING_NM = 1e-3
 
 
@@ -33,8 +32,8 @@ class Band:
 
     Attributes
     ----------
-    wavelength_nm : wavelengths of the weights
-    weight : with a sum of 1
+    wavelength_nm : wavelengths of the weights [nm]
+    weight : weights that sum to 1
 
     Examples
     --------
@@ -57,7 +56,7 @@ class Band:
         return float(self.weight @ spectrum.at(self.wavelength_nm))
 
     def weights(self, known_nm: Values) -> Values:
-        """Weights of values at other wavelengths, by linear interpolation."""
+        """Weights for values at the given wavelengths, by linear interpolation."""
         return np.asarray(
             self.weight @ interpolation_matrix(known_nm, self.wavelength_nm)
         )
@@ -70,8 +69,8 @@ class Standard:
 
     Attributes
     ----------
-    name : in reports
-    solar, visible : the bands
+    name : name in reports
+    solar, visible : bands of the solar and the visible average
     """
 
     name: str

@@ -1,10 +1,9 @@
-"""Thermal properties of a glazing system by LBNL's WINDOW engine.
+"""Thermal properties of a glazing system by the engine of LBNL WINDOW.
 
-Optical properties are computed by this package, thermal ones by pywincalc (extra
-`thermal`), LBNL's binding of the engine of WINDOW (ISO 15099). Panes are passed with
-their spectra, venetian, woven and perforated shades with their geometry, BSDFs as
-two-band matrices. `light_and_heat` replaces the procedure of genBSDF followed by
-WINDOW.
+Optical properties are computed by this package, thermal properties by pywincalc (extra
+`thermal`), the Python binding of the WINDOW engine (ISO 15099). Panes are passed as
+spectra, venetian, woven and perforated shades as geometry, BSDFs as two-band matrices.
+`light_and_heat` replaces the sequence of genBSDF and WINDOW.
 """
 
 from collections.abc import Sequence
@@ -43,10 +42,10 @@ class ThermalFigures:
     ----------
     u : thermal transmittance, NFRC winter conditions [W/(m² K)]
     shgc : solar heat gain coefficient, NFRC summer conditions, normal incidence
-    solar_transmittance, visible_transmittance : at normal incidence
-    temperatures_winter, temperatures_summer : of each layer's two faces, from the sky
-        to the room, without sun and with that of SHGC [K]
-    relative_heat_gain : [W/m²]
+    solar_transmittance, visible_transmittance : transmittances at normal incidence
+    temperatures_winter, temperatures_summer : temperatures of the outdoor and indoor
+        face of each layer, under the conditions of U and of SHGC [K]
+    relative_heat_gain : relative heat gain (NFRC) [W/m²]
     """
 
     u: float
@@ -68,22 +67,22 @@ def thermal_figures(
     height: float = 1.0,
     tilt_deg: float = 90.0,
 ) -> ThermalFigures:
-    """Return U, SHGC and temperatures of a glazing system.
+    """Return U-value, SHGC and temperatures of a glazing system.
 
     Parameters
     ----------
-    layers : from the sky to the room
-    gaps : between them, one fewer
-    basis : Klems basis for shades; BSDF files always use Klems full, the only one that
-        pywincalc supports
+    layers : layers from outdoors to indoors
+    gaps : gaps between the layers, one fewer than layers
+    basis : Klems basis for shades; BSDF files always use the full basis, the only basis
+        that pywincalc supports for them
     wavelengths : "full" for all wavelengths of the layers; "condensed" for twenty,
         which is accurate to 0.005 and several times faster for scattering layers
-    width, height : of the window [m]
-    tilt_deg : of the window; 90 is vertical
+    width, height : dimensions of the window [m]
+    tilt_deg : tilt of the window; 90 is vertical
 
     Raises
     ------
-    InputError : gaps and layers do not match, or the engine refuses them
+    InputError : numbers of gaps and layers do not match, or pywincalc rejects a layer
     ClerestoryError : pywincalc is not installed
     """
     if len(gaps) != len(layers) - 1:
@@ -96,7 +95,7 @@ def thermal_figures(
             engine, layers, gaps, basis, wavelengths, (width, height), tilt_deg
         )
     except RuntimeError as error:
-        raise InputError(f"pywincalc refuses the layers: {error}") from error
+        raise InputError(f"pywincalc rejects the layers: {error}") from error
 
 
 def _calculate(
@@ -161,8 +160,8 @@ class LightAndHeat(NamedTuple):
 
     Attributes
     ----------
-    light : BSDF, and absorptances of the layers
-    heat : U, SHGC and temperatures
+    light : BSDF of the system and absorptances of the layers
+    heat : U-value, SHGC and temperatures
     """
 
     light: StackedLayers
@@ -181,8 +180,8 @@ def light_and_heat(
     Parameters
     ----------
     basis : Klems basis of the BSDF
-    standard : spectral averages of the BSDF; None for NFRC's
-    wavelengths : of the thermal calculation, see `thermal_figures`
+    standard : standard of the spectral averages; default: NFRC
+    wavelengths : wavelengths of the thermal calculation, see `thermal_figures`
     """
     light = stack_layers(
         system.layers,

@@ -1,8 +1,9 @@
 """Venetian blinds by radiosity between Lambertian slats.
 
-In section, the irradiance of each face follows from geometry, its radiosity from the
-balance of all faces, and the exit radiance from the visible fraction of each face. As
-slats are long, directions are projected onto the section (profile angle).
+In cross-section, the irradiance of each face follows from geometry, its radiosity from
+the flux balance of all faces, and the exit radiance from the visible fraction of each
+face. Slats are infinitely long: directions are projected onto the section (profile
+angle).
 
 References: ISO 15099:2003, 7.2 and 7.3; D. Carli, Calculation of optical properties for
 a venetian blind type of shading device, Carli Inc., 2006 (the model of WINDOW); J. H.
@@ -28,9 +29,7 @@ Distribution = Literal["directional", "uniform"]
 
 
 class _Beams(NamedTuple):
-    """Fractions of the light along each direction that meet each face,
-    and that pass.
-    """
+    """Fractions of light of each direction that reach each face or pass through."""
 
     entering: Float[np.ndarray, "direction face"]
     straight: Float[np.ndarray, " direction"]
@@ -43,12 +42,12 @@ class VenetianBlind(Layer):
 
     Attributes
     ----------
-    material : of the slats, with its front on their upper face
-    slats : section
-    distribution : "directional" uses the visible fraction of faces from each exit
-        patch; "uniform" is Lambertian
-    vertical : whether slats are vertical; positive tilt then turns the outer edge to
-        the left, seen from the room
+    material : slat material; its front side is the upper face of the slats
+    slats : cross-section of the slats
+    distribution : "directional" uses the fraction of each face visible from each exit
+        patch; "uniform" distributes exit radiance uniformly
+    vertical : whether slats are vertical; positive tilt then turns the outdoor edge to
+        the left, as seen from the room
 
     Examples
     --------
@@ -74,12 +73,12 @@ class VenetianBlind(Layer):
 
     @property
     def wavelength_nm(self) -> Values:
-        """Where the material was measured."""
+        """Wavelengths of the material data [nm]."""
         return self.material.wavelength_nm
 
     @property
     def thickness(self) -> float:
-        """Depth of the slats [m]."""
+        """Depth of the tilted slats plus the thickness of the material [m]."""
         return float(np.ptp(self.slats.polyline()[:, 0])) + self.material.thickness
 
     @property
@@ -97,7 +96,7 @@ class VenetianBlind(Layer):
         )
         sent = [self._sent(beams.entering, wavelength_nm) for beams in (front, back)]
 
-        # By reciprocity faces are seen from a direction like they are lit from it
+        # By reciprocity, visible fractions equal the lit fractions of reversed light
         to_room, to_sky = (
             self._beams(section * [-1, -1], self._cell.room).entering,
             self._beams(section * [1, -1], self._cell.sky).entering,
@@ -164,7 +163,7 @@ class VenetianBlind(Layer):
         entering: Float[np.ndarray, "direction face"],
         wavelength_nm: PerWavelength,
     ) -> Float[np.ndarray, "wavelength face direction"]:
-        # Radiosity of each face per irradiance of the blind, after all reflections
+        # Radiosity of each face per unit irradiance of the blind, after all reflections
         count = self.slats.segments
         spacing, length = self.slats.spacing, self._cell.lengths[: 2 * count]
         passes = self._material_matrix(wavelength_nm)
@@ -176,7 +175,7 @@ class VenetianBlind(Layer):
     def _material_matrix(
         self, wavelength_nm: PerWavelength
     ) -> Float[np.ndarray, "wavelength face face"]:
-        # Each face reflects, and transmits from the other face
+        # Each face reflects, and transmits light from the other face of its slat
         shares = self.material.at(wavelength_nm)
         count = self.slats.segments
         same, across = np.eye(count), np.eye(count)

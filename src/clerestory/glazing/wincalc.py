@@ -1,4 +1,4 @@
-"""Layers and gaps as objects of pywincalc, LBNL's binding of the WINDOW engine."""
+"""Layers and gaps as objects of pywincalc, the Python binding of the WINDOW engine."""
 
 import importlib
 from types import ModuleType
@@ -26,8 +26,8 @@ def load_engine() -> ModuleType:
         return importlib.import_module("pywincalc")
     except ImportError as error:
         raise ClerestoryError(
-            "thermal properties need pywincalc, which is not installed; pip install"
-            " 'clerestory[thermal]' where it has a wheel"
+            "thermal properties require pywincalc, which is not installed; pip install"
+            " 'clerestory[thermal]' on platforms with a pywincalc wheel"
         ) from error
 
 
@@ -54,7 +54,7 @@ def engine_gap(engine: ModuleType, gap: Gap) -> Any:
 def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> Any:
     """Return a layer for the engine.
 
-    `partition`: Klems full for layers that are passed as matrices.
+    `partition`: full Klems basis, for layers that are passed as matrices.
     """
     if isinstance(layer, Glass):
         return _sheet(engine, layer.material)

@@ -35,7 +35,7 @@ def klems(basis: str = "full") -> RingPartition:
 
     Raises
     ------
-    InputError : another name
+    InputError : unknown basis
 
     Examples
     --------

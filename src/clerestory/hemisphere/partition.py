@@ -26,7 +26,7 @@ class RingPartition:
 
     Attributes
     ----------
-    name : as in files and messages
+    name : name in files and messages
     count : patches per ring, in the order of patch numbers
     theta : polar limits of the rings [rad], from 0 to π/2 or from π/2 to 0
     azimuth : "compass" from +y towards +x (skies) or "polar" from +x towards +y
@@ -70,7 +70,7 @@ class RingPartition:
         return np.asarray(np.cumsum(self.count) - self.count)
 
     def matches(self, other: "RingPartition") -> bool:
-        """Whether both divide the hemisphere alike, whatever their names."""
+        """Whether both have the same patches; names are ignored."""
         return (
             self.azimuth == other.azimuth
             and np.array_equal(self.count, other.count)
@@ -92,18 +92,18 @@ class RingPartition:
         return np.repeat(ring / self.count, self.count)
 
     def find(self, direction: Directions) -> Indices:
-        """Patch that contains each direction; -1 below the rim."""
+        """Number of the patch that contains each direction; -1 if z is not positive."""
         x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
         theta = np.arctan2(np.hypot(x, y), z)
 
-        # Find the ring, whichever way the limits run
+        # Find the ring, for increasing or decreasing limits
         inner = self.theta[1:-1]
         if self.theta[0] > self.theta[-1]:
             ring = len(inner) - np.searchsorted(inner[::-1], theta, side="left")
         else:
             ring = np.searchsorted(inner, theta, side="right")
 
-        # Find the patch within it; the first is centred on azimuth 0
+        # Find the patch within the ring; the first patch is centred on azimuth 0
         count = self.count[ring]
         along, across = (y, x) if self.azimuth == "compass" else (x, y)
         turn = np.arctan2(across, along) / (2 * np.pi)
@@ -111,7 +111,7 @@ class RingPartition:
         return np.where(z > 0, self.first[ring] + within, -1)
 
     def centres(self) -> Directions:
-        """Unit vectors to the middle of each patch in polar angle and azimuth."""
+        """Unit vectors to the patch centres, midway in polar angle and azimuth."""
         middle = (self.theta[1:] + self.theta[:-1]) / 2
         middle = np.where(
             (self.count == 1) & (self.theta[:-1] * self.theta[1:] == 0), 0, middle
@@ -134,7 +134,7 @@ class RingPartition:
     def _directions(
         self, theta: Values, offset: Values, patch: Indices | None = None
     ) -> Directions:
-        # Azimuth of a point offset by a number of patch widths from its patch centre
+        # `offset`: azimuth from the patch centre, in patch widths
         if patch is None:
             patch = np.arange(len(self))
         ring = np.repeat(np.arange(len(self.count)), self.count)[patch]

@@ -15,18 +15,18 @@ from jaxtyping import Float, Int, Int16
 from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.partition import RingPartition
 
-# Cells along an axis of the grid, and its range, chosen so that no grid line coincides
-# with patch boundaries at x = 0, y = 0 or on the diagonals.
+# Cells along each axis of the grid, and range of the grid, such that no grid line
+# coincides with patch boundaries at x = 0, y = 0 or on the diagonals.
 _CELLS = 640
 _LEAST, _MOST = -1.00471, 1.00313
 
-# Marks a cell that a patch boundary crosses.
+# Value of a cell that a patch boundary crosses.
 _BORDER = -1
 
-# Largest deviation of squared lengths from 1.
+# Largest deviation from 1 of the squared length of a unit vector.
 _NOT_UNIT = 1e-5
 
-# Fewest directions for which a table is built, which takes 0.1 s.
+# Smallest number of directions for which a table is built (0.1 s).
 _FEW = 1 << 11
 
 
@@ -37,14 +37,14 @@ class PatchTable:
     Attributes
     ----------
     partition : partition that is looked up
-    patch : patch of each cell, x-major; -1 where a boundary crosses it
+    patch : patch number of each cell, x-major; -1 if a boundary crosses the cell
     """
 
     partition: RingPartition
     patch: Int16[np.ndarray, " cells"]
 
     def find(self, x: Values, y: Values, z: Values) -> Indices:
-        """Patch of each direction; directions below the rim are mirrored up."""
+        """Patch of each direction, mirrored upwards if below the horizon."""
         length = x * x + y * y + z * z
         length -= 1
         if np.abs(length, out=length).max(initial=0) > _NOT_UNIT:
@@ -60,7 +60,7 @@ class PatchTable:
 
 
 def find_patches(partition: RingPartition, direction: Directions) -> Indices:
-    """Patch that contains each unit vector; those below the rim are mirrored up.
+    """Patch that contains each unit vector, mirrored upwards if below the horizon.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> find_patches(klems("full"), np.array([[0.6, 0.0, -0.8]])).tolist()
@@ -82,14 +82,14 @@ def patch_table(partition: RingPartition) -> PatchTable:
 def _table(
     azimuth: Literal["compass", "polar"], theta: bytes, count: bytes
 ) -> PatchTable:
-    # Partitions that differ in name only share a table
+    # Partitions that differ only in name share one table
     partition = RingPartition(
         "table", np.frombuffer(count, dtype=int), np.frombuffer(theta), azimuth
     )
     line = np.linspace(_LEAST, _MOST, _CELLS + 1)
     corner = _on_disc(partition, *np.meshgrid(line, line, indexing="ij"))
 
-    # A patch that contains all corners of a cell can only be left towards the pole
+    # If one patch contains all corners, only the point nearest the pole may lie outside
     nearest = np.clip(0, line[:-1], line[1:])
     middle = _on_disc(partition, *np.meshgrid(nearest, nearest, indexing="ij"))
     ring = np.repeat(np.arange(len(partition.count)), partition.count)
@@ -106,12 +106,12 @@ def _on_disc(
     x: Float[np.ndarray, "row column"],
     y: Float[np.ndarray, "row column"],
 ) -> Int[np.ndarray, "row column"]:
-    # Patches at points of the disc; points beyond its rim are moved to it
+    # Patches at points of the unit disc; points outside are projected onto its edge
     height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
     return _find(partition, x.ravel(), y.ravel(), height.ravel()).reshape(x.shape)
 
 
 def _find(partition: RingPartition, x: Values, y: Values, z: Values) -> Indices:
-    # Directions in the plane belong to the outermost ring
+    # Horizontal directions belong to the outermost ring
     height = np.maximum(np.abs(z), 1e-300)
     return partition.find(np.stack([x, y, height], axis=-1))

@@ -25,7 +25,7 @@ class SkyPartition:
     Attributes
     ----------
     subdivision : Reinhart's MF, 1 for Tregenza's sky
-    dome : the sky without the ground
+    dome : partition of the sky without the ground
 
     Examples
     --------
@@ -45,7 +45,7 @@ class SkyPartition:
         return f"Reinhart MF:{self.subdivision} with ground"
 
     def matches(self, other: "SkyPartition") -> bool:
-        """Whether both divide the sky alike."""
+        """Whether both have the same subdivision."""
         return self.subdivision == other.subdivision
 
     def find(self, direction: Directions) -> Indices:
@@ -57,7 +57,7 @@ class SkyPartition:
         return np.concatenate([[2 * np.pi], self.dome.solid_angles()])
 
     def centres(self) -> Directions:
-        """Unit vectors to the middle of each patch; straight down for the ground."""
+        """Unit vectors to the patch centres; straight down for the ground."""
         return np.concatenate([[[0.0, 0.0, -1.0]], self.dome.centres()])
 
 

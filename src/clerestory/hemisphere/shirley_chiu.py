@@ -12,7 +12,7 @@ from jaxtyping import Float, Float32, Int32
 
 from clerestory.array_types import Directions, Values
 
-# Coefficients of x, x³, … x¹⁷ of the arc tangent
+# Coefficients of x, x³, …, x¹⁷ in a polynomial approximation of the arc tangent
 _ARC_TANGENT = (
     1.0,
     -0.3333314528,
@@ -25,8 +25,8 @@ _ARC_TANGENT = (
     0.0028662257,
 )
 
-# Distance to a boundary below which single precision is not sufficient, as a share of
-# the edge of the square.
+# Distance to a cell boundary below which double precision is required, as a fraction of
+# the side of the square.
 _NEAR_BORDER = 2e-6
 
 _TINY = np.float32(1e-30)
@@ -44,7 +44,7 @@ def square_from_disc(x: Values, y: Values) -> tuple[Values, Values]:
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
 
-    # The radius becomes the larger coordinate, the angle the other
+    # The radius maps to the larger coordinate, the angle to the smaller
     steep = np.abs(y) > np.abs(x)
     far, near = np.where(steep, y, x), np.where(steep, x, y)
     edge = np.copysign(0.5 * np.sqrt(x * x + y * y), far)
@@ -56,10 +56,10 @@ def square_from_disc(x: Values, y: Values) -> tuple[Values, Values]:
 def cells_from_disc(
     x: Float[np.ndarray, " batch"], y: Float[np.ndarray, " batch"], *, halvings: int
 ) -> tuple[Int32[np.ndarray, " batch"], Int32[np.ndarray, " batch"]]:
-    """Grid cells along both axes, 0 to 2^halvings − 1, that contain points of the disc.
+    """Indices, 0 to 2^halvings − 1, of the grid cells that contain points of the disc.
 
-    Equal to `square_from_disc`, computed in single precision except near cell
-    boundaries.
+    The result equals that of `square_from_disc`; only points near cell boundaries are
+    computed in double precision.
 
     >>> a, b = cells_from_disc(np.array([0.9]), np.array([0.1]), halvings=2)
     >>> a.tolist(), b.tolist()
@@ -70,7 +70,7 @@ def cells_from_disc(
     wide, tall = np.abs(single_x), np.abs(single_y)
     steep = tall > wide
 
-    # The radius becomes the larger coordinate, the angle the other
+    # The radius maps to the larger coordinate, the angle to the smaller
     edge = half * np.sqrt(single_x * single_x + single_y * single_y)
     slope = np.minimum(wide, tall) / np.maximum(np.maximum(wide, tall), _TINY)
     along = edge * _eighths(slope)
@@ -131,7 +131,7 @@ def directions_from_square(a: Values, b: Values) -> Directions:
 
 
 def cell_centres(halvings: int) -> tuple[Values, Values]:
-    """Centres of 2^halvings cells along each axis of the square, the second fastest."""
+    """Centres of 2^halvings × 2^halvings cells of the square, in row-major order."""
     middle = (np.arange(1 << halvings) + 0.5) / (1 << halvings)
     a, b = np.meshgrid(middle, middle, indexing="ij")
     return a.ravel(), b.ravel()

@@ -154,7 +154,7 @@ def test_shades_of_the_database_become_layers(product, write_json, geometry, kin
 FAULTS = {
     "not JSON": "{",
     "a JSON object": "[1, 2]",
-    "no spectral data": '{"name": "x"}',
+    "no readable spectral data": '{"name": "x"}',
     "empty spectral table": '{"spectral_data": {"spectral_data": []}}',
 }
 
