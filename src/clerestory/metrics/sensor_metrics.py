@@ -30,18 +30,18 @@ def sensor_metrics(
     *,
     target_lux: float = TARGET_LUX,
 ) -> xr.Dataset:
-    """Return the metrics of each sensor over the hours that count.
+    """Return the metrics of each sensor over the selected hours.
 
     Parameters
     ----------
     hourly : `illuminance` and `standard_error` [lux] over (sensor, time)
-    hours : time steps that count
-    target_lux : of daylight autonomy
+    hours : mask of the selected time steps
+    target_lux : target illuminance of daylight autonomy [lux]
 
     Returns
     -------
     `mean_illuminance`, `median_illuminance`, `maximum_illuminance` [lux];
-    `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) as shares
+    `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) as fractions
     0…1; `useful_bands` over (band, sensor). Each except the median, the maximum and the
     bands has a variable `…_error`.
     """
@@ -100,7 +100,7 @@ def error_of_group_mean(
 
 
 def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    # From the error components of the mean; without them, fully correlated hours
+    # Use the error components of the mean; without them assume fully correlated hours
     if "mean_components" not in hourly:
         return annual_mean(hourly["standard_error"], hours)
     variance = (hourly["mean_components"].astype(float) ** 2).sum("component")
@@ -125,7 +125,7 @@ def metric_error(
 
 
 def _useful_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    # Errors at the lower and at the upper limit of the useful range
+    # Add the errors at the lower and the upper limit of the useful range
 
     def spread(limit_lux: float) -> xr.DataArray:
         return metric_error(

@@ -68,7 +68,7 @@ def test_hours_of_a_leap_day_in_other_units_count_too():
 
 @pytest.mark.parametrize(("from_hour", "to_hour"), [(18, 8), (8, 8), (-1, 5), (8, 25)])
 def test_a_schedule_that_ends_before_it_starts_is_refused(from_hour, to_hour):
-    with pytest.raises(InputError, match="later one last"):
+    with pytest.raises(InputError, match="two increasing hours"):
         occupied_hours(np.array([], "M8[s]"), from_hour=from_hour, to_hour=to_hour)
 
 
