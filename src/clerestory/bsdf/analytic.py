@@ -10,7 +10,7 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 
-# Sampled angles per ring for the average of a pane.
+# Incidence angles per ring over which glass properties are averaged.
 _SAMPLES_PER_RING = 64
 
 
@@ -65,20 +65,21 @@ def thin_pane(
     index: float = 1.52,
     panes: int = 1,
 ) -> Bsdf:
-    """Return panes of clear glass as in Radiance's glass material.
+    """Return clear glass panes, with the model of Radiance's material `glass`.
 
     Transmittance and reflectance are averaged over each patch with cosine weights.
 
     Parameters
     ----------
-    transmissivity : fraction of light left after one passage along the normal, 0…1
+    transmissivity : internal transmittance of one pane at normal incidence, 0…1
     index : refractive index, 1 or more
     panes : number of panes
     """
     if not (0 <= transmissivity <= 1 and index >= 1 and panes >= 1):
         raise InputError(
-            f"{panes} panes of transmissivity {transmissivity} and index {index};"
-            " at least 1, 0 to 1, and at least 1 expected"
+            f"number of panes {panes}, transmissivity {transmissivity}, refractive"
+            f" index {index}; at least 1 pane, transmissivity from 0 to 1 and"
+            " refractive index of at least 1 expected"
         )
     # Average over equal parts of the projected solid angle of each ring
     part = (np.arange(_SAMPLES_PER_RING) + 0.5) / _SAMPLES_PER_RING
@@ -106,20 +107,20 @@ def glass_properties(
 
     Parameters
     ----------
-    cosine : of the angle of incidence
-    transmissivity : fraction of light left after one passage along the normal
+    cosine : cosine of the angle of incidence
+    transmissivity : internal transmittance of one pane at normal incidence
     panes : number of panes
 
     Notes
     -----
-    Fresnel's equations at each face and the geometric series of interreflections per
-        polarisation, as in Radiance's glass. Between panes light is taken as
-        unpolarised.
+    Fresnel's equations at each surface, and the geometric series of interreflections
+        for each polarisation, as in Radiance's material `glass`. Light between panes is
+        assumed to be unpolarised.
 
     Examples
     --------
     >>> t, r = glass_properties(np.array(1.0), transmissivity=1.0, index=1.5)
-    >>> round(float(t), 6), round(float(r), 6)  # 2n/(n²+1) and the rest
+    >>> round(float(t), 6), round(float(r), 6)  # t = 2n/(n² + 1), r = 1 − t
     (0.923077, 0.076923)
     """
     inside = np.sqrt(1 - (1 - cosine**2) / index**2)
@@ -150,7 +151,7 @@ def _symmetric(
     reflection: ExitIncident,
     partition: RingPartition,
 ) -> Bsdf:
-    # Equal functions on both sides
+    # Build a layer whose two sides have equal functions
     tables: dict[Function, ExitIncident] = {
         "transmission_front": transmission,
         "transmission_back": transmission,

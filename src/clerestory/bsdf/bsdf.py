@@ -3,10 +3,10 @@
 Directions are unit vectors that point away from the layer, in the frame of the window:
 x right, y up, z along the normal into the room.
 
-*Front* is the side towards the sky, as in LBNL WINDOW and its XML files: "transmission
-front" is daylight from outside into the room. Radiance calls the room side front and
-exchanges the names on reading, but uses "Transmission Front" of the file for daylight
-as well.
+*Front* is the outdoor side, as in LBNL WINDOW and its XML files: "transmission front"
+is for daylight from outdoors into the room. Radiance calls the room side front and
+swaps the names when it reads a file; it also applies the file's "Transmission Front" to
+daylight.
 """
 
 from collections.abc import Callable, Mapping
@@ -44,10 +44,10 @@ class Bsdf:
 
     Attributes
     ----------
-    functions : scattering per channel ("visible", "solar", …) and function
+    functions : scattering functions by channel ("visible", "solar", …) and name
     product : product information in the file
     notes : irregularities of the file and how they were resolved
-    source : the file, for messages
+    source : file name, for error messages
 
     Examples
     --------
@@ -81,7 +81,7 @@ class Bsdf:
     ) -> ScatteringFunction:
         """Return one scattering function, a matrix or a tensor tree.
 
-        A transmission that is given for one side only is used for the other by
+        If only one side's transmission is given, that of the other side follows by
         reciprocity.
 
         Raises
@@ -101,7 +101,7 @@ class Bsdf:
         )
 
     def tabulated(self) -> "Bsdf":
-        """Return the layer with all functions as matrices or trees, for kernels."""
+        """Return the layer with all functions as matrices or trees, for ray tracing."""
         parts = {key: part.tabulated() for key, part in self.functions.items()}
         return replace(self, functions=parts)
 
@@ -116,8 +116,8 @@ class Bsdf:
 
         Parameters
         ----------
-        partition : patches on both sides; None for those of the file, or Klems full for
-            trees
+        partition : incident and exit patches; default: the partitions in the file, or
+            Klems full for trees
 
         Raises
         ------
@@ -143,13 +143,13 @@ class Bsdf:
 
         Entries are exit radiance per incident radiance: the BSDF times the projected
         solid angle of the incident patch. The visible channel is in RGB if the file has
-        CIE X and Z, else grey.
+        chromaticity data, otherwise grey.
 
         Parameters
         ----------
-        partition : patches on both sides; None for those of the file, or Klems full for
-            trees
-        window : name of the window group; None fits all
+        partition : incident and exit patches; default: the partitions in the file, or
+            Klems full for trees
+        window : name of the window group; None matches every group
 
         Raises
         ------
@@ -208,7 +208,7 @@ class Bsdf:
     ) -> Float[np.ndarray, "*pair"]:
         """BSDF [1/sr] for pairs of directions that point away from the layer.
 
-        Functions that the layer lacks are zero.
+        The BSDF is zero where the layer has no scattering function.
         """
         return self._over_pairs(
             lambda part, i, o: part.evaluate(i, o), incident, leaving, channel, 0.0
@@ -223,7 +223,7 @@ class Bsdf:
     ) -> Float[np.ndarray, "*pair"]:
         """Projected solid angle [sr] of the cell or patch that contains each pair.
 
-        It is π, the whole hemisphere, for functions that the layer lacks.
+        Where the layer has no scattering function it is π, the whole hemisphere.
         """
         return self._over_pairs(
             lambda part, i, o: part.resolution(i, o), incident, leaving, channel, np.pi
@@ -239,13 +239,12 @@ class Bsdf:
     ) -> tuple[Directions, Values]:
         """Sample exit directions; return them and their probability density [1/sr].
 
-        The density is the BSDF times the cosine over the directional-hemispherical
-        value.
+        The density is BSDF × cosine / directional-hemispherical value.
 
         Parameters
         ----------
-        incident : towards the source, on the side of the function
-        u : points of the unit square [0, 1)², one per direction
+        incident : directions towards the source, on the incident side of `function`
+        u : random points in the unit square [0, 1)², one per direction
         """
         part = self.scattering(function, channel=channel)
         leaving, density = part.sample(incident, u)
@@ -261,7 +260,7 @@ class Bsdf:
         channel: str,
         missing: float,
     ) -> Float[np.ndarray, "*pair"]:
-        # Evaluate each function for its pairs, in chunks
+        # Evaluate each scattering function for the pairs of its sides, in chunks
         incident, leaving = np.broadcast_arrays(incident, leaving)
         answer = np.full(incident.shape[:-1], missing)
         flat, i, o = answer.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
@@ -277,7 +276,7 @@ class Bsdf:
         return answer
 
     def in_colour(self, name: Function) -> bool:
-        """Whether the colour of a visible function is known."""
+        """Whether a function has colour data: channels CIE X and Z, or u′ and v′."""
         return any(
             all(self.has(name, channel=channel) for channel in pair)
             for pair in (("cie-x", "cie-z"), ("cie-u", "cie-v"))

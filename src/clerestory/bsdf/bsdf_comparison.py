@@ -12,18 +12,20 @@ from clerestory.hemisphere.partition import RingPartition
 
 @dataclass(frozen=True)
 class Comparison:
-    """Differences of one function of two layers, second minus first.
+    """Differences of one scattering function between two layers, second minus first.
 
     Attributes
     ----------
-    rms : root mean square difference of the BSDF, weighted by solid angle [1/sr]
+    rms : root mean square difference of the BSDF [1/sr], weighted by the projected
+        solid angles of the exit and incident patches
     mean : mean of the first BSDF with the same weights [1/sr]
-    redistributed : fraction of the light of a uniform sky that is scattered into other
-        directions; 0 for equal layers, 1 for disjoint ones
-    share_bias, share_rms, share_worst : differences of directional-hemispherical values
-    worst_patch : incident patch of the largest difference
-    incidents : incident partition of the comparison
-    diffuse : diffuse transmittance or reflectance of each
+    redistributed : under a uniform sky, the fraction of the flux that the second layer
+        scatters into other patches; 0 for equal layers, 1 for disjoint distributions
+    share_bias, share_rms, share_worst : mean, root mean square and largest difference
+        of the directional-hemispherical values
+    worst_patch : incident patch with the largest difference
+    incidents : partition of incident directions used for the comparison
+    diffuse : diffuse transmittance or reflectance of the first and the second layer
     """
 
     rms: float
@@ -44,10 +46,10 @@ def compare(
     function: Function = "transmission_front",
     channel: str = "visible",
 ) -> Comparison:
-    """Return the differences between one function of two layers.
+    """Return the differences of one scattering function between two layers.
 
-    Layers are compared on their own patches if these are equal, otherwise on the
-    coarser incident partition of the two. Trees are averaged to Klems full.
+    Layers with equal partitions are compared on them, others on the coarser of the two
+    incident partitions. Tensor trees are averaged over Klems full patches.
 
     >>> from clerestory.bsdf.analytic import lambertian
     >>> from clerestory.hemisphere.klems import klems

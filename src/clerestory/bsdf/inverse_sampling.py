@@ -1,7 +1,7 @@
 """Inverse transform sampling of piecewise constant distributions.
 
-Cells are chosen in proportion to their flux; the remainder of the random number places
-the sample within the cell.
+Cells are chosen in proportion to their flux. The random number is then rescaled to
+choose the position within the cell.
 """
 
 import numpy as np
@@ -16,7 +16,9 @@ _Samples = Float[np.ndarray, " samples"]
 def choose_cells(
     flux: Float[np.ndarray, " cells"], first: _Cells, last: _Cells, u: _Samples
 ) -> tuple[_Cells, _Samples, _Samples]:
-    """Cells in the ranges first…last − 1, remainders 0…1, and the flux of the ranges.
+    """Choose a cell in each range first…last − 1, in proportion to the flux.
+
+    Return the cells, the random numbers rescaled to 0…1, and the flux of each range.
 
     >>> none, two, u = np.zeros(2, int), np.full(2, 2), np.array([0.125, 0.75])
     >>> choose_cells(np.array([1.0, 3.0]), none, two, u)[0].tolist()
@@ -34,9 +36,11 @@ def choose_cells(
 def sample_square(
     value: Float[np.ndarray, " cells"], u: Float[np.ndarray, "samples 2"]
 ) -> tuple[Float[np.ndarray, "samples 3"], _Samples]:
-    """Directions distributed like the flux of a square grid, and their density [1/sr].
+    """Sample directions from a BSDF on a square grid.
 
-    `value`: BSDF of the cells of the Shirley–Chiu square, the second axis fastest.
+    Return the directions and their probability density [1/sr].
+
+    `value`: BSDF of the cells of the Shirley–Chiu square, in row-major order.
     """
     first = np.zeros(len(u), dtype=int)
     cell, rest, total = choose_cells(value, first, first + len(value), u[:, 0])

@@ -10,12 +10,12 @@ from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.reciprocity import Tables
 from clerestory.bsdf.scattering_function import Function
 
-# Mismatch above which the two sides of a layer are taken as different.
+# Mismatch above which the two sides of a layer are considered different.
 _ASYMMETRIC = 0.05
 
 
 def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
-    """Yield functions that are missing, all zero, or copies of another one."""
+    """Yield functions that are missing, all zero, or copies of other functions."""
     if "visible" not in bsdf.channels:
         yield Finding(
             "missing",
@@ -23,7 +23,7 @@ def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Findi
             0.0,
             f"no visible channel, only {', '.join(bsdf.channels)}",
             "file",
-            "daylight cannot be computed from it",
+            "daylight cannot be computed from this file",
         )
     for channel, known in tables.items():
         yield from _missing(bsdf, channel)
@@ -65,9 +65,9 @@ def _empty(channel: str, tables: Tables) -> Iterator[Finding]:
             "empty",
             "error" if matters else "info",
             0.0,
-            f"all values are zero{', while those of the other side are not' * matters}",
+            f"all values are zero{', those of the other side are not' * matters}",
             f"{channel} {name.replace('_', ' ')}",
-            "programs that read this side get an opaque layer"
+            "programs that use this side treat the layer as opaque"
             if transmits
             else "the layer reflects nothing on this side",
         )
@@ -86,8 +86,8 @@ def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
         if not np.array_equal(one.values, other.values):
             continue
         kind = front.removesuffix("_front")
-        # Equal transmissions require self-reciprocity; equal reflections require equal
-        # transmittances of both sides
+        # Equal transmissions are plausible if each is its own reciprocal, equal
+        # reflections if the transmittances of both sides are equal
         doubt = sides["reverse" if kind == "transmission" else "passing"]
         asymmetric = doubt > _ASYMMETRIC
         yield Finding(
@@ -106,8 +106,8 @@ def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
 def mismatch_of_sides(tables: Tables) -> dict[str, float]:
     """Differences between the two sides of a layer, from its transmission.
 
-    "reverse": mismatch of the front and its reciprocal; "passing": mismatch of front
-    and back transmittances. Both are 0 where the transmission is unknown.
+    "reverse": mismatch between the front transmission and its reciprocal; "passing":
+    mismatch between front and back transmittances. Both are 0 for unknown transmission.
     """
     front = tables.get("transmission_front")
     back = tables.get("transmission_back")
@@ -139,5 +139,5 @@ def _copied_channels(tables: Mapping[str, Tables]) -> Iterator[Finding]:
                 0.0,
                 f"the values of {channel} and {first} are identical",
                 "all functions",
-                "solar heat gains are those of a spectrally neutral layer",
+                "solar heat gains are computed as for a spectrally neutral layer",
             )

@@ -1,9 +1,9 @@
 """Overlap areas between two partitions of the hemisphere.
 
-On the unit square of the Shirley–Chiu map rings are concentric squares and azimuths are
-straight lines through the middle. Overlaps are sums over thin strips within which
-lengths are exact; sums over patches and over cells are exact, so that resampling
-conserves flux.
+The Shirley–Chiu map turns rings into concentric squares and azimuths into straight
+lines through the centre. Each overlap area is a sum over thin strips, with exact
+lengths within each strip. The totals per patch and per cell are exact, so that
+resampling conserves flux.
 """
 
 import numpy as np
@@ -13,18 +13,18 @@ from clerestory.array_types import Indices, Values
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import directions_from_square
 
-# Strips between neighbouring limits of cells or rings.
+# Strips between consecutive cell or ring boundaries.
 _STRIPS = 8
 
-# The four triangular quarters of the square: outward axis as (x, y), and the axis
-# across in the sense of growing azimuth.
+# The four triangular quarters of the square: axis (x, y) pointing outwards, and the
+# perpendicular axis in the sense of increasing azimuth.
 _QUARTERS = (((1, 0), (0, 1)), ((0, 1), (-1, 0)), ((-1, 0), (0, -1)), ((0, -1), (1, 0)))
 
 
 def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_array:
-    """Overlap of patches and cells of the unit square [sr], (patch, cell).
+    """Projected solid angle [sr] common to each patch and cell of the unit square.
 
-    `halvings`: 2^halvings cells along each axis, the second axis fastest.
+    `halvings`: 2^halvings cells along each axis, in row-major order.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> quarter = klems("quarter")
@@ -45,7 +45,7 @@ def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_arra
     shape = len(partition), wide**2
     overlap = sparse.csr_array(shape)
     for quarter, (axis, side) in enumerate(_QUARTERS):
-        # Cut each strip where it crosses a line of cells or a limit in azimuth
+        # Cut each strip at the cell boundaries and the azimuth limits of the patches
         turn = np.remainder(azimuth - quarter * np.pi / 2 + np.pi, 2 * np.pi) - np.pi
         slope = np.concatenate(
             [[-1.0, 1.0], turn[np.abs(turn) < np.pi / 4] * 4 / np.pi]
@@ -66,7 +66,7 @@ def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_arra
 
 
 def patches_in_patches(old: RingPartition, new: RingPartition) -> sparse.csr_array:
-    """Overlap of the patches of two partitions [sr], (old, new)."""
+    """Projected solid angle [sr] common to each old and each new patch."""
     ring = np.unique(np.sin([*old.theta, *new.theta]) ** 2)
     turn = np.unique([*_azimuth_limits(old), *_azimuth_limits(new)])
     turn = np.append(turn, turn[0] + 2 * np.pi)
@@ -86,12 +86,12 @@ def patches_in_patches(old: RingPartition, new: RingPartition) -> sparse.csr_arr
 
 
 def opposite_patches(partition: RingPartition) -> Indices:
-    """Patch on the opposite side of the pole, for each patch."""
+    """Index of the patch rotated by 180° in azimuth, for each patch."""
     return partition.find(partition.centres() * [-1, -1, 1])
 
 
 def _azimuth_limits(partition: RingPartition) -> Values:
-    # Angles from +x towards +y, of all rings [rad]
+    # Azimuth limits of the patches of all rings, from +x towards +y [rad]
     turns = [(np.arange(n) + 0.5) / n for n in np.unique(partition.count)]
     angle = 2 * np.pi * np.concatenate(turns)
     if partition.azimuth == "compass":

@@ -31,30 +31,30 @@ def mismatch(one: ExitIncident, other: ExitIncident) -> float:
 
 
 def reciprocity_mismatch(front: ScatteringMatrix, back: ScatteringMatrix) -> float:
-    """Mismatch of a function and the reciprocal of its partner, over groups of patches.
+    """Mismatch between the front function and the reciprocal of the back function.
 
-    Patches are grouped to about fifteen degrees, which averages out the noise of traced
-    files. The partner of a reflection is the reflection itself.
+    Fluxes are summed over groups of patches, which averages out Monte Carlo noise. For
+    a reflection, both arguments are the same function.
     """
     reverse = back.reciprocal()
     return mismatch(_flux_of_groups(front), _flux_of_groups(reverse))
 
 
 def turn_incident(part: ScatteringMatrix, turn: Turn) -> ScatteringMatrix:
-    """Return the function with incident patches renumbered by a symmetry."""
+    """Return the function with incident patches renumbered by a symmetry operation."""
     order = turned_patches(part.incidents, turn)
     return ScatteringMatrix(part.values[:, order], part.exits, part.incidents)
 
 
 def turned_mismatch(part: ScatteringMatrix, turn: Turn) -> float:
-    """Mismatch of a function with itself after a symmetry operation."""
+    """Mismatch between a function and its image under a symmetry operation."""
     exits, incidents = (turned_patches(p, turn) for p in (part.exits, part.incidents))
     flux = flux_table(part)
     return mismatch(flux, flux[np.ix_(exits, incidents)])
 
 
 def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
-    """Patch to which a symmetry operation maps each patch's centre."""
+    """Index of the patch that contains the image of each patch's centre."""
     x, y, z = partition.centres().T
     moved = {
         "half a turn": (-x, -y, z),
@@ -62,12 +62,12 @@ def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
         "up and down": (x, -y, z),
         "a quarter turn": (-y, x, z),
     }[turn]
-    # A patch whose image straddles two others maps to the next one
+    # If the image of a centre lies on a boundary, take the next patch
     return np.asarray(partition.find(np.stack(moved, axis=-1)))
 
 
 def flux_table(part: ScatteringMatrix) -> ExitIncident:
-    """Flux between patches per radiance of a uniform sky [sr]."""
+    """Flux between patches per unit radiance of a uniform sky [sr]."""
     return np.asarray(
         part.exits.projected_solid_angles()[:, None] * part.flux_factors()
     )
@@ -79,7 +79,7 @@ def _flux_of_groups(part: ScatteringMatrix) -> Float[np.ndarray, "group group"]:
 
 
 def _groups(partition: RingPartition) -> Float[np.ndarray, "patch group"]:
-    # Membership of patches in groups of rings and sectors; the pole is a group
+    # Group indicator of each patch: sectors of two rings; the pole is its own group
     x, y, _ = partition.centres().T
     sector = np.floor(np.arctan2(y, x) * _SECTORS / (2 * np.pi) + 0.5 + 1e-6)
     ring = np.repeat(np.arange(len(partition.count)), partition.count)

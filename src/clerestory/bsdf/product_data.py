@@ -1,4 +1,4 @@
-"""Product information of a BSDF file besides its scattering data."""
+"""Product information in BSDF files: everything but the scattering data."""
 
 from dataclasses import dataclass, field
 
@@ -9,9 +9,9 @@ class Geometry:
 
     Attributes
     ----------
-    text : in the frame of the BSDF; z points into the room, all geometry at z ≤ 0
-    metres : length of its unit [m]
-    line : first line in the file, for messages
+    text : MGF text in the frame of the BSDF; z points into the room, all z ≤ 0
+    metres : length unit of the text [m]
+    line : line of the file where the text starts, for error messages
     """
 
     text: str
@@ -21,12 +21,13 @@ class Geometry:
 
 @dataclass(frozen=True)
 class Detail:
-    """An element of a file that is kept unchanged, such as a conductivity.
+    """An XML element that is stored unchanged, such as a conductivity.
 
     Attributes
     ----------
-    name : of the element; "Geometry/Angle" for a part of the geometry
-    text, unit : as in the file; unit "" if not given
+    name : element name; "Geometry/Angle" for a child of the geometry element
+    text : element text
+    unit : unit attribute; "" if not given
     """
 
     name: str
@@ -36,7 +37,7 @@ class Detail:
 
 @dataclass(frozen=True)
 class Spectra:
-    """Light source and detector spectra of a channel, by file names."""
+    """File names of the light source and detector spectra of a channel."""
 
     channel: str
     source: str
@@ -60,13 +61,13 @@ class Product:
 
     Attributes
     ----------
-    name, manufacturer, device_type : as in the file
+    name, manufacturer, device_type : texts of the elements of the same names
     thickness, width, height : dimensions [m]; None if not given
     emissivity_front, emissivity_back : hemispherical, far infrared, 0…1; None if not
         given
-    geometry : None if the file has none
+    geometry : geometry of the layer; None if the file contains none
     details : all other elements of the file
-    spectra : of channels with other than the usual spectra
+    spectra : spectra of the channels that differ from `usual_spectra`
     """
 
     name: str = ""

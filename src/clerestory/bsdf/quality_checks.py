@@ -1,8 +1,8 @@
-"""Quality checks of BSDFs: energy, reciprocity, order, labels, copies and gaps.
+"""Quality checks of BSDFs: energy, reciprocity, order, labels, copies and missing data.
 
-Helmholtz reciprocity and the energy balance hold for every layer. The kind of fault of
-a file that violates them is deduced from the correction that would restore them; every
-finding has a measured size.
+Helmholtz reciprocity and energy conservation hold for every layer. If a file violates
+either, corrections are tried; a correction that restores it identifies the fault. Every
+finding states the size of the deviation.
 """
 
 from collections.abc import Callable, Iterator
@@ -29,7 +29,7 @@ _NAMES = ("full", "half", "quarter")
 
 
 def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
-    """Yield bases defined otherwise than in WINDOW, and notes of the file reader."""
+    """Yield angle bases that differ from WINDOW's, and notes of the file reader."""
     seen: set[str] = set()
     for part in bsdf.functions.values():
         if not isinstance(part, ScatteringMatrix):
@@ -60,10 +60,10 @@ def _label(partition: RingPartition) -> Finding | None:
         return None
     same_count = len(usual) == len(partition)
     what = (
-        f"{partition.name!r} with other ring limits than WINDOW's"
+        f"{partition.name!r} with ring limits that differ from WINDOW's"
         if same_count
         else f"{partition.name!r} with {len(partition)} patches; WINDOW has"
-        f" {len(usual)} under that name"
+        f" {len(usual)} patches under that name"
     )
     return Finding(
         "label",
@@ -71,27 +71,28 @@ def _label(partition: RingPartition) -> Finding | None:
         float(len(partition) - len(usual)),
         what,
         "angle basis",
-        "programs that use the name reject the file or assign wrong angles",
+        "programs that rely on the name reject the file or assign wrong angles",
     )
 
 
-# Limits of energy excess for info, warning and error.
+# Smallest energy excess for the severities info, warning and error.
 _ENERGY = (0.001, 0.01, 0.05)
 
-# Sums of values over exit patches that suggest flux fractions instead of BSDF.
+# Range of the sum of values over exit patches that suggests flux fractions, not BSDF.
 _LIKE_SHARES = (0.3, 1.01)
 
-# Ratio of transmittances from above and below that suggests an inverted layer.
+# Ratio of transmittances (light from above to light from below) that suggests an
+# inverted layer.
 _FROM_ABOVE = 1.5
 
-# Mismatch below which a layer is taken as symmetric or isotropic.
+# Mismatch below which a layer is considered symmetric or isotropic.
 _ALIKE = 0.025
 
 
 def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     """Return the findings about a BSDF, errors first.
 
-    Tensor trees are checked by their averages over Klems full.
+    Tensor trees are averaged over Klems full patches first.
 
     >>> from clerestory.bsdf.analytic import lambertian
     >>> from clerestory.hemisphere.klems import klems
@@ -120,7 +121,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         severity = severity_of(excess, _ENERGY)
         if severity is None:
             continue
-        # Test whether the reflection of the other side satisfies the balance
+        # Test whether the reflection of the other side conserves energy
         other: Side = "back" if side == "front" else "front"
         swapped, _ = _scattered(tables, side, reflection_of=other)
         fits = (
@@ -130,7 +131,8 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         )
         advice = (
             f"; with the reflection of the {other} it would be"
-            f" {swapped.max():.3f}: front and back are exchanged in one of them"
+            f" {swapped.max():.3f}: front and back are swapped in the transmission or"
+            " the reflection"
             if fits
             else ""
         )
@@ -147,7 +149,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
 def _scattered(
     tables: Tables, side: Side, *, reflection_of: Side
 ) -> tuple[Values, ScatteringMatrix | None]:
-    # Transmittance plus reflectance, on the incident patches of one of them
+    # Sum transmittance and reflectance per incident patch; 0 if their patches differ
     names = OF_SIDE[side][0], OF_SIDE[reflection_of][1]
     parts = [tables[name] for name in names if name in tables]
     alike = parts and all(p.incidents.matches(parts[0].incidents) for p in parts)
@@ -174,7 +176,7 @@ def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
                 "warning",
                 float(share.max()),
                 f"transmittance and reflectance sum to {share.max():.2%} at most, but"
-                f" the values of an incident direction add up to {np.max(sums):.3f}",
+                f" the values for one incident direction sum to {np.max(sums):.3f}",
                 f"{channel} {side}",
                 "if the values are flux fractions instead of 1/sr, results are about"
                 f" {1 / _mean_size(dark):.0f} times too low",
@@ -201,8 +203,8 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
             f"the transmittance is {above:.3f} for light from above, {below:.3f} for"
             " light from below",
             f"{channel} transmission front, 30° to 70° off the normal",
-            "plausible for light-redirecting louvres; a shading blind has its sides"
-            " exchanged or is upside down, and transmits the sun that it should block",
+            "plausible for light-redirecting louvres; a shading blind with these values"
+            " has its sides swapped or is upside down, and transmits the sun",
         )
 
 
@@ -211,7 +213,7 @@ def from_above_and_below(front: ScatteringMatrix) -> tuple[float, float]:
     _, y, z = front.incidents.centres().T
     slant = (z < np.cos(np.radians(30))) & (z > np.cos(np.radians(70)))
     share = front.direct_hemispherical()
-    # Light of an incident patch travels along its centre: from above, downwards
+    # Patch centres give the direction of propagation: light from above has y < 0
     groups = (slant & (y < -0.35), slant & (y > 0.35))
     above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
     return above, below
@@ -238,9 +240,9 @@ def _shape(channel: str, tables: Tables) -> Iterator[Finding]:
             f"{channel} {name.replace('_', ' ')}",
             "none"
             if isotropic
-            else "the up vector of the window matters, and its left and right"
+            else "results depend on the up vector of the window and on left and right"
             if sides >= _ALIKE
-            else "the up vector of the window matters",
+            else "results depend on the up vector of the window",
         )
 
 

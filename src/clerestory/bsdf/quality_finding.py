@@ -16,10 +16,11 @@ class Finding:
 
     Attributes
     ----------
-    name : "energy", "reciprocity", "order", …
-    severity : "error" invalidates results, "warning" is a doubt, "info" a remark
-    size : deviation, as a fraction or ratio that `what` explains
-    what : description with the size
+    name : kind of irregularity: "energy", "reciprocity", "order", …
+    severity : "error" if results are invalid, "warning" if they are doubtful, else
+        "info"
+    size : deviation; `what` states the quantity
+    what : description that includes the size
     where : channel, function, patch and direction
     effect : consequence for a simulation
     """
@@ -43,7 +44,7 @@ class Finding:
 
 
 def severity_of(size: float, limits: tuple[float, float, float]) -> Severity | None:
-    """Severity of a deviation; None below the first limit.
+    """Return the severity of a deviation, None up to the first limit.
 
     >>> severity_of(0.02, (0.001, 0.01, 0.05))
     'warning'
@@ -56,7 +57,7 @@ def severity_of(size: float, limits: tuple[float, float, float]) -> Severity | N
 
 
 def patch_label(partition: RingPartition, patch: int) -> str:
-    """Return the number of a patch and the direction of its centre as text.
+    """Return the index of a patch and the direction of its centre as text.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> patch_label(klems("full"), 3)

@@ -1,7 +1,7 @@
 """Reciprocal of scattering functions that have no reciprocal table.
 
-The reciprocal of a rank 3 tree is no rank 3 tree. Values are exact; integrals and
-samples use a grid of exit directions finer than the cells.
+The reciprocal of a rank 3 tensor tree is not a rank 3 tree. Values are exact; integrals
+and samples use a grid of exit directions that is finer than the tree's cells.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
-# Halvings of the grid: two more than those of the function, within limits.
+# Halvings of the grid beyond those of the function, and their lower and upper limits.
 _FINER, _COARSEST, _FINEST = 2, 8, 10
 
 
@@ -28,8 +28,8 @@ class ReciprocalFunction(ScatteringFunction):
 
     Attributes
     ----------
-    forward : the other function
-    halvings : its smallest cells are 2^-halvings of the edge of the unit square
+    forward : original scattering function
+    halvings : depth of `forward`: the smallest cells have edge 2^-halvings
     """
 
     forward: ScatteringFunction
@@ -47,7 +47,7 @@ class ReciprocalFunction(ScatteringFunction):
         return np.reshape(np.array(share), np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Exit directions and their density [1/sr], which is that of the grid."""
+        """Sample exit directions on the grid; return them and their density [1/sr]."""
         shape = np.shape(incident)[:-1]
         each, which = np.unique(
             np.reshape(incident, (-1, 3)), axis=0, return_inverse=True
@@ -76,7 +76,7 @@ class ReciprocalFunction(ScatteringFunction):
         return self.forward.extrema()
 
     def reciprocal(self) -> ScatteringFunction:
-        """Return the function itself."""
+        """Return the original function."""
         return self.forward
 
     def tabulated(self) -> ScatteringFunction:
@@ -87,7 +87,7 @@ class ReciprocalFunction(ScatteringFunction):
         """None: the function has no patches."""
 
     def _grid(self) -> Float[np.ndarray, "cells 3"]:
-        # Directions to the centres of grid cells, row by row
+        # Directions to the centres of the grid cells in row-major order
         halvings = min(max(self.halvings + _FINER, _COARSEST), _FINEST)
         return directions_from_square(*cell_centres(halvings))
 

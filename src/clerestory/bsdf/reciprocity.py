@@ -1,8 +1,9 @@
 """Check of Helmholtz reciprocity.
 
-A violation that vanishes when incident directions are renumbered indicates another
-azimuth convention; one that vanishes when values are divided by a weight indicates
-values that are not BSDF; others indicate noise, interpolation or an invalid model.
+A violation that vanishes if incident patches are renumbered indicates a different
+azimuth convention. One that vanishes if values are divided by a weight indicates that
+the values are not BSDFs. Other violations indicate noise, interpolation or an invalid
+model.
 """
 
 from collections.abc import Iterator
@@ -15,12 +16,13 @@ from clerestory.bsdf.quality_finding import Finding, Severity, severity_of
 from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
-# Limits for info, warning and error.
+# Smallest mismatch of a function with its reciprocal, and smallest difference of the
+# two diffuse transmittances, for the severities info, warning and error.
 _RECIPROCITY = (0.015, 0.05, 0.25)
 _SIDES = (0.02, 0.10, 0.50)
 
-# Largest remaining share of the mismatch for a plausible and for a proven correction;
-# smallest mismatch for which weights are tested.
+# Largest fraction of the mismatch left by a plausible and by a proven correction;
+# smallest mismatch for which division by weights is tested.
 _REPAIRED = 0.4
 _PROVEN = 0.1
 _WEIGHTED = 0.005
@@ -29,9 +31,7 @@ Tables = dict[Function, ScatteringMatrix]
 
 
 def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield functions that violate reciprocity, with the correction that would restore
-    it.
-    """
+    """Yield functions that violate reciprocity, with a correction if one is found."""
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
         severity = severity_of(size, _RECIPROCITY)
@@ -50,11 +50,11 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
                 "azimuth",
                 "error",
                 size,
-                f"reciprocity fails by {size:.0%}, and by {left[turn]:.0%} with the"
-                f" incident directions changed by {turn}",
+                f"the reciprocity mismatch is {size:.0%}; it is {left[turn]:.0%} if"
+                f" incident directions are transformed by: {turn}",
                 f"{channel} {title}",
-                "light is scattered to the wrong side; the azimuths of incident"
-                " directions follow another convention than in WINDOW",
+                "light is scattered to the wrong side; the azimuth convention of"
+                " incident directions differs from WINDOW's",
             )
         else:
             yield Finding(
@@ -63,15 +63,15 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
                 size,
                 f"{size:.1%} of the flux violates reciprocity",
                 f"{channel} {title}",
-                "results depend on the side that a program reads and on the sense in"
-                " which paths are traced",
+                "results depend on the side that a program reads and on whether paths"
+                " are traced forwards or backwards",
             )
 
 
 def _reverses(
     tables: Tables,
 ) -> Iterator[tuple[str, ScatteringMatrix, ScatteringMatrix]]:
-    # Functions with their reciprocal partners: a reflection is its own
+    # Functions and their reciprocal partners; a reflection is its own partner
     pairs: tuple[tuple[str, Function, Function], ...] = (
         ("transmission", "transmission_front", "transmission_back"),
         ("reflection front", "reflection_front", "reflection_front"),
@@ -87,7 +87,9 @@ def _reverses(
 
 
 def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield unequal diffuse transmittances; by reciprocity both sides are equal."""
+    """Yield unequal diffuse transmittances of the two sides; reciprocity makes them
+    equal.
+    """
     if not {"transmission_front", "transmission_back"} <= set(tables):
         return
     front = diffuse_share(tables["transmission_front"])
@@ -102,7 +104,7 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
             f"the diffuse transmittance is {front:.4f} from the front and {back:.4f}"
             " from the back; equal values expected",
             f"{channel} transmission",
-            f"daylight differs by {size:.0%} with the side that a program reads",
+            f"daylight depends on the side that a program reads, by {size:.0%}",
         )
 
 
@@ -129,8 +131,8 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
                 "scaling",
                 severity,
                 size,
-                f"reciprocity fails by {size:.1%}, and by {left[name]:.1%} once values"
-                f" are divided by {name}",
+                f"the reciprocity mismatch is {size:.1%}; it is {left[name]:.1%} if"
+                f" values are divided by {name}",
                 f"{channel} {title}",
                 "values may include this weight already; results are then too low or"
                 " wrong per patch",

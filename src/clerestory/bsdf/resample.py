@@ -1,7 +1,8 @@
 """Resampling of BSDFs between matrices and trees, and between partitions.
 
-A new value is the mean of the values it replaces, weighted by projected solid angle on
-both sides, so that directional-hemispherical values of the coarser side are conserved.
+Each new value is the mean of the old values, weighted by the projected solid angle of
+the overlap on the incident and on the exit side. This conserves the flux between larger
+patches or cells.
 """
 
 from dataclasses import replace
@@ -45,9 +46,9 @@ def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
 
 
 def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
-    """Return the BSDF as tensor trees of rank 4; existing trees are kept.
+    """Return the BSDF as tensor trees of rank 4; existing trees are unchanged.
 
-    `halvings`: 2^halvings smallest cells along each axis, 6 at most.
+    `halvings`: the smallest cells have edge 2^-halvings; 6 at most.
     """
     functions = {
         key: part if isinstance(part, ScatteringTree) else tree_from(part, halvings)
@@ -60,8 +61,8 @@ def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
     """Return the rank 4 tree of a matrix, with equal cells merged."""
     if not 0 <= halvings <= _FINEST or not isinstance(part, ScatteringMatrix):
         raise InputError(
-            f"a tensor tree of {halvings} halvings from a {type(part).__name__}; a"
-            f" matrix and at most {_FINEST} halvings expected"
+            f"tensor tree with {halvings} halvings from a {type(part).__name__}; a"
+            f" matrix and 0 to {_FINEST} halvings expected"
         )
     leave = patches_in_cells(part.exits, halvings)
     enter = patches_in_cells(part.incidents, halvings)
@@ -71,9 +72,9 @@ def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
 
 
 def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
-    """Return the mean of a BSDF and its reciprocal, which is reciprocal.
+    """Return the mean of a BSDF and its reciprocal; it satisfies reciprocity.
 
-    Trees of rank 3 have no reciprocal tree and are kept.
+    Trees of rank 3 have no reciprocal tree and are unchanged.
     """
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for (channel, name), part in bsdf.functions.items():
@@ -98,10 +99,10 @@ def full_tree(
 ) -> ScatteringTree:
     """Return the rank 4 tree of a full grid of cells.
 
-    `value`: BSDF [1/sr] of the finest cells; incident cells are numbered by the
-    undeviated direction, the second coordinate of the square fastest.
+    `value`: BSDF [1/sr] of the smallest cells, in row-major order; incident cells are
+    indexed by the direction of propagation.
     """
-    # Branches of all levels, then the values in their order
+    # Store the branches of all levels, then the values in Morton order
     starts = np.cumsum([1 << 4 * level for level in range(halvings + 1)])
     inner = [
         ~(start + (np.arange(1 << 4 * level) << 4)).astype(np.int32)

@@ -1,8 +1,8 @@
 """Interface of scattering functions.
 
-Directions are unit vectors in the frame of the window, x right and y up, away from the
-layer; incident directions point towards the source. Only x and y are used: the function
-determines the sides of incidence and exit.
+Directions are unit vectors that point away from the layer, in the frame of the window,
+x right and y up; incident directions point towards the source. Only x and y are used:
+the function determines the sides of incidence and exit.
 """
 
 from abc import ABC, abstractmethod
@@ -19,7 +19,7 @@ Function = Literal[
 ]
 FUNCTIONS: tuple[Function, ...] = get_args(Function)
 
-# Pairs per chunk, so that arrays fit into the cache of the processor.
+# Pairs of directions per chunk, so that arrays fit into the processor cache.
 CHUNK = 1 << 15
 
 Side = Literal["front", "back"]
@@ -31,7 +31,7 @@ OF_SIDE: dict[Side, tuple[Function, Function]] = {
     "back": ("transmission_back", "reflection_back"),
 }
 
-# Functions whose reciprocals are each other
+# Reciprocal partners: transmissions of opposite sides
 OTHER_SIDE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
     "transmission_back": "transmission_front",
@@ -41,9 +41,10 @@ OTHER_SIDE: dict[Function, Function] = {
 def pairs_by_function(
     incident: Float[np.ndarray, "pair 3"], leaving: Float[np.ndarray, "pair 3"]
 ) -> dict[Function, Int[np.ndarray, " some"]]:
-    """Numbers of the pairs of directions that each of the four functions is for.
+    """Indices of the pairs of directions to which each of the four functions applies.
 
-    `incident`, `leaving`: away from the layer; z points into the room.
+    `incident`, `leaving`: directions that point away from the layer; z points into the
+    room.
 
     >>> up, down = np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 0.0, -1.0]])
     >>> pairs_by_function(down, up)["transmission_front"].tolist()
@@ -73,11 +74,11 @@ class ScatteringFunction(ABC):
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Sample exit directions; return them and their probability density [1/sr].
 
-        The density is the BSDF times the cosine of the exit direction over the
-        directional-hemispherical value; directions have z ≥ 0 on either side. Where
-        nothing is scattered the density is 0 and the direction the normal.
+        The density is BSDF × exit cosine / directional-hemispherical value. Directions
+        have z ≥ 0 for exit on either side. If no light is scattered, the density is 0
+        and the direction is the normal.
 
-        `u`: points of the unit square [0, 1)², one per direction.
+        `u`: random points in the unit square [0, 1)², one per direction.
         """
 
     @abstractmethod
@@ -89,7 +90,7 @@ class ScatteringFunction(ABC):
         """BSDF averaged over pairs of patches [1/sr], weighted by projected solid
         angle.
 
-        Incident patches are numbered by the undeviated direction.
+        Incident patches are indexed by the direction of propagation.
         """
 
     @abstractmethod
@@ -100,12 +101,13 @@ class ScatteringFunction(ABC):
     def reciprocal(self) -> "ScatteringFunction":
         """Return the function with incident and exit directions exchanged.
 
-        By Helmholtz reciprocity it is the transmission of the other side.
+        By Helmholtz reciprocity this is the transmission of the other side, or the same
+        reflection.
         """
 
     @abstractmethod
     def tabulated(self) -> "ScatteringFunction":
-        """Return the function as a matrix or tree, for kernels."""
+        """Return the function as a matrix or tree, for ray tracing."""
 
     @abstractmethod
     def own_partitions(self) -> tuple[RingPartition, RingPartition] | None:

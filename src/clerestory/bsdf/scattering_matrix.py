@@ -1,9 +1,9 @@
 """Scattering function as a matrix from incident patches to exit patches.
 
 Exit patch i is patch i of its partition, mirrored in z for light that leaves to the
-outside. Incident patch i contains the directions from which undeviated light continues
-into exit patch i of the other side; specularly reflected light keeps its patch number
-as well.
+outdoor side. Incident patch i contains the directions from which undeviated light
+leaves through exit patch i on the other side; specularly reflected light leaves through
+exit patch i on the same side.
 """
 
 from dataclasses import dataclass
@@ -24,13 +24,13 @@ from clerestory.hemisphere.patch_lookup import find_patches
 @final
 @dataclass(frozen=True, eq=False)
 class ScatteringMatrix(ScatteringFunction):
-    """One scattering function of a layer on patches, in one channel.
+    """One scattering function of a layer in one channel, as a matrix between patches.
 
     Attributes
     ----------
     values : BSDF from each incident patch to each exit patch [1/sr]
-    exits, incidents : partitions of the hemispheres
-    standard_error : of each value [1/sr]; None if unknown
+    exits, incidents : partitions of the exit and incident hemispheres
+    standard_error : standard error of each value [1/sr]; None if unknown
     """
 
     values: Float[np.ndarray, "exit incident"]
@@ -45,14 +45,17 @@ class ScatteringMatrix(ScatteringFunction):
                 f" {len(self.incidents)} incident patches expected"
             )
         if not np.all(np.isfinite(self.values)) or np.any(self.values < 0):
-            raise InputError("the BSDF holds negative or infinite values [1/sr]")
+            raise InputError(
+                "a BSDF contains negative or non-finite values; finite values of at"
+                " least 0 [1/sr] expected"
+            )
 
     def direct_hemispherical(self) -> Values:
         """Directional-hemispherical value per incident patch."""
         return np.asarray(self.exits.projected_solid_angles() @ self.values)
 
     def flux_factors(self) -> ExitIncident:
-        """Exit radiance per radiance of each incident patch, as in matrix files."""
+        """Exit radiance per unit radiance of each incident patch."""
         return np.asarray(self.values * self.incidents.projected_solid_angles())
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
@@ -113,7 +116,7 @@ class ScatteringMatrix(ScatteringFunction):
         return float(self.values.min()), float(self.values.max())
 
     def reciprocal(self) -> "ScatteringMatrix":
-        """Return the transmission of the other side by Helmholtz reciprocity."""
+        """Return the function with incident and exit directions exchanged."""
         incident = opposite_patches(self.exits)
         leaving = opposite_patches(self.incidents)
         return ScatteringMatrix(

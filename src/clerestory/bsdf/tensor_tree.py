@@ -1,14 +1,16 @@
 """Tensor trees: BSDFs of variable angular resolution.
 
-A direction is a point of the unit square by the Shirley–Chiu map of the disc below the
-hemisphere. A rank 4 tree subdivides both coordinates of the incident and of the exit
-direction where values differ. A rank 3 tree describes an isotropic layer: its first
-coordinate is half the distance of the incident direction from the rim of the disc, and
-exit directions are rotated with it. These are the conventions of Radiance's bsdf_t.c.
+The Shirley–Chiu map takes directions, projected onto the unit disc, to points of the
+unit square. A rank 4 tree subdivides the two coordinates of the incident and of the
+exit direction where values differ. A rank 3 tree describes an isotropic layer: its
+first coordinate is half the distance of the projected incident direction from the rim
+of the disc, and exit azimuths are relative to the incident azimuth. The conventions are
+those of Radiance's bsdf_t.c.
 
 A tree is one array of 32-bit slots. A non-negative slot holds the bits of a float
-value; a negative one is the complement of the index of its 2^rank branches, with
-dimension i as bit i of the branch number. The root is slot 0.
+value. A negative slot is a branch node: the bitwise complement of the index of the
+first of its 2^rank children; dimension i is bit i of the child number. Slot 0 is the
+root.
 """
 
 from collections.abc import Callable
@@ -37,10 +39,10 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
 
-# Offset of normal incidence from the unused half of a rank 3 tree, as in Radiance.
+# Offset that keeps normal incidence in the used half of rank 3 trees, as in Radiance.
 _OFF_MIDDLE = 1e-6
 
-# Cells that are integrated together.
+# Largest number of cells that are integrated together.
 _MOST_CELLS = 1 << 22
 
 _Pairs = Float[np.ndarray, " pairs"]
@@ -54,10 +56,11 @@ class ScatteringTree(ScatteringFunction):
 
     Attributes
     ----------
-    slots : values and branches, see the module
+    slots : values and branch nodes, encoded as the module docstring describes
     rank : 3 for isotropic layers, 4 otherwise
-    depth : halvings of a coordinate down to the smallest cell
-    standard_error : of each cell [1/sr] on the same cells; None if unknown
+    depth : levels below the root; the smallest cells have edge 2^-depth
+    standard_error : standard error [1/sr] as a tree with the same cells; None if
+        unknown
 
     Examples
     --------
@@ -85,11 +88,13 @@ class ScatteringTree(ScatteringFunction):
             or np.any(block > len(self.slots) - (1 << self.rank))
         ):
             raise InputError(
-                "a branch of a tensor tree points outside its table; slots that point"
-                " forward expected"
+                "child index outside the slots of a tensor tree; an index after that of"
+                " the parent expected"
             )
         if not np.all(np.isfinite(self.slots[self.slots >= 0].view(np.float32))):
-            raise InputError("a tensor tree holds values that are not finite [1/sr]")
+            raise InputError(
+                "a tensor tree contains non-finite values; finite values expected"
+            )
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
@@ -157,7 +162,7 @@ class ScatteringTree(ScatteringFunction):
         least, most = np.inf, -np.inf
         for level, place, value in cells(self.slots, self.rank):
             if self.rank == 3 and level:
-                # The second half of the first dimension is unused
+                # Skip the second half of the first dimension, which is unused
                 value = value[place[0] < 1 << (level - 1)]
             if len(value):
                 least, most = min(least, value.min()), max(most, value.max())
@@ -167,7 +172,7 @@ class ScatteringTree(ScatteringFunction):
         """Return the function with incident and leaving directions exchanged."""
         if self.rank == 3:
             return ReciprocalFunction(self, halvings=self.depth)
-        # Opposite directions have complementary bits, so that branches are permuted
+        # Exchange the directions and complement the bits, which reverses both
         bits = (np.arange(16)[:, None] >> np.array([2, 3, 0, 1])) & 1
         branch = (1 - bits) @ (1 << np.arange(4))
         slots = self.slots.copy()
@@ -219,7 +224,7 @@ class ScatteringTree(ScatteringFunction):
         return cells_from_disc(*disc, halvings=self.depth)
 
     def _groups(self, count: int) -> list[slice]:
-        # Groups of incident cells that fit the memory at the finest resolution
+        # Group incident cells so that a group has at most _MOST_CELLS exit cells
         together = max(1, _MOST_CELLS >> 2 * self.depth)
         return [
             slice(start, min(start + together, count))
@@ -233,7 +238,7 @@ def _components(direction: Directions) -> tuple[_Pairs, _Pairs, _Pairs]:
 
 
 def _azimuth(x: _Pairs, y: _Pairs) -> tuple[_Pairs, _Pairs]:
-    # Cosine and sine of the azimuth of undeviated light from (x, y)
+    # Cosine and sine of the azimuth towards which light from (x, y) propagates
     radius = np.sqrt(x * x + y * y)
     upright = np.flatnonzero(radius == 0)
     radius[upright] = 1.0
@@ -254,8 +259,8 @@ def _choose(
     owner: Int64[np.ndarray, " samples"],
     u: Float[np.ndarray, "samples 2"],
 ) -> tuple[Float[np.ndarray, "2 samples"], Float[np.ndarray, " samples"]]:
-    # Points of the square distributed like the values of the cells of each owner, and
-    # their density over projected solid angle
+    # Sample points of the square in proportion to the values of each incident place's
+    # cells; return them and their density over projected solid angle
     flux = found.value * found.size.astype(float) ** 2
     start = np.searchsorted(found.owner, np.arange(int(found.owner[-1]) + 2))
     cell, rest, total = choose_cells(flux, start[owner], start[owner + 1], u[:, 0])

@@ -14,14 +14,14 @@ _Values = Float32[np.ndarray, " cells"]
 
 
 def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> ScatteringTree:
-    """Return the tree of an operation on the values of several trees.
+    """Return the tree whose values are a function of the values of several trees.
 
-    Its cells are as small as the smallest of the trees at each place.
+    Everywhere its cells are as small as the smallest cells of the trees.
 
     Parameters
     ----------
-    operation : from one array of values per tree to non-negative values
-    trees : one or more, of one rank
+    operation : function of one array of values per tree; returns non-negative values
+    trees : one or more trees of equal rank
 
     Examples
     --------
@@ -47,7 +47,7 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
         regions.append(region)
         size += count << rank
 
-        # Descend; a tree without branches here repeats its value
+        # Descend; where a tree has no branches, all children take its value
         below = []
         for code, tree in zip(codes, trees, strict=True):
             of = code[inner, None]
@@ -58,7 +58,7 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
 
 
 def float_bits(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
-    """Slots that hold values; negative values become zero."""
+    """Slots that encode values; negative values become zero."""
     single: Float32[np.ndarray, " cells"] = np.abs(np.maximum(value, 0)).astype(
         np.float32
     )
@@ -68,14 +68,16 @@ def float_bits(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"
 def xyz_functions(
     luminance: ScatteringFunction, u: ScatteringFunction, v: ScatteringFunction
 ) -> tuple[ScatteringFunction, ScatteringFunction, ScatteringFunction]:
-    """Return the functions of X, Y and Z from those of Y, u' and v'."""
+    """Return the scattering functions of X, Y and Z, given those of Y, u' and v'."""
     trees = [part for part in (luminance, u, v) if isinstance(part, ScatteringTree)]
     if len(trees) < 3 or len({tree.rank for tree in trees}) > 1:
-        raise InputError("CIE u' and v' of another kind than Y; tensor trees expected")
+        raise InputError(
+            "CIE Y, u' and v' differ in kind; three tensor trees of equal rank expected"
+        )
     return combine(_x, *trees), luminance, combine(_z, *trees)
 
 
-# CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; white where v' is 0.
+# CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; both are 1 where v' is 0.
 def _x(y: Values, u: Values, v: Values) -> Values:
     return np.asarray(y * _over(9 * u, 4 * v))
 

@@ -11,7 +11,7 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.tree_lookup import Cells, cells
 from clerestory.hemisphere.partition import RingPartition
 
-# Azimuth steps of rank 3 trees; limits of Klems patches are at half steps.
+# Azimuth steps for rank 3 trees; azimuth limits of Klems patches are at half steps.
 _TURN_STEPS = 480
 
 
@@ -30,7 +30,7 @@ def average_tree(
 def _flux(
     groups: list[Cells], exits: RingPartition, incidents: RingPartition
 ) -> ExitIncident:
-    # Cells of each size times their overlap with the patches on both sides
+    # Sum the values of cells times their overlap with exit and incident patches
     finest = max(group.level for group in groups)
     leave, enter = patches_in_cells(exits, finest), patches_in_cells(incidents, finest)
     flux = np.zeros((len(exits), len(incidents)))
@@ -52,7 +52,7 @@ def _flux(
 def _turned_flux(
     groups: list[Cells], exits: RingPartition, incidents: RingPartition
 ) -> ExitIncident:
-    # Flux from each incident ring to each azimuth step of each exit ring
+    # Compute the flux from each incident ring to each azimuth step of each exit ring
     finest = max(group.level for group in groups)
     steps = RingPartition(
         "steps", np.full(len(exits.count), _TURN_STEPS), exits.theta, "polar"
@@ -71,7 +71,7 @@ def _turned_flux(
             _TURN_STEPS
         )
 
-    # Rotate it to every azimuth of the incident patches, by Fourier transforms
+    # Convolve it with the azimuths of incident and exit patches, by Fourier transforms
     spectrum = np.fft.rfft(ahead.reshape(shape), axis=-1)
     flux = np.zeros((len(exits), len(incidents)))
     to = [np.fft.rfft(part, axis=-1) for part in _patches_over_steps(exits)]
@@ -88,7 +88,7 @@ def _turned_flux(
 
 
 def _coarser(finest: int, level: int) -> sparse.csr_array:
-    # Sums of the finest cells within cells of a level
+    # Matrix that sums the finest cells within each cell of a level
     along = np.arange(1 << finest) >> finest - level
     cell = ((along[:, None] << level) + along).ravel()
     return sparse.csr_array(
@@ -100,7 +100,7 @@ def _coarser(finest: int, level: int) -> sparse.csr_array:
 def _rings_in_radii(
     partition: RingPartition, wide: int
 ) -> Float[np.ndarray, "ring cells"]:
-    # Projected solid angle [sr] of each ring for each cell of the first dimension
+    # Projected solid angle [sr] common to each ring and cell of the first dimension
     radius = np.clip(1 - 2 * np.arange(wide + 1) / wide, 0, 1)
     ring = np.sin(partition.theta)
     low = np.maximum(
@@ -115,7 +115,7 @@ def _rings_in_radii(
 def _patches_over_steps(
     partition: RingPartition,
 ) -> list[Float[np.ndarray, "patch step"]]:
-    # Share of each azimuth step within each patch, ring by ring
+    # Fraction of each azimuth step that lies in each patch, per ring
     halves = 2 * np.arange(_TURN_STEPS)[:, None] + np.array([-0.5, 0.5])
     phi = np.pi * halves / _TURN_STEPS
     middle = (partition.theta[:-1] + partition.theta[1:]) / 2

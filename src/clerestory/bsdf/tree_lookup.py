@@ -1,7 +1,7 @@
-"""Lookup in the slots of tensor trees, see `clerestory.bsdf.tensor_tree`.
+"""Lookup in tensor trees, encoded as in `clerestory.bsdf.tensor_tree`.
 
-Places are integer coordinates of the finest cells along each dimension, 0 to 2^depth −
-1. Their bits, from the highest, give the branch on each level.
+Places are integer coordinates of the smallest cells, 0 to 2^depth − 1 along each
+dimension. Their bits, from the highest, give the branch on each level.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from jaxtyping import Float32, Int, Int32, Int64
 
 from clerestory.array_types import Indices, Slots
 
-# Bits of the joined levels: at most 65,536 cells.
+# Bits of the cell index of the dense table of upper levels: at most 65,536 cells.
 _TOP_BITS = 16
 
 
@@ -22,7 +22,7 @@ class Cells(NamedTuple):
 
     Attributes
     ----------
-    level : halvings of each coordinate
+    level : level of the cells; their edge is 2^-level
     place : coordinates along each dimension, 0 to 2^level − 1
     value : BSDF [1/sr]
     """
@@ -33,13 +33,13 @@ class Cells(NamedTuple):
 
 
 class Slices(NamedTuple):
-    """Exit cells for fixed incident places, ordered by owner.
+    """Exit cells for fixed incident places, sorted by `owner`.
 
     Attributes
     ----------
-    owner : number of the incident place
-    corner : lower corner in the unit square
-    size : edge in the unit square
+    owner : index of the incident place
+    corner : lower corner of the cell in the unit square
+    size : edge of the cell in the unit square
     value : BSDF [1/sr]
     """
 
@@ -52,7 +52,7 @@ class Slices(NamedTuple):
 def look_up(
     slots: Slots, place: tuple[Int32[np.ndarray, " pairs"], ...], *, depth: int
 ) -> tuple[Float32[np.ndarray, " pairs"], Int32[np.ndarray, " pairs"]]:
-    """Values at places, and the level of the cells that contain them."""
+    """Values at places, and the levels of the cells that contain the places."""
     rank = len(place)
     path = _path(place, depth)
     code = np.full(len(path), slots[0], dtype=np.int32)
@@ -61,7 +61,7 @@ def look_up(
         inner = code < 0
         if not inner.any():
             break
-        # Descend; slots read for finished places are ignored
+        # Descend; places whose cell is already found stay unchanged
         branch = (path >> rank * height).astype(np.int32) & ((1 << rank) - 1)
         below = np.take(slots, ~code + branch, mode="clip")
         np.copyto(code, below, where=inner)
@@ -72,10 +72,10 @@ def look_up(
 def dense_top(
     slots: Slots, rank: int, depth: int
 ) -> tuple[int, Int32[np.ndarray, " tops"]]:
-    """Number of coarse levels that are joined into one, and its slots.
+    """Return a dense table of the slots on one of the upper levels, after its level.
 
-    A lookup takes the joined levels in a single step. Cells within a coarser one have
-    its value.
+    A lookup reaches this level in a single step. Where the tree has larger cells, their
+    values are repeated.
     """
     halvings = min(depth, _TOP_BITS // rank)
     top = slots[:1]
@@ -95,7 +95,7 @@ def values_at(
     *,
     depth: int,
 ) -> Float32[np.ndarray, " pairs"]:
-    """Values at places as from `look_up`, with the joined levels of `dense_top`."""
+    """Values at places as from `look_up`, starting from the table of `dense_top`."""
     rank, (halvings, codes) = len(place), top
     path = _path(place, depth)
     code = np.take(codes, path >> rank * (depth - halvings))
@@ -124,7 +124,7 @@ def cells(slots: Slots, rank: int) -> Iterator[Cells]:
 def slices(
     slots: Slots, incident: Int[np.ndarray, "fixed places"], *, depth: int
 ) -> Slices:
-    """Exit cells for each of the incident places, which fix the first dimensions."""
+    """Exit cells for each incident place; it fixes the first one or two dimensions."""
     fixed, count = incident.shape
     owner = np.arange(count)
     code = np.full(count, slots[0], dtype=np.int32)
@@ -140,7 +140,7 @@ def slices(
         if not inner.any():
             break
 
-        # Descend into all four quarters of the exit square
+        # Descend into the four quarters of the exit cell
         owner, size = owner[inner], size / 2
         bits = (incident[:, owner] >> height) & 1
         branch = bits.T @ (1 << np.arange(fixed))
@@ -171,7 +171,7 @@ def _path(
 
 @lru_cache(maxsize=16)
 def _spread(rank: int, depth: int) -> Indices:
-    # Bits of each number spread to a distance of `rank`
+    # Each number with its bits spread `rank` positions apart
     number = np.arange(1 << depth, dtype=np.int64)
     apart: Int64[np.ndarray, " places"] = np.zeros_like(number)
     for bit in range(depth):

@@ -1,9 +1,8 @@
 """Parser for the text of tensor trees.
 
-A tree is either `{ branch branch … }`, one branch per half of each dimension (dimension
-i is bit i of the branch number), or `{ value … }`, a grid with the last dimension
-fastest. The parser is not recursive, so that neither deep nesting nor large trees
-exhaust the stack.
+A tree is either `{ branch branch … }` with 2^rank branches, one for each combination of
+halves (dimension i is bit i of the branch number), or `{ value … }`, a grid in
+row-major order. The parser is not recursive, so deep nesting cannot exhaust the stack.
 """
 
 from dataclasses import dataclass
@@ -16,22 +15,23 @@ from clerestory.array_types import Indices, Slots
 from clerestory.bsdf.tree_scanner import TreeFault, TreeScan, position_of, scan_tree
 from clerestory.errors import InputError
 
-# Most halvings of a coordinate: 2¹⁵ cells, a few arc seconds.
+# Largest number of halvings of a coordinate: 2¹⁵ cells per hemisphere.
 MAX_DEPTH = 15
 
-# Values that are reordered together.
+# Largest number of values that are reordered together.
 _TOGETHER = 1 << 22
 
 
 @dataclass(frozen=True, eq=False)
 class TreeTable:
-    """Slots of a tree and the amount of negative values.
+    """Slots of a tree and the size of its negative values.
 
     Attributes
     ----------
-    slots : values and branches, as in `ScatteringTree`
-    depth : halvings of a coordinate down to the smallest cell
-    negative : mean of the negative values, which are read as zero [1/sr]
+    slots : values and branch nodes, as in `ScatteringTree`
+    depth : levels below the root
+    negative : mean over all cells of the magnitude of negative values [1/sr]; they are
+        read as zero
     """
 
     slots: Slots
@@ -41,10 +41,10 @@ class TreeTable:
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
-    # One entry per pair of braces, in the order of the text
+    # One entry per pair of braces, in text order
     level: Int8[np.ndarray, " nodes"]
-    grid: Int8[np.ndarray, " nodes"]  # halvings within a grid; -1 for branches
-    first: Int64[np.ndarray, " nodes"]  # number of the first value
+    grid: Int8[np.ndarray, " nodes"]  # halvings within a grid; -1 for branch nodes
+    first: Int64[np.ndarray, " nodes"]  # index of the first value
 
 
 def parse_tree(
@@ -55,7 +55,7 @@ def parse_tree(
     Parameters
     ----------
     rank : dimensions of the tree, 3 or 4
-    file, line : start of the text, for messages
+    file, line : file and line where the text starts, for error messages
     """
     try:
         scan = scan_tree(text)
@@ -73,15 +73,15 @@ def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
     # Check the nesting
     ends = np.flatnonzero(depth <= 0)
     if not len(ends):
-        raise TreeFault("a tensor tree without its last brace '}'")
+        raise TreeFault("the last brace '}' of a tensor tree is missing")
     if depth[ends[0]] < 0 or ends[0] + 1 < len(depth):
         raise TreeFault(
-            "a tensor tree ends before its text does; one tree expected",
+            "text after the end of a tensor tree; one tree expected",
             brace=int(ends[0]),
         )
     if np.max(depth) > MAX_DEPTH + 1:
         raise TreeFault(
-            f"a tensor tree of {np.max(depth) - 1} nested levels; {MAX_DEPTH} at most"
+            f"a tensor tree has {np.max(depth) - 1} nested levels; at most {MAX_DEPTH}"
             " expected",
             brace=int(np.argmax(depth > MAX_DEPTH + 1)),
         )
@@ -93,11 +93,12 @@ def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
     stray = (scan.words > 0) & ~holds
     if np.any(stray):
         raise TreeFault(
-            "values beside the branches of a tensor tree; branches or values expected",
+            "values and branches in the same braces of a tensor tree; only branches or"
+            " only values expected",
             brace=int(np.argmax(stray)),
         )
 
-    # A grid has a power of 2^rank values
+    # The number of values of a grid must be a power of 2^rank
     count = scan.words[np.flatnonzero(holds)].astype(np.int64)
     grid = np.full(len(count), -1, dtype=np.int8)
     for halvings in range(MAX_DEPTH + 1):
@@ -125,7 +126,7 @@ def _check_branches(
     brace: Int64[np.ndarray, " nodes"],
     rank: int,
 ) -> None:
-    # Each node with branches has 2^rank of them on the level below
+    # Each branch node must have 2^rank children on the level below
     for upper in range(int(level.max())):
         parents = np.flatnonzero((level == upper) & (grid < 0))
         children = np.flatnonzero(level == upper + 1)
@@ -146,7 +147,7 @@ def _build(
     depth = int(np.max(nodes.level + np.maximum(nodes.grid, 0)))
     if depth > MAX_DEPTH:
         raise TreeFault(
-            f"a tensor tree with {depth} halvings of a coordinate; {MAX_DEPTH} at most"
+            f"a tensor tree halves a coordinate {depth} times; at most {MAX_DEPTH}"
             " expected"
         )
     negative = _negative_mean(nodes, values, rank)
@@ -183,9 +184,9 @@ def _build(
 
 
 def _pointers(start: int, count: int, rank: int) -> Slots:
-    # Slots of `count` branches whose blocks are consecutive from `start`
+    # Slots of `count` branch nodes whose children are stored from `start` on
     if start + (count << rank) >= 1 << 31:
-        raise TreeFault("a tensor tree of more than 2³¹ slots; fewer expected")
+        raise TreeFault("a tensor tree has more than 2³¹ slots; fewer expected")
     return ~(start + (np.arange(count, dtype=np.int64) << rank)).astype(np.int32)
 
 
@@ -196,7 +197,7 @@ def _grids(
     halvings: int,
     start: int,
 ) -> Slots:
-    # Slots of grids of one size: their inner levels, then their values in Morton order
+    # Slots of grids of equal size: inner levels, then values in Morton order
     levels = []
     for level in range(1, halvings):
         count = len(first) << rank * level
@@ -212,13 +213,14 @@ def _grids(
 
 
 def morton_order(rank: int, halvings: int) -> Indices:
-    """Morton order of a grid: index, last dimension fastest, of each cell.
+    """Row-major index of each cell of a grid, with cells in Morton (Z-curve) order.
 
     >>> morton_order(3, 1).tolist()
     [0, 4, 2, 6, 1, 5, 3, 7]
     """
     number = np.arange(1 << rank * halvings).reshape([2] * (rank * halvings))
-    # Axis dimension·halvings + level: coarse levels first, the last dimension slowest
+    # Axis number: dimension·halvings + level, from the coarsest to the finest level and
+    # from the last to the first dimension
     axes = [
         dimension * halvings + level
         for level in range(halvings)

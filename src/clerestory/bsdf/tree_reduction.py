@@ -1,7 +1,7 @@
 """Reduction of tensor trees by merging similar cells, as in rttree_reduce.
 
-A branch is kept where √((max − min) / (√mean + 0.03)) of its values exceeds a
-threshold. The threshold is a percentile of this measure over all blocks of smallest
+A branch node is kept if √((max − min) / (√mean + 0.03)) of the values below it exceeds
+a threshold. The threshold is a percentile of this measure over all blocks of smallest
 cells: at 95 % about one block in twenty is kept.
 """
 
@@ -17,7 +17,7 @@ from clerestory.bsdf.tree_lookup import cells
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 
-# Bins and upper end of the measure's histogram, as in rttree_reduce.
+# Number of bins and upper end of the histogram of the measure, as in rttree_reduce.
 _STEPS, _END = 300, 4.0
 
 
@@ -28,10 +28,11 @@ class Reduction:
     Attributes
     ----------
     tree : the reduced tree
-    cells_before, cells_after : numbers of values
-    moved : fraction of diffuse incident light that leaves through another cell
-    hemispherical_error : largest change of the directional-hemispherical value, over
-        the centres of the Klems full patches
+    cells_before, cells_after : number of cells before and after the reduction
+    moved : flux that leaves in other directions, as a fraction of the flux incident
+        from a uniform sky
+    hemispherical_error : largest change of the directional-hemispherical value at the
+        centres of the Klems full patches
     """
 
     tree: ScatteringTree
@@ -43,7 +44,7 @@ class Reduction:
 
 @dataclass(frozen=True, eq=False)
 class _Level:
-    # Nodes of one level: slots, and extrema and mean of the values below
+    # Nodes of one level: slots, and extrema and mean of the values below each node
     code: Int32[np.ndarray, " nodes"]
     least: Float[np.ndarray, " nodes"]
     most: Float[np.ndarray, " nodes"]
@@ -57,17 +58,18 @@ class _Level:
 def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
     """Return a tree with similar cells merged; flux is conserved.
 
-    `percent`: blocks of smallest cells to merge [%]; 0 merges only equal cells.
+    `percent`: percentage of the blocks of smallest cells that are merged; 0 merges only
+    equal cells.
     """
     if not 0 <= percent < 100:
-        raise InputError(f"reduction by {percent} %; 0 to below 100 % expected")
+        raise InputError(f"reduction by {percent} %; 0 ≤ reduction < 100 % expected")
     levels = _levels(tree)
     threshold = _threshold(levels, tree, percent)
     slots = _rebuilt(levels, tree.rank, threshold)
     depth = max(group.level for group in cells(slots, tree.rank))
     reduced = ScatteringTree(slots, tree.rank, depth)
 
-    # Fraction of the flux that changes cells: every loss is a gain elsewhere
+    # Half the sum of absolute changes: each decrease is an increase in another cell
     change = combine(lambda a, b: np.abs(a - b), tree, reduced)
     live = 2 if tree.rank == 3 else 1
     incident = klems("full").centres()
@@ -108,7 +110,7 @@ def _threshold(levels: list[_Level], tree: ScatteringTree, percent: float) -> fl
     step = np.minimum(measure * (_STEPS / _END), _STEPS - 1).astype(int)
     count = np.bincount(step, minlength=_STEPS).astype(float)
 
-    # Parts of the tree without smallest cells count as blocks without differences
+    # Count regions without smallest cells as blocks with zero measure
     total = float(1 << tree.rank * (tree.depth - 1))
     count[0] += total - len(measure)
     wanted = np.floor(percent / 100 * total)

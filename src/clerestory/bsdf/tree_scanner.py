@@ -1,7 +1,7 @@
 """Scanner for the text of tensor trees: braces and numbers.
 
-The scanner is not recursive and works in chunks, so that trees of hundreds of megabytes
-take little more memory than their values.
+The text is read in chunks, so that for trees of hundreds of megabytes the scanner needs
+little more memory than the values.
 """
 
 import warnings
@@ -22,12 +22,12 @@ _TO_SPACES = bytes.maketrans(b"{},", b"   ")
 
 @dataclass(frozen=True, eq=False)
 class TreeScan:
-    """Braces in the order of the text, and all values.
+    """Braces and values in text order.
 
     Attributes
     ----------
     step : +1 for an opening, −1 for a closing brace
-    words : number of words between a brace and the previous one
+    words : number of words between the previous brace and each brace
     values : all words as numbers
     """
 
@@ -37,7 +37,7 @@ class TreeScan:
 
 
 class TreeFault(Exception):
-    """A fault of the text, at a brace number or a byte offset."""
+    """Error in the text of a tree, located by brace number or byte offset."""
 
     def __init__(self, message: str, *, brace: int = -1, offset: int = -1) -> None:
         super().__init__(message)
@@ -45,7 +45,7 @@ class TreeFault(Exception):
 
 
 def position_of(text: bytes, fault: TreeFault) -> int:
-    """Offset of a fault [bytes]."""
+    """Offset of an error in the text [bytes]."""
     if fault.brace < 0:
         return max(fault.offset, 0)
     seen = 0
@@ -88,7 +88,10 @@ def scan_tree(text: bytes) -> TreeScan:
         values.append(_numbers(chunk, len(begins), start))
         start = end
     if carried:
-        raise TreeFault("values after the tensor tree's last brace", offset=len(text))
+        raise TreeFault(
+            "values after the last brace of a tensor tree; end of text expected",
+            offset=len(text),
+        )
     if not any(len(step) for step in steps):
         raise TreeFault("no tensor tree; text in braces {…} expected")
     return TreeScan(
@@ -97,7 +100,7 @@ def scan_tree(text: bytes) -> TreeScan:
 
 
 def _end_of_word(text: bytes, end: int) -> int:
-    # Move back to the start of a word; words above 100 bytes are cut and refused
+    # Move back to the start of a word; words of over 100 bytes are cut, hence rejected
     end = min(end, len(text))
     for back in range(min(end, 100)):
         if end == len(text) or _KIND[text[end - back]] != _WORD:
@@ -130,10 +133,13 @@ def _bad_word(plain: bytes, offset: int) -> TreeFault:
         if not _is_finite(word):
             shown = word[:40].decode("latin-1")
             return TreeFault(
-                f"{shown!r} in a tensor tree; a number expected", offset=offset + place
+                f"{shown!r} in a tensor tree; a finite number expected",
+                offset=offset + place,
             )
         place += len(word)
-    return TreeFault("unreadable values in a tensor tree", offset=offset)
+    return TreeFault(
+        "unreadable values in a tensor tree; numbers expected", offset=offset
+    )
 
 
 def _is_finite(word: bytes) -> bool:

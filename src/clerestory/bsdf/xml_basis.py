@@ -1,4 +1,4 @@
-"""Angle bases of a BSDF file, from their names, rings and value counts."""
+"""Angle bases of BSDF files, from their names, rings and numbers of values."""
 
 from dataclasses import dataclass
 
@@ -10,25 +10,26 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 
-# Tolerance with which ring limits are joined to each other and to 0 and 90 [°].
+# Tolerance between the limits of adjacent rings, and to 0 and 90 [°].
 _ROUNDING_DEG = 0.02
 
 _MOST_RINGS = 1000
 _MOST_PATCHES = 20_000
 
-# Klems half and quarter of Radiance before it adopted those of WINDOW.
+# Definitions of Klems half and quarter in Radiance before it adopted WINDOW's.
 _OLD_HALF = ((0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90), (1, 8, 12, 16, 20, 12, 4))
 _OLD_QUARTER = ((0, 9, 27, 46, 66, 90), (1, 8, 12, 12, 8))
 
 
 @dataclass(frozen=True, eq=False)
 class Bases:
-    """Partitions for each basis name, in the order of preference.
+    """Candidate partitions for each basis name.
 
     Attributes
     ----------
-    known : candidates by lower-case name; definitions of the file come first
-    defined : lower-case names that the file defines
+    known : partitions by lower-case name, in order of preference: the definition in the
+        file, then the standard ones
+    defined : lower-case names of the bases that the file defines
     """
 
     known: dict[str, tuple[RingPartition, ...]]
@@ -36,7 +37,7 @@ class Bases:
 
 
 def read_bases(definition: etree._Element, document: Document) -> Bases:
-    """Return the angle bases of a file, and the well-known ones."""
+    """Return the angle bases defined in a file and the standard Klems bases."""
     known: dict[str, tuple[RingPartition, ...]] = {}
     for element in document.children(definition, "AngleBasis"):
         basis = _read_basis(element, document)
@@ -50,9 +51,9 @@ def read_bases(definition: etree._Element, document: Document) -> Bases:
 def choose_bases(
     block: etree._Element, bases: Bases, *, count: int, document: Document
 ) -> tuple[RingPartition, RingPartition, str]:
-    """Return the partitions of rows and columns that fit the count of values.
+    """Return the partitions of rows and columns that fit the number of values.
 
-    The third value is a note if they are not those that the file defines.
+    The third value is a note, empty if the partitions are those defined in the file.
     """
     names = [document.text(block, f"{side}AngleBasis") for side in ("Row", "Column")]
     for name in names:
@@ -80,7 +81,7 @@ def choose_bases(
         )
     elif not bases.defined.issuperset(name.lower() for name in names):
         note = (
-            f"the rings of {names[0]!r} are not in the file; the usual ones are taken"
+            f"the rings of {names[0]!r} are not in the file; the standard ones are used"
         )
     return *chosen, note
 
@@ -118,18 +119,18 @@ def _read_basis(element: etree._Element, document: Document) -> RingPartition:
     if sum(count) > _MOST_PATCHES:
         raise document.error(
             element,
-            f"{sum(count)} patches in {name!r}; {_MOST_PATCHES} at most expected",
+            f"{sum(count)} patches in {name!r}; at most {_MOST_PATCHES} expected",
         )
 
-    # Join the rings from the pole to the rim
+    # Check that the rings are contiguous from 0 to 90°
     ends = np.array([[0.0, *upper], [*lower, 90.0]])
     gap = np.abs(ends[0] - ends[1])
     if np.max(gap) > _ROUNDING_DEG:
         ring = int(np.argmax(gap))
         raise document.error(
             blocks[min(ring, len(blocks) - 1)],
-            f"ring limits {ends[0][ring]:g}° and {ends[1][ring]:g}° in {name!r} leave a"
-            " gap; rings from 0 to 90° without gaps expected",
+            f"ring limits {ends[0][ring]:g}° and {ends[1][ring]:g}° in {name!r} differ;"
+            " contiguous rings from 0 to 90° expected",
         )
     limits = np.array([0.0, *upper[:-1], 90.0])
     try:

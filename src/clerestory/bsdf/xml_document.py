@@ -1,7 +1,7 @@
-"""Hardened XML parsing of BSDF files: no entities, no network, line numbers.
+"""Secure XML parsing of BSDF files, without entities or network access.
 
-Tensor trees can have hundreds of megabytes of text, too much for an XML parser. Every
-text that starts with a brace is replaced by its number in braces before parsing.
+The text of a tensor tree can exceed the size limit of the XML parser. Before parsing,
+every text that starts with a brace is therefore replaced by its index in braces.
 """
 
 import re
@@ -23,13 +23,13 @@ _NUMBER = re.compile(r"\s*\{(\d{1,9})\}\s*")
 
 @dataclass(frozen=True)
 class TreeTexts:
-    """Extracted texts and their places.
+    """Texts of tensor trees that were extracted from XML, and their positions.
 
     Attributes
     ----------
-    texts : from the first brace to the next element
-    first_line : line of each within the XML
-    line_in_rest : line of its number in the remaining XML
+    texts : texts from the first brace to the next tag
+    first_line : line of the original XML where each text starts
+    line_in_rest : line of the remaining XML that contains the index of each text
     """
 
     texts: list[bytes] = field(default_factory=list)
@@ -37,7 +37,7 @@ class TreeTexts:
     line_in_rest: list[int] = field(default_factory=list)
 
     def line(self, line_in_rest: int) -> int:
-        """Line of the XML for a line of the remaining XML."""
+        """Line of the original XML that corresponds to a line of the remaining XML."""
         before = bisect_left(self.line_in_rest, line_in_rest)
         if not before:
             return line_in_rest
@@ -46,13 +46,13 @@ class TreeTexts:
         return line_in_rest - self.line_in_rest[last] + end
 
     def find(self, text: str | None) -> int | None:
-        """Return which text was replaced by this number; None if it is no number."""
+        """Return the index of a text from its placeholder; None for other texts."""
         match = _NUMBER.fullmatch(text or "")
         return int(match[1]) if match and int(match[1]) < len(self.texts) else None
 
 
 def extract_trees(data: bytes) -> tuple[bytes, TreeTexts]:
-    """Return XML without the texts of its tensor trees, and these.
+    """Return XML without the texts of its tensor trees, and the extracted texts.
 
     >>> rest, trees = extract_trees(b"<ScatteringData>{ 0.3 }</ScatteringData>")
     >>> rest, trees.texts
@@ -79,14 +79,14 @@ def extract_trees(data: bytes) -> tuple[bytes, TreeTexts]:
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """A parsed file.
+    """A parsed BSDF file.
 
     Attributes
     ----------
-    path : the file
-    root : outermost element
-    lines_before : lines of text before the XML
-    notes : irregularities
+    path : path of the file, for error messages
+    root : root element
+    lines_before : number of lines before the XML
+    notes : irregularities of the file
     trees : extracted texts of tensor trees
     """
 
@@ -97,7 +97,7 @@ class Document:
     trees: TreeTexts = field(default_factory=TreeTexts)
 
     def line(self, element: etree._Element) -> int:
-        """Line of the file on which an element starts."""
+        """Line number of an element in the file."""
         seen = int(element.sourceline or 0)
         return self.trees.line(seen) + self.lines_before
 
@@ -106,7 +106,7 @@ class Document:
         return InputError(message, file=self.path, line=self.line(element))
 
     def children(self, element: etree._Element, name: str) -> list[etree._Element]:
-        """Children of a name, in any namespace."""
+        """Child elements with a given name, in any namespace."""
         return list(element.iterfind(f"{{*}}{name}"))
 
     def find(self, element: etree._Element, path: str) -> etree._Element | None:
@@ -114,14 +114,14 @@ class Document:
         return element.find("/".join(f"{{*}}{name}" for name in path.split("/")))
 
     def require(self, element: etree._Element, path: str) -> etree._Element:
-        """First descendant along a path of names; an InputError if there is none."""
+        """First descendant along a path of names; raise InputError if there is none."""
         found = self.find(element, path)
         if found is None:
             raise self.error(element, f"no {path} in {_name(element)}; one expected")
         return found
 
     def text(self, element: etree._Element, path: str) -> str:
-        """Text of the first descendant along a path, "" if there is none."""
+        """Text of the first descendant along a path of names; "" if there is none."""
         found = self.find(element, path)
         return "" if found is None else (found.text or "").strip()
 
@@ -129,8 +129,8 @@ class Document:
 def parse_document(path: str | Path) -> Document:
     """Return the WindowElement of a file.
 
-    Text before the XML (genBSDF's "Recover using:" line) is skipped and noted. Document
-    type declarations, which entity expansion attacks need, are refused.
+    Text before the XML (the "Recover using:" line of genBSDF) is skipped and noted.
+    Document type declarations are rejected: they allow entity expansion attacks.
     """
     data = read_bytes(path)
     start = re.search(rb"<\?xml|<WindowElement", data)
@@ -150,12 +150,14 @@ def parse_document(path: str | Path) -> Document:
         line = trees.line(error.lineno or 1) + lines_before
         reason = (error.msg or "unreadable").splitlines()[0]
         raise InputError(
-            f"not well-formed XML: {reason}; a whole BSDF file expected",
+            f"not well-formed XML: {reason}; a complete BSDF file expected",
             file=path,
             line=line,
         ) from error
     except (etree.LxmlError, ValueError, LookupError) as error:
-        raise InputError(f"not readable XML: {error}", file=path) from error
+        raise InputError(
+            f"unreadable XML: {error}; a BSDF file expected", file=path
+        ) from error
     notes = (f"text before the XML is skipped: {_quote(before)}",) if before else ()
     document = Document(path, root, lines_before, notes, trees)
     if root.getroottree().docinfo.doctype:
@@ -185,7 +187,8 @@ def read_numbers(element: etree._Element, document: Document) -> Values:
         at = int(np.argmin(np.isfinite(values)))
         raise document.error(
             element,
-            f"value {at + 1} of {_name(element)} is {values[at]}; a number expected",
+            f"value {at + 1} of {_name(element)} is {values[at]}; a finite number"
+            " expected",
         )
     return values
 

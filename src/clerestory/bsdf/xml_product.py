@@ -16,7 +16,7 @@ from clerestory.bsdf.product_data import (
 )
 from clerestory.bsdf.xml_document import Document
 
-# Decimal, so that lengths in millimetres are restored exactly.
+# Decimal, so that conversions between millimetres and metres are exact.
 _METRES = {
     "meter": Decimal(1),
     "decimeter": Decimal("0.1"),
@@ -27,7 +27,7 @@ _METRES = {
     "foot": Decimal("0.3048"),
 }
 
-# Elements of a material with an attribute of `Product`.
+# Child elements of Material that are stored in attributes of `Product`.
 _KNOWN = (
     *("Name", "Manufacturer", "DeviceType", "Thickness", "Width", "Height"),
     *("EmissivityFront", "EmissivityBack", "Geometry"),
@@ -35,7 +35,7 @@ _KNOWN = (
 
 
 def read_product(layer: etree._Element, document: Document) -> Product:
-    """Return the product information of a layer; empty where it is missing."""
+    """Return the product information of a layer; missing entries are empty or None."""
     product = Product(
         geometry=_geometry(layer, document),
         details=tuple(_details(layer, document)),
@@ -58,7 +58,7 @@ def read_product(layer: etree._Element, document: Document) -> Product:
 
 
 def _geometry(layer: etree._Element, document: Document) -> Geometry | None:
-    # MGF is in a block, or in files of old genBSDF in the element itself
+    # MGF text is in an MGFblock; files of old genBSDF have it in Geometry itself
     element = document.find(layer, "Geometry")
     if element is None:
         element = document.find(layer, "Material/Geometry")
@@ -99,7 +99,7 @@ def _spectra(layer: etree._Element, document: Document) -> Iterator[Spectra]:
 
 
 def _number(text: str) -> float | None:
-    # Informative values: unreadable ones count as missing
+    # Treat unreadable numbers as missing: simulations do not need them
     try:
         value = float(text)
     except ValueError:

@@ -1,7 +1,8 @@
 """Reader of BSDF files in the XML schema of LBNL (WINDOW, genBSDF, wrapBSDF).
 
-The partition of the hemisphere is taken from the rings in the file and checked against
-the count of values, not from its name: "LBNL/Klems Half" has meant 73 and 77 patches.
+The partition of the hemisphere is read from the rings in the file and checked against
+the number of values. Its name is ambiguous: "LBNL/Klems Half" has stood for both 73 and
+77 patches.
 """
 
 import warnings
@@ -22,7 +23,7 @@ from clerestory.bsdf.xml_product import read_product
 from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
 
-# Largest share of the flux in negative values.
+# Largest tolerated flux in negative values, as a fraction of the incident flux.
 _NEGLIGIBLE_NEGATIVE = 1e-3
 
 # Largest directional-hemispherical value without a warning, as in Radiance.
@@ -37,7 +38,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
 
     Raises
     ------
-    InputError : not a BSDF file, damaged, or without data, with the line of the element
+    InputError : the file is not a BSDF file, is damaged or has no data
 
     Warns
     -----
@@ -60,11 +61,11 @@ def read_bsdf(path: str | Path) -> Bsdf:
             direction = document.text(block, "WavelengthDataDirection")
             name = _function_name(direction)
             if name is None:
-                notes.append(f"line {document.line(block)}: {direction!r} is left out")
+                notes.append(f"line {document.line(block)}: {direction!r} is ignored")
                 continue
             if (channel, name) in functions:
                 notes.append(
-                    f"{channel} {direction} is given twice; the last one counts"
+                    f"{channel} {direction} is given twice; the last one is used"
                 )
             functions[channel, name] = (
                 _read_matrix(block, bases, by_rows, document, notes)
@@ -100,7 +101,7 @@ def _read_matrix(
     document: Document,
     notes: list[str],
 ) -> ScatteringMatrix:
-    # Find the partitions that fit the names and the count of values
+    # Find the partitions that fit the names and the number of values
     data = document.require(block, "ScatteringData")
     values = read_numbers(data, document)
     rows, columns, note = choose_bases(
@@ -114,14 +115,14 @@ def _read_matrix(
     exits, incidents = (columns, rows) if by_rows else (rows, columns)
     table = np.ascontiguousarray(table.T) if by_rows else table
 
-    # Set negative noise of measurements and interpolation to zero
+    # Set small negative values, from noise or interpolation, to zero
     weights = exits.projected_solid_angles()
     lost = float(np.max(weights @ np.maximum(-table, 0)))
     if lost > _NEGLIGIBLE_NEGATIVE:
         raise document.error(
             data,
-            f"negative values down to {table.min():.3g}/sr change the flux by"
-            f" {lost:.2%}; a BSDF without negative values expected",
+            f"negative values, down to {table.min():.3g}/sr, contain {lost:.2%} of the"
+            " flux; a BSDF without negative values expected",
         )
     if lost > 0:
         notes.append(
@@ -140,7 +141,7 @@ def _warn_of_energy(bsdf: Bsdf, path: str | Path) -> None:
         if most > _ENERGY_LIMIT:
             warnings.warn(
                 f"{path}: {channel} {name.replace('_', ' ')} scatters {most:.3f} times"
-                " the incident flux; 1 at most expected",
+                " the incident flux; at most 1 expected",
                 ClerestoryWarning,
                 stacklevel=3,
             )
@@ -150,7 +151,7 @@ _BASIS = "LBNL/Shirley-Chiu"
 
 
 def tree_rank(kind: str) -> Literal[3, 4] | None:
-    """Rank of an IncidentDataStructure; None if it is no tree.
+    """Rank of the tensor trees for an IncidentDataStructure; None if not trees.
 
     >>> tree_rank("TensorTree4"), tree_rank("Columns")
     (4, None)
@@ -162,7 +163,7 @@ def tree_rank(kind: str) -> Literal[3, 4] | None:
 def read_tree(
     block: etree._Element, rank: Literal[3, 4], document: Document, notes: list[str]
 ) -> ScatteringTree:
-    """Return the tree of a WavelengthDataBlock; irregularities are added to notes."""
+    """Return the tree of a WavelengthDataBlock; append irregularities to `notes`."""
     data = document.require(block, "ScatteringData")
     basis = document.text(block, "AngleBasis")
     if basis.lower() != _BASIS.lower():
@@ -188,8 +189,8 @@ def read_tree(
     if lost > _NEGLIGIBLE_NEGATIVE:
         raise document.error(
             data,
-            f"negative values change the flux by {lost:.2%}; a BSDF without"
-            " negative values expected",
+            f"negative values contain {lost:.2%} of the flux; a BSDF without negative"
+            " values expected",
         )
     if lost > 0:
         notes.append(

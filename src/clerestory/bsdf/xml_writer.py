@@ -34,10 +34,10 @@ _LABELS = {
     "cie-v": "CIE-v",
 }
 
-# Empty text: WinCalc requires names, and readers strip it.
+# Stands for an empty name: WinCalc requires text, and readers strip the space.
 _BLANK = "\N{NO-BREAK SPACE}"
 
-# Placeholder of values; comments with the same text come before it.
+# Placeholder for the values; a user's comment with the same text precedes all of them.
 _NO_VALUES = b"<ScatteringData/>"
 
 
@@ -48,8 +48,8 @@ def write_bsdf(
 
     Parameters
     ----------
-    digits : significant digits of the values; None for a lossless file
-    comment : origin of the data, in the head of the file
+    digits : significant digits of the values; None for lossless output
+    comment : XML comment at the start of the file, such as the origin of the data
 
     Raises
     ------
@@ -64,7 +64,7 @@ def write_bsdf(
     etree.indent(root, space=" ")
     text = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
 
-    # Values are written line by line: deep trees have a hundred megabytes
+    # Write values line by line: the text of a deep tree can exceed 100 MB
     head, *rest = text.rsplit(_NO_VALUES, len(bsdf.functions))
     with replace_file(path) as stream:
         stream.write(head)
@@ -115,7 +115,7 @@ def _add_material(layer: etree._Element, product: Product) -> None:
     material = _add(layer, "Material")
     _add(material, "Name", product.name or _BLANK)
     _add(material, "Manufacturer", product.manufacturer or _BLANK)
-    # In millimetres, as WinCalc ignores the unit
+    # Write millimetres: WinCalc ignores the unit
     thickness = Decimal(repr(float(product.thickness or 0))) * 1000
     _add(material, "Thickness", f"{thickness.normalize():f}", unit="Millimeter")
     for name in ("width", "height"):
@@ -148,7 +148,7 @@ def _add_geometry(layer: etree._Element, product: Product) -> None:
     for detail in details:
         _add_detail(element, detail)
     if geometry is not None:
-        # The schema restricts units; other units become a scale
+        # Express the unit as a scaling transform: the schema restricts units
         text = geometry.text
         if geometry.metres != 1:
             text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
@@ -156,7 +156,7 @@ def _add_geometry(layer: etree._Element, product: Product) -> None:
 
 
 def _structure(bsdf: Bsdf) -> str:
-    # A file holds matrices, or trees of one rank
+    # A file contains either matrices or trees of one rank
     kinds = {
         f"TensorTree{part.rank}"
         if isinstance(part, ScatteringTree)
@@ -167,8 +167,8 @@ def _structure(bsdf: Bsdf) -> str:
     }
     if len(kinds) > 1 or not kinds <= {"Columns", "TensorTree3", "TensorTree4"}:
         raise InputError(
-            f"BSDF {bsdf.product.name!r} holds {' and '.join(sorted(kinds))}; matrices,"
-            " or trees of one rank, expected in a file"
+            f"BSDF {bsdf.product.name!r} contains {' and '.join(sorted(kinds))};"
+            " matrices only, or trees of one rank only, expected"
         )
     return kinds.pop() if kinds else "Columns"
 
@@ -214,7 +214,7 @@ def _add_block(data: etree._Element, direction: str, part: ScatteringFunction) -
 
 
 def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
-    # Text of the values of a function
+    # Yield the text of the values of a scattering function
     if isinstance(part, ScatteringMatrix):
         yield _format_table(part.values, digits)
     if isinstance(part, ScatteringTree):
@@ -223,7 +223,7 @@ def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
 
 
 def _format_table(table: ExitIncident, digits: int | None) -> str:
-    # Zeros, most values of a clear pane, take one character
+    # Shorten 0.0 to 0: most values of a clear pane are zero
     def write(value: float) -> str:
         text = repr(value) if digits is None else f"{value:.{digits}g}"
         return text.removesuffix(".0")
@@ -235,7 +235,7 @@ def _format_table(table: ExitIncident, digits: int | None) -> str:
 def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
     """Return the text of a tree: branches and values in braces.
 
-    `digits`: significant digits; None for all.
+    `digits`: significant digits; None for lossless output.
 
     >>> even = ScatteringTree(np.array([0.25], dtype=np.float32).view(np.int32), 4, 0)
     >>> format_tree(even)
@@ -245,13 +245,13 @@ def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
 
 
 def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[str]:
-    """Yield the lines of the text of a tree: a brace, a value or a block of values."""
+    """Yield the lines of the text of a tree; each is a brace or a block of values."""
     slots, width = tree.slots, 1 << tree.rank
     blocks = slots[1:].reshape(-1, width)
     full = np.all(blocks >= 0, axis=1)
     order = np.argsort(morton_order(tree.rank, 1))
 
-    # Slots to be written, the next one last; None is a closing brace
+    # Stack of slots to write; None stands for a closing brace
     waiting: list[int | None] = [int(slots[0])]
     while waiting:
         code = waiting.pop()

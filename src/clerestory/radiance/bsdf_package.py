@@ -1,9 +1,9 @@
-"""BSDFs as things to put into a scene, as Radiance's pkgBSDF makes them.
+"""Scene geometry of BSDF files, as written by Radiance's pkgBSDF.
 
-A layer stands upright in the plane z = 0 around the origin: x to its right, y up, its
-room side facing +z. Without geometry it is one rectangle. With geometry, rectangles on
-both sides enclose it: they scatter light by the BSDF, and what is seen, and casts sharp
-shadows, is the geometry between them.
+A layer is in the plane z = 0, centred at the origin, with its room side towards +z and
+its up vector along +y. Without geometry it is one rectangle. With geometry, two
+rectangles enclose it (proxy geometry): they scatter light by the BSDF, while the
+geometry between them is visible and casts sharp shadows.
 """
 
 import numpy as np
@@ -17,19 +17,19 @@ from clerestory.scene.model import BsdfSurface, Polygon, Scene
 from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
-# Rectangles keep off the geometry by this share of its thickness, as in pkgBSDF.
+# Distance of the rectangles from the geometry, relative to its thickness (pkgBSDF)
 _CLEARANCE = 2e-5
 
-# Layers that reflect less than this to the sky side need no rectangle there.
+# Outdoor reflectance below which the outer rectangle is omitted
 _NO_REFLECTION = 1e-3
 
 
 def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
-    """Return the geometry that a BSDF file holds; an empty scene if it has none.
+    """Return the geometry of a BSDF file; an empty scene if it has none.
 
     Parameters
     ----------
-    transform : where it goes from the frame of the BSDF; None: it stays
+    transform : from the frame of the BSDF to the scene; None: identity
     """
     geometry = bsdf.product.geometry
     if geometry is None:
@@ -44,12 +44,12 @@ def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
 
 
 def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Scene:
-    """Return a layer as surfaces that scatter by its BSDF, around its geometry if any.
+    """Return a layer as surfaces with its BSDF, enclosing its geometry if it has any.
 
     Parameters
     ----------
-    name : stands in the names of surfaces and materials
-    transform : where the layer goes from the origin; None: it stays
+    name : prefix of the names of surfaces and materials
+    transform : from the frame of the BSDF to the scene; None: identity
 
     Examples
     --------
@@ -63,7 +63,7 @@ def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Sce
     product, place = bsdf.product, transform or Transform()
     if not (product.width and product.height):
         raise InputError(
-            "the BSDF file gives no width and height of the layer; both expected",
+            "the BSDF file has no width and height of the layer; both expected",
             file=bsdf.source,
         )
     half = np.array([product.width, product.height]) / 2
@@ -89,7 +89,7 @@ def _face(
     height: float,
     place: Transform,
 ) -> Scene:
-    # A rectangle at a height above the origin, facing up
+    # A rectangle at a given z, facing +z
     material = BsdfSurface(
         f"m_{name}",
         bsdf,

@@ -1,6 +1,6 @@
-"""Inline commands of .rad files, run natively: xform, cat and the generators.
+"""Inline commands of scene files: xform, cat and the generators.
 
-No shell is involved, and no program is started.
+They are evaluated without a shell or external programs.
 """
 
 import math
@@ -17,20 +17,20 @@ from clerestory.radiance.generators.converters import BUILDERS, Build
 from clerestory.radiance.placement import Placement
 from clerestory.scene.transform import parse_transform
 
-# More copies than this in one command is a slip of the pen
+# Maximum number of copies by one command
 _MOST_COPIES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
 class Inclusion:
-    """What a command includes, and the places where it puts copies.
+    """The files or scene included by a command, and the placements of its copies.
 
     Attributes
     ----------
-    files : what it reads
+    files : files to read
     placements : one for each copy
-    text : what a generator makes, on a single line; empty if files are read
-    build : makes the scene that a command stands for, or None
+    text : output of a generator, on a single line; empty if files are read
+    build : function that returns the scene of a converter such as mgf2rad, or None
     """
 
     files: tuple[str, ...]
@@ -40,15 +40,15 @@ class Inclusion:
 
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
-    """Return what `xform …`, `cat …` or a generator includes, alone or in a pipe.
+    """Return the content included by `xform …`, `cat …`, a generator or a pipe of them.
 
     Parameters
     ----------
     text : the command, without its exclamation mark
-    find : path of a file that the command names
+    find : function from a file name in the command to its path
     """
     stages = _stages(text)
-    # `xform < file` reads what `xform file` reads
+    # `xform < file` is `xform file`
     words = [w for w in stages[0] if w != "<"] or [""]
     program = _program(words)
     made, build = "", None
@@ -67,7 +67,7 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
         if more:
             raise _refusal(text, " ".join(words))
         if len(outer) * len(placements) > _MOST_COPIES:
-            raise InputError(f"the command makes more than {_MOST_COPIES} copies")
+            raise InputError(f"the command creates more than {_MOST_COPIES} copies")
         placements = [inner.then(o) for o in outer for inner in placements]
     return Inclusion(tuple(files), tuple(placements), made, build)
 
@@ -109,9 +109,7 @@ def _first_stage(
         case _:
             raise _refusal(text, words[0])
     if not files:
-        raise InputError(
-            f'"{text.strip()}" names no file; !xform OPTIONS FILE expected'
-        )
+        raise InputError(f'"{text.strip()}" has no file; !xform OPTIONS FILE expected')
     return files, placements
 
 
@@ -122,16 +120,15 @@ def _program(words: list[str]) -> str:
 def _refusal(text: str, part: str) -> InputError:
     known = ", ".join(["xform", "cat", *GENERATORS, *BUILDERS])
     return InputError(
-        f'"{part}" in the command "{text.strip()}" is not run, only {known} are;'
-        " run the command yourself, save what it prints as a .rad file and include that"
-        " file"
+        f'"{part}" in the command "{text.strip()}" is not supported, only {known} are;'
+        " save the output of the command as a .rad file and include that file"
     )
 
 
 def _xform(
     words: list[str], find: Callable[[str], Path]
 ) -> tuple[list[Placement], list[str]]:
-    # Every copy that the arguments ask for, and the files they name
+    # Placement of every copy, and the files
     placements, files = [], words
     for arguments in _copies(words, find):
         placement, files = _single(arguments)
@@ -144,7 +141,7 @@ def _xform(
 def _copies(
     words: list[str], find: Callable[[str], Path], reading: tuple[str, ...] = ()
 ) -> Iterator[list[str]]:
-    # Replace -f and -a, the first of each at a time, by what they stand for
+    # Expand -f and -a, the first of each at a time
     if "-f" in words:
         at = words.index("-f")
         for i, line in enumerate(_option_lines(words[at + 1 : at + 2], find, reading)):
@@ -162,7 +159,7 @@ def _copies(
 
 
 def _array_count(words: list[str]) -> int:
-    # The count of the first -a, if all counts together make sense
+    # The count of the first -a, after a check of the product of all counts
     counts = []
     for at in (i for i, word in enumerate(words) if word == "-a"):
         count = "".join(words[at + 1 : at + 2])
@@ -177,8 +174,8 @@ def _array_count(words: list[str]) -> int:
 
 
 def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
-    # Give copy i a prefix of its own. Of several -n, xform numbers the first for -f;
-    # for -a it numbers the last and puts that in place of all.
+    # Number the prefix of copy i. Of several -n, xform numbers the first for -f; for -a
+    # it numbers the last and drops the others.
     named = [at for at in range(1, len(words)) if words[at - 1] == "-n"][which]
     if not named:
         return ["-n", fresh, *words]
@@ -189,11 +186,11 @@ def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
 def _option_lines(
     name: list[str], find: Callable[[str], Path], reading: tuple[str, ...]
 ) -> list[list[str]]:
-    # The argument lists in the file of -f, one a line
+    # The argument lists in the file of -f, one per line
     if not name or name[0].startswith("-"):
-        raise InputError("xform -f names no file; a file of xform options expected")
+        raise InputError("xform -f has no file; a file of xform options expected")
     if name[0] in reading:
-        raise InputError(f'xform -f: the file "{name[0]}" names itself')
+        raise InputError(f'xform -f: the file "{name[0]}" refers to itself')
     lines = []
     for line in read_text(find(name[0])).replace("\\\n", "").splitlines():
         if line and not line.startswith("#"):
@@ -215,9 +212,7 @@ def _single(words: list[str]) -> tuple[Placement, list[str]]:
         if option in ("-m", "-n"):
             at += 1
             if at == len(words):
-                raise InputError(
-                    f"xform {option} is followed by nothing; a name expected"
-                )
+                raise InputError(f"xform {option} has no value; a name expected")
             if option == "-n":
                 prefixes.append(words[at])
             elif modifier is None:
@@ -228,7 +223,7 @@ def _single(words: list[str]) -> tuple[Placement, list[str]]:
     files = words[at + taken :]
     if files and files[0].startswith("-"):
         raise InputError(
-            f'xform does not take "{files[0]}" here; -m -n -I come first, then'
-            " -t -rx -ry -rz -s -mx -my -mz -i, with -a and -f anywhere"
+            f'xform does not accept "{files[0]}" here; first -m -n -I, then'
+            " -t -rx -ry -rz -s -mx -my -mz -i expected, with -a and -f anywhere"
         )
     return Placement(transform, modifier, ".".join(prefixes), inverted), files

@@ -1,8 +1,8 @@
-"""Radiance's compiled files: frozen octrees (oconv -f) and triangle meshes (obj2mesh).
+"""Reader of Radiance's compiled files: octrees (oconv) and meshes (obj2mesh).
 
-Both begin with a text header, hold an octree that we pass over, and list primitives in
-a portable binary form. Numbers are big-endian; a real number is a mantissa of four
-bytes and an exponent of one.
+Both have a text header, an octree, which is skipped, and primitives in a portable
+binary format. Numbers are big-endian; real numbers have a mantissa of four bytes and an
+exponent of one byte.
 
 Reference: Radiance, src/common: portio.c, octree.h, sceneio.c, readoct.c, readmesh.c.
 """
@@ -26,11 +26,11 @@ _EMPTY, _FULL, _TREE = range(3)
 
 @dataclass(frozen=True)
 class Octree:
-    """What an octree file holds.
+    """The content of an octree file.
 
     Attributes
     ----------
-    files : scene files that it was made from, none if it is frozen
+    files : scene files from which it was compiled, none if it is frozen
     items : primitives of a frozen octree
     """
 
@@ -39,11 +39,11 @@ class Octree:
 
 
 def read_octree(path: str | Path) -> Octree:
-    """Return the files or primitives that an octree stands for.
+    """Return the scene files or primitives of an octree.
 
     Raises
     ------
-    InputError : the file is missing, damaged or no octree
+    InputError : the file is missing, damaged or not an octree
     """
     reader = Reader(path)
     size = reader.header(*_OCTREE)
@@ -60,34 +60,34 @@ def read_octree(path: str | Path) -> Octree:
 
 
 class Reader:
-    """A compiled file read from front to back."""
+    """Sequential reader of a compiled file."""
 
     def __init__(self, path: str | Path) -> None:
         self.data, self.path, self.at = read_bytes(path), path, 0
 
     def mesh_header(self) -> int:
-        """Pass the header of a mesh; return the size of an object's number."""
+        """Skip the header of a mesh; return the number of bytes of an object index."""
         return self.header(*_MESH)
 
     def header(self, form: bytes, magic: int) -> int:
-        """Pass the header; return the size of an object's number."""
+        """Skip the header; return the number of bytes of an object index."""
         end = self.data.find(b"\n\n")
         if end < 0 or b"FORMAT=" + form not in self.data[:end].replace(b" ", b""):
-            raise self.error(f"no FORMAT={form.decode()} in its header")
+            raise self.error(f"the header has no FORMAT={form.decode()}")
         self.at = end + 2
         size = self.whole(2) - magic
         if not 0 < size <= _LARGEST_INTEGER:
-            raise self.error("another version of the format")
+            raise self.error("the version of the format is not supported")
         return size
 
     def error(self, message: str) -> InputError:
-        """Return the error that tells what is wrong with the file."""
+        """Return an error about the file."""
         return InputError(
             f"{message}; a file compiled by Radiance expected", file=self.path
         )
 
     def take(self, count: int) -> bytes:
-        """Take some bytes."""
+        """Read bytes."""
         part = self.data[self.at : self.at + count]
         if len(part) < count:
             raise self.error("the file ends early")
@@ -95,11 +95,11 @@ class Reader:
         return part
 
     def whole(self, size: int) -> int:
-        """Take a signed whole number of `size` bytes."""
+        """Read a signed integer of `size` bytes."""
         return int.from_bytes(self.take(size), "big", signed=True)
 
     def text(self) -> str:
-        """Take a text that ends with a zero byte."""
+        """Read a zero-terminated string."""
         end = self.data.find(b"\0", self.at)
         if end < 0:
             raise self.error("the file ends early")
@@ -108,16 +108,16 @@ class Reader:
         return text
 
     def reals(self, count: int) -> tuple[float, ...]:
-        """Take real numbers."""
+        """Read real numbers."""
         raw = np.frombuffer(self.take(5 * count), dtype=np.uint8).reshape(count, 5)
         mantissa = np.ascontiguousarray(raw[:, :4]).view(">i4")[:, 0].astype(float)
         exponent = raw[:, 4].view(np.int8).astype(int)
-        # As written: the mantissa is a fraction of 2³¹-1, and rounded towards 0
+        # The mantissa is a fraction of 2³¹-1, rounded towards 0
         fraction = (mantissa + np.sign(mantissa) * 0.5) / 0x7FFFFFFF
         return tuple(np.ldexp(fraction, exponent).tolist())
 
     def skip_tree(self, size: int) -> None:
-        """Pass an octree, in which object numbers take `size` bytes."""
+        """Skip an octree with object indices of `size` bytes."""
         data, at, left = self.data, self.at, 1
         try:
             while left:
@@ -136,7 +136,7 @@ class Reader:
         self.at = at
 
     def primitives(self, size: int) -> tuple[Primitive, ...]:
-        """Take a list of primitives, up to its end."""
+        """Read the primitives up to the end of their list."""
         kinds = []
         while kind := self.text():
             kinds.append(kind)
@@ -150,7 +150,7 @@ class Reader:
     def _primitive(self, kind: str, before: list[Primitive], size: int) -> Primitive:
         modifier = self.whole(size)
         if modifier >= len(before):
-            raise self.error(f"a {kind} is modified by what comes after it")
+            raise self.error(f"the modifier of a {kind} is defined after it")
         by = "void" if modifier < 0 else before[modifier].name
         name = self.text()
         strings = tuple(self.text() for _ in range(self._count(2)))

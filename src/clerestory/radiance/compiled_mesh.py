@@ -1,8 +1,8 @@
-"""Triangle meshes compiled by Radiance's obj2mesh (.rtm).
+"""Reader of triangle meshes compiled by Radiance's obj2mesh (.rtm).
 
-Vertices come in patches of up to 256, as fractions of a cube. Most triangles join
-vertices of one patch, others one or two vertices of other patches. Smoothing normals
-and texture coordinates are passed over.
+Vertices are stored in patches of up to 256, as fractions of a cube. Most triangles have
+all vertices in one patch, others one or two in other patches. Vertex normals and
+texture coordinates are ignored.
 
 Reference: Radiance, common/mesh.h, mesh.c, readmesh.c.
 """
@@ -19,7 +19,7 @@ from clerestory.scene.transform import number
 
 _VERTICES, _NORMALS, _COORDINATES = 1, 2, 4
 
-# Vertices are numbered through with this many places for each patch
+# Vertex indices reserved for each patch
 _PATCH = 256
 _MOST_TRIANGLES = 512
 
@@ -28,14 +28,14 @@ _NO_MATERIAL = -1
 
 @dataclass(frozen=True, eq=False)
 class CompiledMesh:
-    """What a compiled mesh holds.
+    """The content of a compiled mesh.
 
     Attributes
     ----------
     items : its materials
     vertices : [m]
     faces : counter-clockwise as seen from the front
-    material : for each face the name of its material, empty for none
+    material : name of the material of each face, empty if none
     """
 
     items: tuple[Primitive, ...]
@@ -51,7 +51,7 @@ def read_compiled_mesh(path: str | Path) -> CompiledMesh:
     cube = [number(reader.text()) for _ in range(4)]
     known = [value for value in cube if value is not None]
     if len(known) != 4 or known[3] <= 0:
-        raise reader.error("bounds that are no cube")
+        raise reader.error("the bounds are not a cube")
     reader.reals(4)
     reader.skip_tree(size)
     items = reader.primitives(size)
@@ -123,7 +123,7 @@ class _Patches:
     ) -> CompiledMesh:
         if not self.vertices:
             raise self.reader.error("no triangles")
-        # From numbers with gaps, one patch after the other, to numbers without
+        # Renumber the vertices without the gaps between patches
         counts = np.array([len(v) for v in self.vertices])
         start = np.cumsum(counts) - counts
         given = np.concatenate(self.faces)

@@ -1,10 +1,10 @@
-"""Tables of numbers over one or more axes (.dat), interpolated as Radiance does.
+"""Radiance's data files (.dat): interpolated tables over one or more axes.
 
-Between grid points the value is linear in each coordinate. Beyond the ends of an axis
-it continues straight for one interval and then falls off as one over the distance.
+Interpolation is multilinear. Beyond the ends of an axis, values are extrapolated
+linearly over one interval and then decrease as one over the distance.
 
-A file holds the number of axes; for each axis `begin end count`, or `0 0 count` and
-the positions where they are uneven; then the values, the last axis changing fastest.
+A file has the number of axes; for each axis `begin end count`, or `0 0 count` and the
+positions if they are not equidistant; then the values, with the last axis fastest.
 
 Reference: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System",
 section 2.3 (data files).
@@ -20,7 +20,7 @@ from jaxtyping import Float
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
 
-# More than this is no table of a luminaire or sky
+# Limits on the size of a table
 _MOST_AXES = 5
 
 
@@ -30,8 +30,8 @@ class DataArray:
 
     Attributes
     ----------
-    axes : positions along each axis, growing or falling
-    values : at the crossings
+    axes : positions along each axis, ascending or descending
+    values : values at the grid points
     """
 
     axes: tuple[Float[np.ndarray, " positions"], ...]
@@ -47,7 +47,7 @@ class DataArray:
             step = np.diff(axis)
             if len(axis) < 2 or not (np.all(step > 0) or np.all(step < 0)):
                 raise InputError(
-                    "the positions of an axis do not grow or fall all the way"
+                    "the positions of an axis are neither ascending nor descending"
                 )
         if not np.all(np.isfinite(self.values)):
             raise InputError("a value is not finite; finite numbers expected")
@@ -110,7 +110,7 @@ class _Reader:
 
 def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
     begin, end = reader.take(2, "limits of an axis")
-    # Each position has a value further on
+    # Each position requires a value later in the file
     most = max(len(reader.numbers), 2)
     count = reader.whole("number of positions on an axis", 2, most)
     if begin == end:
@@ -121,7 +121,7 @@ def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
 def _cell(
     axis: Float[np.ndarray, " positions"], x: Float[np.ndarray, " points"]
 ) -> tuple[np.ndarray, np.ndarray]:
-    # The interval of each point, and where it lies in it: 0 to 1, or beyond
+    # The interval of each point, and the relative position in it; 0 to 1 if inside
     if axis[0] > axis[-1]:
         axis, x = -axis, -x
     cell = np.clip(np.searchsorted(axis, x, side="right") - 1, 0, len(axis) - 2)
@@ -133,7 +133,7 @@ def _interpolated(
     chosen: list[np.ndarray],
     cells: list[tuple[np.ndarray, np.ndarray]],
 ) -> Float[np.ndarray, " points"]:
-    # Both ends of the first axis left, each interpolated along the axes after it
+    # Both ends of the first remaining axis, each interpolated along the further axes
     if not cells:
         value: np.ndarray = values[tuple(chosen)]
         return value
@@ -148,7 +148,7 @@ def _along(
     high: Float[np.ndarray, " points"],
     t: Float[np.ndarray, " points"],
 ) -> Float[np.ndarray, " points"]:
-    # Straight up to one interval outside, then as one over the distance
+    # Linear up to one interval outside, then as one over the distance
     straight = low * (1 - t) + high * t
     above = (2 * high - low) / np.where(t > 2, t + 1, 1.0)
     below = (2 * low - high) / np.where(t < -1, -t, 1.0)

@@ -1,4 +1,4 @@
-"""The items of a .rad file and of all it includes, each in its place in the scene."""
+"""Expansion of scene files with the files that they include."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -29,9 +29,9 @@ from clerestory.scene.primitive import Primitive
 
 @dataclass(frozen=True)
 class Scope:
-    """Where names begin to stand for themselves alone, and where that ends.
+    """The begin or end of a scope of material names.
 
-    Materials defined inside an instance are not known outside it.
+    Materials defined inside an instance are not visible outside it.
     """
 
     opens: bool
@@ -39,20 +39,20 @@ class Scope:
 
 Item = PolygonRun | Primitive | Directive | Simple | Scope | Scene
 
-# Files nested deeper than this are a mistake, and would exhaust the stack
+# Maximum depth of nested files, which limits recursion
 _DEEPEST = 100
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """An item after all transforms it passed.
+    """An item with its accumulated transform.
 
     Attributes
     ----------
     item : polygons, another surface, a material or an alias (Primitive), a directive,
-        the bounds of a scope, or a scene whose surfaces are in place already
-    file : where it stands
-    placement : what it passed; already applied to surfaces
+        the bounds of a scope, or a scene in its final position
+    file : path of its file
+    placement : accumulated placement, already applied to surfaces
     """
 
     item: Item
@@ -61,7 +61,7 @@ class Placed:
 
 
 def placed_items(path: str | Path) -> Iterator[Placed]:
-    """Yield everything in a file and in the files it includes, in Radiance's order."""
+    """Yield the items of a file and of the files it includes, in Radiance's order."""
     walk = _Walk(Path(path).parent, {}, {})
     yield from walk.items(Path(path), Placement(), ())
 
@@ -116,7 +116,7 @@ class _Walk:
             files = [self._find(name, path) for name in inclusion.files]
             _refuse_recursion(files, (*within, path))
         if inclusion.text:
-            # A generator's text has one line, that of its command
+            # Output of a generator has the line of its command
             text = "\n" * (command.line - 1) + inclusion.text
             made = _parsed(text, str(path))
         for inner in copies:
@@ -136,7 +136,7 @@ class _Walk:
         placement: Placement,
         within: tuple[Path, ...],
     ) -> Iterator[Placed]:
-        # The content of the file of an instance or mesh, in its place
+        # The placed content of the file of an instance or mesh
         with located(file=path, line=item.line):
             instance = read_instance(
                 item,
@@ -156,7 +156,7 @@ class _Walk:
             yield from content
             yield Placed(Scope(opens=False), str(path), inner)
         else:
-            # A modifier of its own replaces all materials inside
+            # A modifier of the instance replaces all materials inside
             yield from (p for p in content if not isinstance(p.item, Primitive))
 
     def _find(self, name: str, path: Path) -> Path:
@@ -179,7 +179,7 @@ def _parsed(text: str, file: str) -> tuple[Item | Command, ...]:
 def _built(
     statements: Iterable[Statement | TriangleMesh], file: str
 ) -> list[Item | Command]:
-    # Statements with their surfaces as values
+    # Statements, with surfaces converted
     items: list[Item | Command] = []
     for statement in statements:
         match statement:

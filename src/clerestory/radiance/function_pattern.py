@@ -1,9 +1,7 @@
-"""Patterns and textures from functions and tables (brightfunc, colordata, texfunc …).
+"""Patterns and textures of functions and tables (brightfunc, colordata, texfunc …).
 
-The ray variables of functions are Radiance's: D points from the viewer to the emitter,
-so against the light that leaves a surface, and along the direction given for a source
-at infinity. They are in the coordinates of the function, whose transform follows the
-name of its file.
+Ray variables are Radiance's, in the coordinates of the function (the transform after
+the file name). D points from the viewer to the surface or source, against the light.
 """
 
 import warnings
@@ -26,7 +24,7 @@ _NORMAL = {f"N{a}" for a in "xyz"} | {f"N{a}P" for a in "xyz"} | {"Rdot", "RdotP
 _POINT = {f"P{a}" for a in "xyz"}
 _FRAME = {"S"} | {f"{k}{a}" for k in "TIJK" for a in "xyz"}
 
-# Values read from the tables
+# Names of the values read from the tables
 READINGS = ("$101", "$102", "$103")
 
 # Variables that have a value for a pattern; $1… are Radiance's numbers of them
@@ -42,9 +40,9 @@ KNOWN = frozenset(_DIRECTION | _NORMAL | _POINT | _FRAME | set(NUMBERED))
 class FunctionPattern:
     """A pattern or texture of Radiance: expressions, or functions of tables.
 
-    Without tables (brightfunc, colorfunc, texfunc) the values are those of the
-    expressions. With tables (brightdata, colordata, texdata) the expressions are names
-    of functions, each applied to the values read from the tables at the coordinates.
+    Without tables (brightfunc, colorfunc, texfunc) the expressions give the values.
+    With tables (brightdata, colordata, texdata) the expressions are names of functions
+    that are applied to the values interpolated in the tables at the coordinates.
 
     Attributes
     ----------
@@ -52,9 +50,9 @@ class FunctionPattern:
     expressions : one for all channels, or one each
     arguments : real arguments
     transform : from the function's coordinates to the scene's
-    source : where it is defined
+    source : file and line of the definition
     tables : none, or one for each expression
-    coordinates : expressions for the position in the tables
+    coordinates : expressions of the coordinates in the tables
 
     Examples
     --------
@@ -74,12 +72,12 @@ class FunctionPattern:
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Ray variables that the functions use."""
+        """Ray variables used by the functions."""
         return _aliases(self.program.uses(*self.coordinates, *self.expressions))
 
     @property
     def grey(self) -> bool:
-        """Whether one expression serves all bands."""
+        """Whether one expression is used for all bands."""
         return len(self.expressions) == 1
 
     @property
@@ -98,7 +96,7 @@ class FunctionPattern:
         normal: Float[np.ndarray, "rays 3"] | None = None,
         point: Float[np.ndarray, "rays 3"] | None = None,
     ) -> Float[np.ndarray, "rays 3"]:
-        """Multiplier of radiance; see `Pattern.value`. 1 where there is no value."""
+        """Multiplier of radiance; see `Pattern.value`. 1 if there is no value."""
         computed = self.computed(_inputs(self.transform, direction, normal, point))
         return _multipliers(computed, self.source)
 
@@ -113,10 +111,10 @@ class FunctionPattern:
         return Computed(found.value, position.valid & found.valid)
 
     def calls(self) -> tuple[Node, ...]:
-        """Return the functions of the tables, called with the values read.
+        """Return calls of the functions with the values read from the tables.
 
-        A function of three arguments takes the values of all tables, another the value
-        of its own.
+        A function of three arguments receives the values of all tables, any other the
+        value of its own table.
         """
         readings = tuple(Name(name) for name in READINGS[: len(self.tables)])
         names = [node.name for node in self.expressions if isinstance(node, Name)]
@@ -127,7 +125,7 @@ class FunctionPattern:
 
 
 def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
-    """Return the value of a pattern that is the same everywhere, None for others."""
+    """Return the value of a constant pattern; None for others."""
     match pattern:
         case FunctionPattern() if not pattern.names - _FRAME:
             along = np.array([[0.0, 0.0, 1.0]])
@@ -141,9 +139,9 @@ def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
 
 
 def constant_vector(pattern: FunctionPattern) -> Float[np.ndarray, "3"] | None:
-    """Return three expressions that are the same everywhere, as a vector of the scene.
+    """Return three constant expressions as a vector in scene coordinates.
 
-    None where they vary or have no value.
+    None if they vary or have no value.
     """
     if pattern.names - _FRAME:
         return None
@@ -194,13 +192,13 @@ def _inputs(
 def _multipliers(
     computed: Computed, source: Source | None
 ) -> Float[np.ndarray, "rays 3"]:
-    # Where nothing can be computed Radiance leaves the pattern out, and says so
+    # Without a value the pattern is ignored with a warning, as in Radiance
     bad = int(np.count_nonzero(~computed.valid))
     if bad:
         place = "" if source is None else f"{source.file}:{source.line}: "
         warnings.warn(
-            f"{place}a pattern has no value for {bad} of {len(computed.valid)}"
-            " directions (division by zero or the like); it is left out there, as in"
+            f"{place}the pattern has no value for {bad} of {len(computed.valid)}"
+            " directions (division by zero or similar); it is ignored there, as in"
             " Radiance",
             ClerestoryWarning,
             stacklevel=3,

@@ -1,4 +1,4 @@
-"""Skies as sources at infinity, from the commands that Radiance users know."""
+"""Skies from the commands gensky and gendaylit."""
 
 import tempfile
 from datetime import datetime
@@ -11,7 +11,7 @@ from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Scene
 from clerestory.sky.weather import Weather
 
-# The usual frame around a generated sky: one dome above the horizon, one below
+# The usual sources of a generated sky: one hemisphere above the horizon, one below
 _DOMES = """
 skyfunc glow sky_glow
 0
@@ -35,11 +35,11 @@ _COMMANDS = ("gensky", "gendaylit")
 
 
 def sky_scene(command: str) -> Scene:
-    """Return the sky, ground and sun that `gensky …` or `gendaylit …` describe.
+    """Return the sky, ground and sun of a command `gensky …` or `gendaylit …`.
 
     Raises
     ------
-    InputError : another command, or options that it does not know
+    InputError : another command, or unknown options
 
     Examples
     --------
@@ -63,25 +63,24 @@ def sky_at(weather: Weather, moment: datetime) -> Scene:
 
     Parameters
     ----------
-    moment : local standard time; the step of the data that holds it gives the
-        irradiances
+    moment : local standard time; irradiances are those of the time step around it
 
     Raises
     ------
-    InputError : a moment outside the data, or by night
+    InputError : the moment is outside the data, or at night
     """
     asked = np.datetime64(moment.replace(tzinfo=None), "s")
     half = np.timedelta64(round(weather.step_minutes * 30), "s")
     times = weather.times.astype("datetime64[s]")
     if len(times) and not np.any(np.abs(times - asked) <= half):
-        # Weather files of a typical year carry years of their own
+        # The months of a typical year are from different years
         within = asked - asked.astype("datetime64[Y]")
         distance = np.abs(times - (times.astype("datetime64[Y]") + within))
     else:
         distance = np.abs(times - asked)
     if not len(times) or distance.min() > half:
         raise InputError(
-            f"the weather has no step at {moment}; one of its own expected"
+            f"the weather has no time step at {moment}; a moment within it expected"
         )
     step = int(np.argmin(distance))
     normal, diffuse = weather.direct_normal[step], weather.diffuse_horizontal[step]

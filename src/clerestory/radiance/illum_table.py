@@ -1,8 +1,8 @@
-"""Windows as lamps: tables of the radiance that they send, and their files.
+"""Precomputed window emitters: radiance tables and their files.
 
-What mkillum is for: the light of a window, once known in all directions, lights a scene
-like a lamp, while the eye sees the window itself. A table holds radiance over the angle
-from the normal and the angle around it, and is interpolated between.
+As mkillum: the radiance of a window, tabulated over polar angle and azimuth, makes the
+window an emitter (`illum`), while the window itself remains visible. Tables are
+interpolated.
 """
 
 from dataclasses import dataclass
@@ -19,24 +19,24 @@ from clerestory.radiance.data_array import DataArray
 from clerestory.radiance.function_pattern import FunctionPattern
 from clerestory.scene.model import Illum, Polygon, Scene
 
-# Angles of the light that leaves, from the normal A1–A3 and from A4–A6 towards A7–A9;
-# D points against that light
+# Polar angle from the normal A1–A3, and azimuth from A4–A6 towards A7–A9, of the
+# direction of emission −D
 _FROM_NORMAL = "Acos(-(Dx*A1+Dy*A2+Dz*A3))/DEGREE"
 _AROUND = "Atan2(-(Dx*A7+Dy*A8+Dz*A9),-(Dx*A4+Dy*A5+Dz*A6))/DEGREE"
 _COLOUR, _GREY = ("red", "green", "blue"), ("noop",)
 
-# Places for the check of a table's flux
+# Quadrature points for the flux of a table
 _FINE = 20
 
 
 @dataclass(frozen=True, eq=False)
 class LeavingLight:
-    """Radiance that a flat patch sends, by direction.
+    """Outgoing radiance of a planar patch by direction.
 
     Attributes
     ----------
     frame : rows: two axes in the patch and its normal
-    radiance : by ring from the normal, sector around it, channel [W/(m²·sr)]
+    radiance : by ring (polar angle), sector (azimuth) and channel [W/(m²·sr)]
     """
 
     frame: Float[np.ndarray, "3 3"]
@@ -57,10 +57,10 @@ def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
 
 
 def light_pattern(light: LeavingLight) -> FunctionPattern:
-    """Return the radiance of a patch as a pattern of an emitter of radiance 1.
+    """Return the radiance of a patch as the pattern of an emitter with radiance 1.
 
-    The table's values stand in the middle of rings and sectors; all are scaled so that
-    what is interpolated between them sends as much as was found.
+    The table has values at the centres of rings and sectors, scaled so that the
+    interpolated radiance has the exitance of `light`.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
 
 
 def _table(radiance: Float[np.ndarray, "ring sector"]) -> DataArray:
-    # Close the table at the normal, at the horizon and around
+    # Extend the table to the normal, to the horizon and to the full circle
     rings, sectors = radiance.shape
     ring, sector = 90 / rings, 360 / sectors
     first = np.full((1, sectors), radiance[0].mean())
@@ -99,7 +99,7 @@ def _table(radiance: Float[np.ndarray, "ring sector"]) -> DataArray:
 
 
 def _exitance_of(table: DataArray) -> float:
-    # By the midpoint rule, finely; 2π ∫ L sin θ cos θ dθ
+    # 2π ∫ L sin θ cos θ dθ by the midpoint rule
     count = _FINE * len(table.axes[0])
     theta = (np.arange(count) + 0.5) * 90 / count
     phi = np.linspace(-180, 180, 4 * len(table.axes[1]), endpoint=False)
@@ -110,26 +110,26 @@ def _exitance_of(table: DataArray) -> float:
 
 
 def write_illums(scene: Scene, path: str | Path) -> list[Path]:
-    """Write windows that were made lamps as a scene file with tables beside it.
+    """Write precomputed window emitters as a scene file and data files.
 
-    Radiance reads them too. What the eye sees in their place is named, not defined: the
-    file stands after the one that defines the windows' materials.
+    Radiance can read them. The file must come after the one that defines the alternate
+    materials of the windows, which it refers to only.
 
     Parameters
     ----------
     scene : what `precompute_illums` returns
-    path : .rad file to write; tables get its name and a number
+    path : .rad file to write; data files have its name and a number
 
     Returns
     -------
-    files : all that were written
+    files : paths of all files written
 
     Raises
     ------
-    InputError : a surface that is no polygon, or a material that is no such lamp
+    InputError : a surface is not a polygon, or a material not a window emitter
     """
     path = Path(path)
-    lines, files = ["# Windows as lamps, by Clerestory"], []
+    lines, files = ["# Precomputed window emitters, by Clerestory"], []
     for number, surface in enumerate(scene.surfaces):
         lamp = scene.materials[surface.material]
         if (
@@ -137,7 +137,7 @@ def write_illums(scene: Scene, path: str | Path) -> list[Path]:
             or not isinstance(lamp, Illum)
             or not isinstance(lamp.pattern, FunctionPattern)
         ):
-            raise InputError(f'surface "{surface.name}" is no window made a lamp')
+            raise InputError(f'surface "{surface.name}" is not a window emitter')
         names = []
         for table, channel in zip(lamp.pattern.tables, "rgb", strict=False):
             names.append(f"{path.stem}_{number}{channel}.dat")
@@ -171,7 +171,7 @@ def _lamp_lines(
 
 
 def _data_text(table: DataArray) -> str:
-    # Axis by axis, the positions that are uneven one by one
+    # Axis by axis; the positions of an uneven one are listed
     theta, phi = table.axes
     uneven = " ".join(f"{x:.9g}" for x in theta)
     rows = "\n".join(" ".join(f"{x:.7g}" for x in row) for row in table.values)

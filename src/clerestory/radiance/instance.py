@@ -1,9 +1,8 @@
-"""Instances and meshes: what stands in another file, put in place by a primitive.
+"""Instances and meshes: primitives that place the content of another file.
 
-`instance` names an octree. Of a frozen one the primitives are taken as they are; for
-another, the scene files it was made from are read, if they are still there. `mesh`
-names a compiled mesh or the OBJ file that one would be made from; names of materials
-in an OBJ file stand for modifiers of the scene.
+`instance` refers to an octree: the primitives of a frozen one are read from it, those
+of another from the scene files from which it was compiled. `mesh` refers to a compiled
+mesh or an OBJ file, whose material names are modifiers of the scene.
 
 References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2.1.
 """
@@ -31,13 +30,13 @@ _OBJ = ".obj"
 
 @dataclass(frozen=True, eq=False)
 class Instance:
-    """What an instance or mesh stands for.
+    """The content of an instance or mesh.
 
     Attributes
     ----------
     files : scene files to be read
     items : primitives and meshes, already read
-    placement : where they go; the modifier outweighs theirs, unless it is void
+    placement : their placement; its modifier replaces theirs, unless it is void
     """
 
     files: tuple[Path, ...]
@@ -45,26 +44,26 @@ class Instance:
     placement: Placement
 
 
-# What has been read from files, which may be placed many times
+# Cache of file contents, which may be placed many times
 Loaded = dict[Path, Octree | ObjText | CompiledMesh]
 
 
 def read_instance(
     item: Primitive, *, file: str, find: Callable[[str], Path], loaded: Loaded
 ) -> Instance:
-    """Return what a primitive of type instance or mesh stands for.
+    """Return the content of a primitive of type instance or mesh.
 
     Parameters
     ----------
     item : the primitive
-    file : where it stands
-    find : path of a file that it names
-    loaded : what has been read before; what is read now is added
+    file : path of its file
+    find : function from a file name to its path
+    loaded : cache of file contents, which is updated
     """
     given = Arguments(item, file)
     given.reals(0)
     if not item.strings:
-        raise given.error("no file; the name of one expected")
+        raise given.error("no file name; one expected")
     modifier = None if item.modifier == "void" else item.modifier
     placement = Placement(given.transform(1), modifier, item.name)
     try:
@@ -99,8 +98,8 @@ def _octree(
     for name in octree.files:
         if name.startswith("!"):
             raise InputError(
-                f'the octree {path} was made from the command "{name}"; a frozen one'
-                " (oconv -f) expected"
+                f'the octree {path} was compiled from the command "{name}"; a frozen'
+                " octree (oconv -f) expected"
             )
         beside = path.parent / name
         files.append(beside if beside.is_file() else find(name))

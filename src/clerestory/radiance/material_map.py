@@ -1,6 +1,6 @@
-"""Material maps (.toml): what the names in a mesh file are made of.
+"""Material maps (.toml): materials for the names in a mesh file.
 
-file = "materials.rad"          # optional: materials to name below
+file = "materials.rad"          # optional: materials referred to below
 scale = 0.001                   # metres per unit of the mesh file
 up = "y"                        # which axis of the mesh file points up
 
@@ -56,13 +56,13 @@ class _MapFile(_Table):
 @final
 @dataclass(frozen=True, eq=False)
 class MaterialMap:
-    """What the names in a mesh file are made of.
+    """Materials for the names in a mesh file.
 
     Attributes
     ----------
-    materials : by name; "*" stands for any other
+    materials : by name; "*" for all others
     scale : metres per unit of the mesh file
-    up : axis that points up; None for what is usual in the format
+    up : axis that points up; None for the default of the format
     """
 
     materials: Mapping[str, Material]

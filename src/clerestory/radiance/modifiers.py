@@ -1,8 +1,8 @@
 """Patterns and textures as modifiers of materials.
 
-A modifier stands between a surface and its material, or modifies the material; either
-way a pattern varies the colour and a texture perturbs the normal. Of a mixture both
-parts are modified, and of a mirror with an alternate the alternate.
+A modifier of a surface or of its material has the same effect: a pattern multiplies the
+colour, a texture perturbs the normal. For a mixture both parts are modified, for a
+mirror with an alternate material the alternate.
 """
 
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ class Modifiers:
 
     Attributes
     ----------
-    patterns : multipliers of the colour, the outermost first
+    patterns : multipliers of the colour, outermost first
     textures : perturbations of the normal
     """
 
@@ -32,7 +32,7 @@ class Modifiers:
     textures: tuple[FunctionPattern, ...] = ()
 
     def within(self, outer: "Modifiers | None") -> "Modifiers":
-        """Return these modifiers, modified by others or by none."""
+        """Return these modifiers combined with outer ones, if any."""
         if outer is None:
             return self
         patterns, textures = outer.patterns + self.patterns, outer.textures
@@ -40,11 +40,11 @@ class Modifiers:
 
 
 def modified(material: Material, modifiers: Modifiers, given: Arguments) -> Material:
-    """Return a material under patterns and textures.
+    """Return a material modified by patterns and textures.
 
     Parameters
     ----------
-    given : the primitive that names both, for errors
+    given : the primitive that refers to both, for errors
     """
     match material:
         case Emitter():
@@ -87,6 +87,6 @@ def _patterned(material: Material, pattern: Pattern, given: Arguments) -> Materi
         case _ if material.takes_pattern:
             return Patterned(material.name, material, pattern, material.source)
     raise given.error(
-        f"{type(material).__name__} does not take a pattern; void expected as its"
-        " modifier, or plastic, metal, trans, glass or mirror in its place"
+        f"{type(material).__name__} cannot have a pattern; the modifier void expected,"
+        " or plastic, metal, trans, glass or mirror instead"
     )

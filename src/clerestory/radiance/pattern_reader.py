@@ -1,8 +1,8 @@
-"""Patterns, textures and shares of mixtures as scene files write them.
+"""Reader of patterns, textures and mixture fractions in scene files.
 
-A function file of Radiance's library that its generators name (`cal.files`) stands for
-functions of our own, unless a file of that name lies beside the scene or in the current
-directory. Other files are looked for like every file that a scene names.
+For function files of Radiance's library the built-in functions of `cal.files` are used,
+unless the scene's folder or the current directory has a file of that name. Other files
+are searched for like all files of a scene.
 """
 
 from collections.abc import Mapping
@@ -39,12 +39,12 @@ from clerestory.scene.transform import Transform
 
 
 def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
-    """Return the pattern or texture that a primitive describes.
+    """Return the pattern or texture defined by a primitive.
 
     Parameters
     ----------
-    given : of one of `PATTERN_KINDS`
-    placed : transform of the file that holds it
+    given : arguments of a primitive of one of `PATTERN_KINDS`
+    placed : transform of its file
     """
     made = _read(given, placed)
     textured = given.item.kind in _TEXTURES
@@ -52,7 +52,7 @@ def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
 
 
 def read_share(given: Arguments, placed: Transform) -> float | Pattern:
-    """Return the share of a mixture's foreground; a pattern, by its first channel.
+    """Return the foreground fraction of a mixture, or a pattern (first channel).
 
     Its function is the third string argument, after the two materials.
     """
@@ -64,7 +64,7 @@ def read_share(given: Arguments, placed: Transform) -> float | Pattern:
 def read_vector(
     given: Arguments, placed: Transform, first: int
 ) -> Float[np.ndarray, "3"] | Pattern:
-    """Return the vector that three expressions define; a pattern where it varies.
+    """Return the vector of three expressions, or a pattern if it varies.
 
     The values are components in the coordinates of the function.
 
@@ -116,7 +116,7 @@ def _data(
     tables = tuple(_table(given, name) for name in strings[middle : at - 1])
     axes = len(tables[0].axes)
     if any(len(table.axes) != axes for table in tables):
-        raise given.error("its tables have different numbers of axes; one expected")
+        raise given.error("the tables differ in their numbers of axes; one expected")
     if len(strings) < at + axes:
         raise given.error(f"{len(strings) - at} coordinates for a table of {axes} axes")
     program = _program(given, at - 1)
@@ -135,7 +135,7 @@ def _data(
     return pattern
 
 
-# Number of functions, the string the first of them is, and how many data files follow
+# Number of functions, index of the first among the strings, number of data files after
 _FORMS: Mapping[str, tuple[int, int, int | None]] = {
     "brightfunc": (1, 0, None),
     "colorfunc": (3, 0, None),
@@ -151,7 +151,7 @@ PATTERN_KINDS = frozenset(_FORMS) - {"mixfunc", "mixdata"}
 
 
 def _table(given: Arguments, name: str) -> DataArray:
-    # A luminaire's file stands for its intensities, too
+    # Photometric files are read as tables of intensity
     path = library_file(name, beside=given.file, line=given.item.line)
     if path.suffix.lower() in LUMINAIRE_SUFFIXES:
         return intensity_table(read_luminaire(path))
@@ -166,7 +166,7 @@ def _strings(given: Arguments, least: int) -> None:
 
 
 def _transform(given: Arguments, at: int, placed: Transform) -> Transform:
-    # Radiance looks for the transform from the first word with a dash on
+    # As in Radiance, the transform begins at the first word with a dash
     strings = given.item.strings
     while at < len(strings) and not strings[at].startswith("-"):
         at += 1
@@ -180,7 +180,7 @@ def _expression(given: Arguments, text: str) -> Node:
 
 
 def _program(given: Arguments, at: int) -> Program:
-    # The functions of the file named by string `at`; a dot names none
+    # The functions of the file in string argument `at`; a dot means none
     name = given.item.strings[at]
     if name == ".":
         return Program()
@@ -199,14 +199,14 @@ def _program(given: Arguments, at: int) -> Program:
 
 
 def _check(given: Arguments, program: Program, nodes: tuple[Node, ...]) -> None:
-    # Every name must mean something before a ray is traced
+    # Check all names before rendering
     unknown = sorted(program.uses(*nodes) - KNOWN)
     if unknown:
         raise given.error(
-            f'"{unknown[0]}" is not defined, or not known where light leaves a source;'
+            f'"{unknown[0]}" is not defined, or not available at an emitter;'
             " a name of its function file, an argument or D, N, P expected"
         )
-    # Try one ray of each kind, so that too few arguments are found here
+    # Evaluate one ray of each kind, to detect missing arguments
     shape = (1, 3)
     up = np.broadcast_to(np.array([0.0, 0.6, 0.8]), shape)
     computed = {

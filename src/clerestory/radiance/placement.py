@@ -1,4 +1,4 @@
-"""Where an included file goes: what xform does to the surfaces that pass through it."""
+"""Placement of included files: transform, modifier and prefix of xform."""
 
 from dataclasses import dataclass, field, replace
 
@@ -11,14 +11,14 @@ from clerestory.scene.transform import Transform
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """One passage through xform.
+    """The effect of one xform.
 
     Attributes
     ----------
-    transform : where points go
-    modifier : replaces the modifier of surfaces, if given
-    prefix : stands before the names of surfaces
-    inverted : whether fronts become backs (-I)
+    transform : transform of points
+    modifier : replacement of the modifiers of surfaces, or None
+    prefix : prefix of the names of surfaces
+    inverted : whether front and back are swapped (-I)
     """
 
     transform: Transform = field(default_factory=Transform)
@@ -36,11 +36,11 @@ class Placement:
         )
 
     def name(self, name: str) -> str:
-        """Return the name a surface gets."""
+        """Return the name with its prefix."""
         return f"{self.prefix}.{name}" if self.prefix else name
 
     def polygons(self, run: PolygonRun) -> PolygonRun:
-        """Return the polygons in their place."""
+        """Return transformed polygons."""
         vertices = self.transform.points(run.vertices)
         if self.transform.mirrored != self.inverted:
             # Reverse each polygon: vertex k of n becomes vertex n-1-k
@@ -58,11 +58,11 @@ class Placement:
         )
 
     def surface(self, surface: Simple) -> Simple:
-        """Return the surface in its place."""
+        """Return a transformed surface."""
         material = surface.material if self.modifier is None else self.modifier
         moved = transformed(surface, self.transform, inverted=self.inverted)
         return replace(moved, material=material, name=self.name(surface.name))
 
     def turned(self, surface: Surface) -> Surface:
-        """Return a surface that is in its place already, inverted if -I says so."""
+        """Return a transformed surface, inverted if -I is set."""
         return transformed(surface, Transform(), inverted=self.inverted)

@@ -1,4 +1,4 @@
-"""Whether polygons are flat and have an area; many at a time."""
+"""Checks of polygons for planarity and area."""
 
 import warnings
 from collections.abc import Callable
@@ -11,19 +11,19 @@ from clerestory.radiance.statements import PolygonRun
 from clerestory.scene.surface import area_vectors
 from clerestory.scene.transform import LARGEST
 
-# Distance of a vertex from its polygon's plane that passes as rounding: as a share of
-# the polygon's size, and for coordinates printed with six decimals [m]
+# Tolerance of planarity relative to the polygon's size, and that for coordinates
+# printed with six decimals [m]
 _ROUNDING, _SIX_DECIMALS = 1e-4, 2e-6
 
-# Doubtful polygons of a file that are named one by one
+# Maximum number of polygons per file with a warning of their own
 _NAMED = 5
 
 
 def checked(run: PolygonRun, *, file: str) -> PolygonRun:
-    """Return the polygons that have an area, without a repeated last vertex.
+    """Return the polygons with an area, without repeated last vertices.
 
-    Warns of polygons without area, which Radiance ignores too, and of those that
-    are not flat, with the distance of the farthest vertex from the mean plane.
+    Warns about polygons without area, which Radiance also ignores, and about those that
+    are not planar, with the largest distance of a vertex from the mean plane.
     """
     _refuse_beyond_measure(run, file)
     run = _without_closing_vertex(run)
@@ -33,10 +33,10 @@ def checked(run: PolygonRun, *, file: str) -> PolygonRun:
     away = run.vertices - np.repeat(middle, np.diff(run.first), axis=0)
     size = _per_polygon(np.maximum, np.linalg.norm(away, axis=1), run)
 
-    # Thinner than the rounding of the coordinates themselves is no area
+    # The area is zero within the rounding of the coordinates
     magnitude = _per_polygon(np.maximum, np.abs(run.vertices).max(axis=1), run)
     flat = area <= 1e-15 * magnitude * size + 1e-300
-    _warn(run, flat, file, lambda i: "it has no area and is left out")
+    _warn(run, flat, file, lambda i: "it has no area and is omitted")
 
     with np.errstate(invalid="ignore", divide="ignore"):
         plane = np.repeat(normal / area[:, None], np.diff(run.first), axis=0)
@@ -47,7 +47,7 @@ def checked(run: PolygonRun, *, file: str) -> PolygonRun:
         bent,
         file,
         lambda i: (
-            f"a vertex lies {deviation[i]:.3g} m off its plane; a flat polygon expected"
+            f"a vertex is {deviation[i]:.3g} m off its plane; a planar polygon expected"
         ),
     )
     return _subset(run, ~flat) if flat.any() else run
@@ -62,7 +62,7 @@ def _refuse_beyond_measure(run: PolygonRun, file: str) -> None:
 
 
 def _without_closing_vertex(run: PolygonRun) -> PolygonRun:
-    # A last vertex that repeats the first is dropped, as in Radiance
+    # A last vertex equal to the first is removed, as in Radiance
     last = run.first[1:] - 1
     length = np.diff(run.first)
     same = (

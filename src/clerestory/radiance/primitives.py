@@ -1,6 +1,6 @@
-"""Surfaces of the scene language as values: one function for each type.
+"""Surface primitives of the scene language.
 
-To read one more surface, write its function and add it to `SURFACES`.
+`SURFACES` has one function for each type.
 """
 
 from collections.abc import Callable, Mapping
@@ -10,19 +10,19 @@ import numpy as np
 from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
 from clerestory.scene.primitive import Arguments, Primitive
 
-# Radiance's FTINY: what is shorter has no length
+# Radiance's FTINY, the length of a zero vector
 _TINY = 1e-6
 
 
 def surface(item: Primitive, *, file: str) -> Simple | None:
-    """Return the surface that a primitive other than a polygon describes.
+    """Return the surface of a primitive other than a polygon.
 
-    Returns None, with a warning, where it has no extent.
+    Returns None, with a warning, if it has no extent.
     """
     given = Arguments(item, file)
     if item.kind not in SURFACES:
         known = ", ".join(["polygon", *SURFACES])
-        raise given.error(f"this type is not supported; {known} are")
+        raise given.error(f"unsupported type; one of {known} expected")
     given.no_strings()
     return SURFACES[item.kind](given)
 
@@ -31,10 +31,10 @@ def _sphere(given: Arguments) -> Simple | None:
     value = given.reals(4)
     radius, inward = float(value[3]), given.item.kind == "bubble"
     if abs(radius) <= _TINY:
-        given.doubt("its radius is zero; it is left out")
+        given.doubt("the radius is zero; the surface is omitted")
         return None
     if radius < 0:
-        given.doubt(f"radius is {radius:g}; its front is turned, as in Radiance")
+        given.doubt(f"radius is {radius:g}; the surface is inverted, as in Radiance")
         radius, inward = -radius, not inward
     return Sphere(value[:3], radius, inward, *given.labels)
 
@@ -48,11 +48,11 @@ def _cone(given: Arguments) -> Simple | None:
         raise given.error(f"radius is {listed}; a positive number expected")
     if radii.min() < -_TINY:
         given.doubt(
-            f"radius is {radii.min():g}; its front is turned, as in Radiance",
+            f"radius is {radii.min():g}; the surface is inverted, as in Radiance",
         )
         radii, inward = -radii, not inward
     if np.linalg.norm(value[3:6] - value[:3]) <= _TINY:
-        given.doubt("its two ends coincide; it is left out")
+        given.doubt("the two ends coincide; the surface is omitted")
         return None
     first, last = float(abs(radii[0])), float(abs(radii[-1]))
     return Cone(value[:3], value[3:6], first, last, inward, *given.labels)

@@ -1,9 +1,9 @@
-"""Scenes from Radiance's scene files (.rad), read natively: no shell, no octree.
+"""Reader of Radiance scene files (.rad).
 
-Commands (`!xform …`, `!cat …`) are followed here. A relative path in a command is
-looked for in the folder of the file given to `read_rad`, then in the folder of the
-file that holds the command, then in the current directory. A BSDF file is looked for
-beside the file that names it, in the current directory and in the folders of RAYPATH.
+Commands (`!xform …`, `!cat …`) are evaluated without a shell. Relative paths in
+commands are searched in the folder of the file given to `read_rad`, in the folder of
+the file with the command and in the current directory; BSDF files in the folder of the
+file that refers to them, in the current directory and in the folders of RAYPATH.
 
 References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2 (ray.html).
 """
@@ -38,26 +38,25 @@ from clerestory.scene.model import Scene
 from clerestory.scene.primitive import Arguments, Definition, Primitive
 from clerestory.scene.surface import DistantSource, Polygon, Surface
 
-# What "void" stands for among modifiers: no material at all
+# The modifier "void": no material
 _VOID = ""
 
 
 def read_rad(*paths: str | Path) -> Scene:
-    """Return the scene in Radiance files, read one after the other.
+    """Read a scene from Radiance files, one after the other.
 
-    A later definition of a material holds for the surfaces after it. Surfaces made
-    of void are left out. Polygons without area are left out and bent ones kept, each
-    with a warning that names them.
+    A later definition of a material applies to the surfaces after it. Surfaces of void
+    are omitted. Polygons without area are omitted and those that are not planar kept,
+    each with a warning.
 
     Parameters
     ----------
-    paths : .rad files; materials stand before the surfaces made of them
+    paths : .rad files; materials must be defined before they are used
 
     Raises
     ------
-    InputError : with file and line, where a file is missing, malformed, includes
-        itself, uses a name before it is defined, or holds a material, a surface or
-        a command that is not supported
+    InputError : a file is missing, malformed, includes itself, uses an undefined name,
+        or contains an unsupported material, surface or command
 
     Examples
     --------
@@ -79,19 +78,19 @@ def read_rad(*paths: str | Path) -> Scene:
 
 @dataclass
 class _Reading:
-    # What has been read so far, and what each name means at this point
+    # Scene read so far, and current definition of each name
     materials: dict[str, Material] = field(default_factory=dict)
     in_force: dict[str, str] = field(default_factory=lambda: {"void": _VOID})
     surfaces: list[Surface] = field(default_factory=list)
     distant: list[DistantSource] = field(default_factory=list)
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
-    # Patterns and textures with all that modifies them, and alone
+    # Patterns and textures with their modifiers, and without
     modifiers: dict[str, Modifiers] = field(default_factory=dict)
     outside: list[tuple[dict[str, str], dict[str, Modifiers]]] = field(
         default_factory=list
     )
     bare: dict[str, Modifiers] = field(default_factory=dict)
-    # Materials without what modifies them, by key
+    # Materials without their modifiers, by key
     unmodified: dict[str, Material] = field(default_factory=dict)
 
     def add(self, placed: Placed) -> None:
@@ -111,7 +110,7 @@ class _Reading:
             case Scene():
                 self._add_scene(placed.item, placed.file, placed.placement)
             case Directive():
-                pass  # speaks to window readers
+                pass  # used by `window_reader` only
             case surface:
                 source = surface.source or Source(placed.file, 0)
                 key = self._key(surface.material, source)
@@ -143,7 +142,7 @@ class _Reading:
                 self.surfaces.append(Polygon(vertices, key, name, source))
 
     def _add_scene(self, scene: Scene, file: str, placement: Placement) -> None:
-        # Surfaces that are in place; a modifier of xform outweighs their materials
+        # Transformed surfaces; a modifier of xform replaces their materials
         keys = {
             name: insert_material(self.materials, material)
             for name, material in scene.materials.items()
@@ -165,7 +164,7 @@ class _Reading:
         if key == _VOID:
             return
         if not isinstance(self.materials[key], Glow | Light):
-            message = f'source "{item.name}" is made of "{key}"'
+            message = f'source "{item.name}" has the material "{key}"'
             raise error_at(source, f"{message}; a glow or a light expected")
         self.distant.append(replace(item, material=key))
 
@@ -203,7 +202,7 @@ class _Reading:
         if item.modifier in self.modifiers or item.modifier == "void":
             self._name_modifiers(item.name, modifiers, self._modifying(given))
             return
-        # Between a material and a surface: a material of its own
+        # A modifier between material and surface defines another material
         value = altered(self._named(item.modifier, given.source), name=item.name)
         self._name_material(value, modifiers, given)
 
@@ -232,17 +231,17 @@ class _Reading:
         return Void() if key == _VOID else self.materials[key]
 
     def _bsdf(self, name: str, source: Source) -> Bsdf:
-        # One value for each file, so that equal materials are known as such
+        # One object per file, so that equal materials are recognized
         path = library_file(name, beside=source.file, line=source.line).resolve()
         if path not in self.bsdfs:
             self.bsdfs[path] = read_layer(path)
         return self.bsdfs[path]
 
     def _alias(self, given: Arguments) -> None:
-        # "inherit" keeps the modifiers of the original; another modifier replaces them
+        # "inherit" preserves the modifiers of the original; others replace them
         name, (target,) = given.item.name, given.item.strings
         if target == "void":
-            message = f'alias "{name}" stands for void; a material expected'
+            message = f'alias "{name}" refers to void; a material expected'
             raise error_at(given.source, message)
         inherits = given.item.modifier == "inherit"
         outer = None if inherits else self._modifying(given)

@@ -26,7 +26,7 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
 
     Parameters
     ----------
-    bsdf_file : the file of each BSDF, by the key of its material
+    bsdf_file : path of the BSDF file by key of the material
 
     Examples
     --------
@@ -77,7 +77,7 @@ class _Writer:
         self.text.append(f"{head}\n{words}\n0\n{numbers}\n")
 
     def define(self, material: Material, key: str) -> str:
-        """Add a material, after those that it holds; return its name."""
+        """Add a material, after those that it is composed of; return its name."""
         if isinstance(material, Void):
             return "void"
         given = material.specification()
@@ -97,7 +97,7 @@ class _Writer:
         material: Material,
         key: str,
     ) -> str:
-        """Return what stands in the file for a string argument."""
+        """Return the text of a string argument."""
         match value:
             case str():
                 return value
@@ -111,13 +111,13 @@ class _Writer:
                 )
             case Pattern():
                 raise InputError(
-                    f'material "{material.name}" varies by a pattern or function, which'
+                    f'material "{material.name}" has a pattern or function, which'
                     " cannot be written; constant values expected"
                 )
         return f"{value:.12g}"
 
     def held(self, material: Material) -> str:
-        """Return the name of a material within another, written if it is not yet."""
+        """Return the name of a part of a material, after adding it if necessary."""
         if isinstance(material, Void):
             return "void"
         known = set(self.written)
@@ -126,7 +126,7 @@ class _Writer:
 
 
 def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
-    # A mesh is written triangle by triangle
+    # A mesh is written as triangles
     if isinstance(surface, TriangleMesh):
         for corners in surface.vertices[surface.faces]:
             yield Specification("polygon", (), (*corners.ravel(),))
@@ -157,5 +157,5 @@ def _shape(surface: Polygon | Sphere | Cone | Ring | DistantSource) -> Specifica
 
 
 def _quoted(word: str) -> str:
-    # Radiance reads a word in quotes as one
+    # Radiance accepts blanks in quoted words
     return f'"{word}"' if not word or any(c.isspace() for c in word) else word

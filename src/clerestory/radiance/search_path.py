@@ -1,4 +1,4 @@
-"""Search path of the files that scenes name: RAYPATH."""
+"""Search path of library files (RAYPATH)."""
 
 import os
 from collections.abc import Sequence
@@ -8,15 +8,14 @@ from clerestory.errors import InputError, located
 
 
 def library_file(name: str, *, beside: str | Path, line: int) -> Path:
-    """Return the path of a file that a scene names.
+    """Return the path of a file that a scene refers to.
 
-    Looked for in the folder of the file that names it, in the current directory and in
-    the folders listed in the environment variable RAYPATH; a path from the root stands
-    for itself.
+    Searched are the folder of the file that refers to it, the current directory and the
+    folders in the environment variable RAYPATH; absolute paths are used as they are.
 
     Parameters
     ----------
-    beside, line : the file that names it, and where
+    beside, line : file and line of the reference
     """
     listed = [Path(f) for f in os.environ.get("RAYPATH", "").split(os.pathsep) if f]
     with located(file=beside, line=line):
@@ -24,9 +23,9 @@ def library_file(name: str, *, beside: str | Path, line: int) -> Path:
 
 
 def found_in(name: str, folders: Sequence[Path]) -> Path:
-    """Return the path of a file in the first of some folders that has it."""
+    """Return the path of a file in the first folder that contains it."""
     for folder in dict.fromkeys(folders):
         if (folder / name).is_file():
             return folder / name
     tried = ", ".join(str(folder) for folder in dict.fromkeys(folders))
-    raise InputError(f'the file "{name}" is missing; looked for in {tried}')
+    raise InputError(f'the file "{name}" is missing; searched in {tried}')

@@ -1,7 +1,7 @@
-"""What the text of a .rad file says, statement by statement.
+"""Parser of the statements of scene files (.rad).
 
-Long files are mostly polygons in plain numbers. Those are cut out by one regular
-expression and converted together; everything else is read word by word.
+Polygons of plain numbers, the bulk of long files, are matched by one regular expression
+and converted together; other statements are read word by word.
 """
 
 import re
@@ -17,7 +17,7 @@ from clerestory.scene.transform import number
 
 @dataclass(frozen=True, eq=False)
 class PolygonRun:
-    """Polygons that follow each other; polygon i has vertices first[i]:first[i+1]."""
+    """Consecutive polygons; polygon i has the vertices first[i]:first[i+1]."""
 
     modifier: list[str]
     name: list[str]
@@ -28,7 +28,7 @@ class PolygonRun:
 
 @dataclass(frozen=True)
 class Command:
-    """A line that begins with an exclamation mark, without it."""
+    """An inline command, without its exclamation mark."""
 
     text: str
     line: int
@@ -44,7 +44,7 @@ class Directive:
 
 Statement = Primitive | PolygonRun | Command | Directive
 
-# Radiance's types (ray.html, section 2.1): what may stand second in a primitive
+# Types of primitives (ray.html, section 2.1)
 _SURFACES = "polygon sphere bubble cone cup cylinder tube ring source instance mesh"
 _MODIFIERS = """
     plastic metal glass trans dielectric plastic2 metal2 trans2 interface plasfunc
@@ -68,7 +68,7 @@ _WORD = re.compile(r"""\s*(?:"([^"]*)(")?|'([^']*)(')?|(\S+))""", re.ASCII)
 
 
 def parse_statements(text: str, *, file: str) -> list[Statement]:
-    """Return the statements of a file's text in their order."""
+    """Return the statements of a file's text in order."""
     statements: list[Statement] = []
     polygons = _PolygonCollector()
     cursor = _Cursor(text, file)
@@ -84,7 +84,7 @@ def parse_statements(text: str, *, file: str) -> list[Statement]:
 
 @dataclass
 class _Cursor:
-    # A place in the text, and the line it is on
+    # Position and line in the text
     text: str
     file: str
     at: int = 0
@@ -92,7 +92,7 @@ class _Cursor:
     newlines: int = 0
 
     def skip(self) -> bool:
-        # Pass blanks and comments; tell whether anything is left
+        # Skip blanks and comments; return whether any text remains
         match = _SKIP.match(self.text, self.at)
         self.at = match.end() if match else self.at
         return self.at < len(self.text)
@@ -145,7 +145,7 @@ def _statement(cursor: _Cursor) -> Statement:
     if kind not in SURFACE_KINDS and kind not in MODIFIER_KINDS:
         hint = "a type such as polygon or plastic expected"
         if number(modifier) is not None and number(kind) is not None:
-            hint = "does the primitive before have more numbers than its count says?"
+            hint = "does the previous primitive have more numbers than its count?"
         cursor.at = here + len(cursor.text[here:]) - len(cursor.text[here:].lstrip())
         raise cursor.error(f'unknown type "{kind}" of primitive; {hint}')
     return _primitive(cursor, modifier=modifier, kind=kind, name=name, line=line)
@@ -167,7 +167,7 @@ def _primitive(
         raise cursor.error(f"{label} has integer arguments; a count of 0 expected")
     count = _count(cursor, f"the count of numbers of {label}")
     if count > len(cursor.text) - cursor.at:
-        raise cursor.error(f"{label} announces {count} numbers; the file ends before")
+        raise cursor.error(f"{label}: the file ends before its {count} numbers")
     reals = []
     for i in range(count):
         word = cursor.word(f"number {i + 1} of {count} of {label}")
@@ -189,7 +189,7 @@ def _count(cursor: _Cursor, what: str) -> int:
 
 @dataclass
 class _PolygonCollector:
-    # Polygons met so far, their numbers still as text
+    # Polygons read so far, with numbers as text
     modifier: list[str] = field(default_factory=list)
     name: list[str] = field(default_factory=list)
     line: list[int] = field(default_factory=list)
@@ -197,7 +197,7 @@ class _PolygonCollector:
     numbers: list[str] = field(default_factory=list)
 
     def take(self, cursor: _Cursor) -> bool:
-        # Take the polygon at the cursor if it is as plain as they come
+        # Read the polygon at the cursor if it matches the regular expression
         match = _POLYGON.match(cursor.text, cursor.at)
         if match is None:
             return False

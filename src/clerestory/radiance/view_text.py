@@ -1,7 +1,7 @@
-"""Views as text: Radiance's options, view files and the headers of pictures.
+"""Views in Radiance's options, view files and image headers.
 
-A view file has a line `rvu -vtv -vp … -vd …` for each change; what a line does not
-say stays as the lines before left it. The last state counts.
+Each line `rvu -vtv -vp … -vd …` of a view file changes the parameters it gives; the
+view after the last line is returned.
 """
 
 import re
@@ -27,29 +27,28 @@ _NUMBERS = {
     "-va": "aft",
 }
 
-# Words that begin a line with a view (image.c: isview), and bare options
+# First words of view lines (image.c: isview), and options without values
 _OPENING = re.compile(
     r"(?:\S*/)?(?:VIEW=|rpict|rview|rvu|rpiece|pinterp)|-v[tpduhvslo]"
 )
 
-# A header is text; what follows its empty line may be pixels
+# A header ends with an empty line, before binary pixels
 _LONGEST_HEADER = 1 << 20
 
 
 def parse_view(text: str, base: View | None = None) -> View:
-    """Return the view that options such as "-vta -vp 1 2 1.2 -vh 180" describe.
+    """Return the view of options such as "-vta -vp 1 2 1.2 -vh 180".
 
-    Words that are no view options are passed over, as are -vf and its file.
+    Words other than view options are ignored, as are -vf and its file.
 
     Parameters
     ----------
-    text : options, with or without a program's name in front
-    base : supplies what the options leave open; else Radiance's standard view
+    text : options, with or without a program name before them
+    base : default for options not given; None: Radiance's default view
 
     Raises
     ------
-    InputError : an option without its numbers, an unknown view option, a view that
-        cannot be
+    InputError : an option without its numbers, an unknown option or an invalid view
 
     Examples
     --------
@@ -91,12 +90,12 @@ def _numbers(option: str, words: list[str], count: int) -> list[float]:
     found = [value for value in values if value is not None]
     if len(found) < count or len(values) < count:
         noun = "a number" if count == 1 else f"{count} numbers"
-        raise InputError(f"view option {option} without {noun} behind it")
+        raise InputError(f"view option {option} without {noun} after it")
     return found
 
 
 def format_view(view: View) -> str:
-    """Return the options that describe a view, all of them, for Radiance.
+    """Return a view as Radiance's options, without omitting defaults.
 
     >>> format_view(View())
     '-vtv -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 45 -vv 45 -vo 0 -va 0 -vs 0 -vl 0'
@@ -111,16 +110,16 @@ def format_view(view: View) -> str:
 
 
 def opens_view(line: str) -> bool:
-    """Whether a line of a header or view file tells about the view."""
+    """Whether a line of a header or view file defines a view."""
     return _OPENING.match(line) is not None
 
 
 def read_view(path: str | Path) -> View:
-    """Return the last view of a view file, or the view in a picture's header.
+    """Return the last view of a view file, or the view in an image header.
 
     Raises
     ------
-    InputError : the file is missing, holds no view, or one that cannot be
+    InputError : the file is missing, has no view, or an invalid one
     """
     text = read_bytes(path)[:_LONGEST_HEADER].decode("latin-1")
     if text.startswith("#?"):
@@ -138,7 +137,7 @@ def read_view(path: str | Path) -> View:
 
 
 def view_of(text: str) -> View:
-    """Return the view that a text describes, or that the file of this name holds.
+    """Return the view of options, or of the file with this name.
 
     >>> view_of("-vta -vh 180 -vv 180").kind
     'angular'

@@ -1,4 +1,4 @@
-"""Windows from Radiance scene files, with the comments that rfluxmtx reads.
+"""Reader of windows in Radiance scene files with comments for rfluxmtx.
 
 The comments `#@rfluxmtx h=kf u=Z` give the basis and the up vector of the polygons that
 follow. Without them the basis is Klems full; up is +z, or +y for a horizontal window.
@@ -23,16 +23,15 @@ _BASES |= {"kq": "quarter", "k4": "quarter"}
 
 
 def read_window(path: str | Path) -> Window:
-    r"""Return the window in a .rad file; all polygons of the file belong to it.
+    r"""Read a window from a .rad file; all polygons of the file belong to it.
 
-    Materials do not matter. The window takes the name of its polygons' modifier
-    or, where they have several, of the file.
+    Materials are ignored. The name of the window is the modifier of its polygons or, if
+    they have several, the name of the file.
 
     Raises
     ------
-    InputError : with file and line, where the file is missing or malformed, has no
-        polygons or other surfaces, polygons of different normals, or asks for a
-        basis that windows cannot have
+    InputError : the file is missing or malformed, has no polygons, other surfaces,
+        polygons of different normals, or an invalid basis
 
     Examples
     --------
@@ -53,7 +52,7 @@ def read_window(path: str | Path) -> Window:
 
 
 def read_windows(*paths: str | Path) -> tuple[Window, ...]:
-    """Return the windows in .rad files, one for each modifier, in the order met.
+    """Read windows from .rad files, one for each modifier, in order of appearance.
 
     Raises
     ------
@@ -68,7 +67,7 @@ def read_windows(*paths: str | Path) -> tuple[Window, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Pane:
-    # A polygon, and the variables in force where it stands
+    # A polygon, and the current variables
     polygon: Polygon
     basis: str
     up: Float[np.ndarray, "3"] | None
@@ -107,14 +106,14 @@ def _polygons(run: PolygonRun, file: str) -> list[Polygon]:
 def _refuse_surface(placed: Placed) -> None:
     if isinstance(placed.item, Scene):
         raise InputError(
-            "a command that makes a scene in a window file; polygons expected",
+            "the window file has a command that creates a scene; polygons expected",
             file=placed.file,
         )
     source = getattr(placed.item, "source", None)
     if source is not None:
         kind = type(placed.item).__name__.lower()
         raise InputError(
-            f"a {kind} in a window file; a window is made of polygons",
+            f"the window file has a {kind}; polygons expected",
             file=source.file,
             line=source.line,
         )
@@ -139,7 +138,7 @@ def _variables(
             case "u":
                 up = _up(value, file, directive.line)
             case "o":
-                pass  # where rfluxmtx would write its matrix
+                pass  # output file of rfluxmtx
             case _:
                 raise InputError(
                     f'unknown variable "{word}" of #@rfluxmtx; h=kf|kh|kq or'
@@ -153,7 +152,7 @@ def _variables(
 def _basis(value: str, file: str, line: int) -> str:
     if value.startswith("-"):
         raise InputError(
-            f"h={value} asks for left-handed coordinates, which are not supported;"
+            f"h={value} has left-handed coordinates, which are not supported;"
             f" h={value[1:]} expected",
             file=file,
             line=line,
@@ -161,7 +160,7 @@ def _basis(value: str, file: str, line: int) -> str:
     name = value.removeprefix("+").lower()
     if name not in _BASES:
         raise InputError(
-            f"h={value} is no basis for a window; kf, kh or kq expected",
+            f"h={value} is not a basis of windows; kf, kh or kq expected",
             file=file,
             line=line,
         )
@@ -178,7 +177,7 @@ def _up(value: str, file: str, line: int) -> Float[np.ndarray, "3"]:
     vector = np.array([p for p in parts if p is not None])
     if len(parts) != 3 or len(vector) != 3 or not vector.any():
         raise InputError(
-            f"u={value} is no direction; X, -X, Y, -Y, Z, -Z or x,y,z expected",
+            f"u={value} is not a direction; X, -X, Y, -Y, Z, -Z or x,y,z expected",
             file=file,
             line=line,
         )

@@ -103,7 +103,7 @@ class ReportContent:
     glare : annual glare of each view
     pictures : pictures written by the run
     film : animation of one day
-    terms : terms of the five-phase equation
+    terms : terms of the matrix equation, with the direct correction
     lamps : dimming of each zone of luminaires
     layers : BSDFs of the window layers
     methods : comparison of several simulation methods

@@ -1,8 +1,8 @@
-"""Metrics of sensors and their means over grids, with standard errors.
+"""Metrics of the sensors and their means over grids, with standard errors.
 
-The error of the mean illuminance is computed from error components, which include the
-correlation between sensors. Errors of other metrics are assumed fully correlated: the
-error of a mean is the mean of the errors.
+The error of the mean illuminance comes from its error components, which contain the
+correlation between sensors. The errors of other metrics are assumed fully correlated:
+the error of a mean is the mean of the errors.
 """
 
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX, USEFUL_RANGES
+from clerestory.metrics.sensor_metrics import error_of_group_mean
 from clerestory.report.content import ReportContent
 from clerestory.report.uncertain_value import Figure
 
@@ -22,10 +23,10 @@ class MetricMap:
 
     Attributes
     ----------
-    key : identifier in the page
+    key : short name for the page
     title, note : title and description
     values, errors : value and standard error per sensor, in `unit`
-    unit : "lux" or "%"
+    unit : lux or %
     components : error components of the values, if known
     """
 
@@ -38,15 +39,14 @@ class MetricMap:
     components: Float[np.ndarray, "component sensor"] | None = None
 
     def mean(self, members: Int[np.ndarray, " member"]) -> Figure:
-        """Mean over some sensors; without components, errors are fully correlated."""
-        error = self.errors[members].mean()
-        if self.components is not None:
-            error = np.linalg.norm(self.components[:, members].mean(axis=1))
-        return Figure(float(self.values[members].mean()), float(error), self.unit)
+        """Mean over some sensors; without error components, fully correlated ones."""
+        known = None if self.components is None else self.components[:, members]
+        error = error_of_group_mean(self.errors[members], known)
+        return Figure(float(self.values[members].mean()), error, self.unit)
 
 
 def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
-    """Return the mean illuminance, the daylight autonomy and the four UDI bands."""
+    """Return what a plan can show: the mean, the autonomy, the four useful bands."""
     target = float(metrics.attrs.get("target_lux", 300.0))
     low, middle, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     notes = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")

@@ -30,8 +30,8 @@ def in_bands(
 ) -> Scene:
     """Return a scene in RGB as one in other bands.
 
-    Grey materials are the same in all bands. RGB does not determine the spectrum of
-    the others: they are converted by `upsampling` only, such as `step_spectrum`.
+    Grey materials have the same value in all bands. Coloured materials require an
+    `upsampling`, such as `step_spectrum`, since RGB does not determine their spectrum.
 
     Parameters
     ----------
@@ -62,10 +62,10 @@ def in_bands(
 
 
 def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:
-    """Return a step spectrum: blue up to 480 nm, green up to 588 nm, red above.
+    """Return the step spectrum of blue up to 480 nm, green up to 588 nm, red above.
 
-    Radiance's spectral rendering converts RGB in this way (color.h: WLPART). Bands
-    across a step have the mean over their wavelengths.
+    This is the conversion of Radiance's spectral rendering (color.h: WLPART). A band
+    that contains a step receives the mean over its wavelengths.
 
     Raises
     ------

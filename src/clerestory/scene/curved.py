@@ -1,10 +1,10 @@
-"""Spheres, cones and rings as triangles, with their sizes kept.
+"""Tessellation of spheres, cones and rings that preserves areas.
 
-A circle becomes 64 equal sides whose area is the circle's, so discs, rings and the
-mouths of tubes have their exact areas; the side of a cylinder comes out 0.04 % too
-large and no point lies further than 0.13 % of the radius from the true surface.
-A sphere becomes 1280 triangles with the exact area of the sphere, and so its exact
-projected area averaged over directions; no point is off by more than 0.5 %.
+A circle becomes a regular polygon of 64 sides and the same area, so the areas of discs,
+rings and tube openings are exact. The lateral area of a cylinder is 0.04 % too large;
+points deviate from the true surface by at most 0.13 % of the radius.
+A sphere becomes 1280 triangles with the exact area of the sphere, and therefore with
+its exact mean projected area; points deviate by at most 0.5 % of the radius.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ _CIRCUMRADIUS = np.sqrt(2 * np.pi / (SIDES * np.sin(2 * np.pi / SIDES)))
 
 
 def curved_triangles(surface: Sphere | Cone | Ring) -> Triangles:
-    """Return triangles in place of a curved surface, their fronts where its front is.
+    """Return triangles that approximate a curved surface, oriented like its front.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def _turned(triangles: Triangles, inward: bool) -> Triangles:
 
 
 def _circle(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "sides 3"]:
-    # Corners around the axis; the same for the opposite axis, so that discs fit tubes
+    # Corners around the axis; equal for the opposite axis, so that discs fit tubes
     along = axis / np.linalg.norm(axis)
     first = np.cross(np.eye(3)[np.argmin(np.abs(along).round(9))], along)
     first = first / np.linalg.norm(first)
@@ -70,7 +70,7 @@ def _circle(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "sides 3"]:
 def _band(
     lower: Float[np.ndarray, "sides 3"], upper: Float[np.ndarray, "sides 3"]
 ) -> Triangles:
-    # Two triangles a side, one where an end comes to a point
+    # Two triangles per side, one if an end has the radius zero
     i = np.arange(SIDES)
     j = (i + 1) % SIDES
     faces = np.empty((0, 3), dtype=int)
@@ -82,7 +82,7 @@ def _band(
 
 
 def _unit_sphere() -> Triangles:
-    # An icosahedron whose faces are cut in four, three times
+    # An icosahedron subdivided three times, each face into four
     golden = (1 + np.sqrt(5)) / 2
     flat = np.array([(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)])
     vertices = np.concatenate([np.roll(flat, k, axis=1) for k in range(3)])

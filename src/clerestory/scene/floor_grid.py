@@ -1,8 +1,8 @@
-"""A grid of sensors over the floor of the room behind a window, found by itself.
+"""Automatic sensor grid over the floor of the room behind a window.
 
-From a point behind the window the room is filled step by step, as far as nothing stands
-in the way at the height of the window's middle. The floor lies where most of these
-points see it beneath them. Furniture taller than the sensors leaves none in its place.
+A flood fill at the height of the window's centre, from a point behind the window up to
+the surrounding surfaces, finds the extent of the room. The floor is at the most
+frequent height below these points. Furniture above sensor height gets no sensors.
 """
 
 from collections.abc import Sequence
@@ -17,10 +17,10 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.window import Window
 
-# How far behind the window the search starts, and how far a room can reach [m]
+# Distance of the search's start from the window, and largest extent of a room [m]
 _START, _LARGEST = 0.3, 60.0
 
-# Heights that differ by less are one floor [m]
+# Tolerance within which heights count as one floor [m]
 _SAME = 0.02
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -35,15 +35,15 @@ def floor_grid(
     spacing: float = 0.5,
     height: float = 0.76,
 ) -> Sensors:
-    """Return sensors that face up, evenly over the floor of a window's room.
+    """Return a regular grid of upward sensors over the floor of a window's room.
 
     Parameters
     ----------
     scene : the room, without its windows
-    window : an opening of the room; which side of it is inside need not be right
-    others : further openings, which close the room too
-    spacing : of the sensors [m]
-    height : above the floor [m]
+    window : an opening of the room; its normal may point inwards or outwards
+    others : further openings, which also bound the room
+    spacing : distance between sensors [m]
+    height : height of the sensors above the floor [m]
     """
     walls = _walls(scene, [window, *others])
     side = room_side(scene, window)
@@ -52,7 +52,7 @@ def floor_grid(
     drop = np.array([first_hits(p, -_UP[None], walls.corner)[0] for p in inside])
     floor = _most_frequent(inside[:, 2] - drop)
 
-    # A sensor needs a free way down to it
+    # Sensors below an obstacle are omitted
     free = inside[:, 2] - drop < floor + height - _SAME
     below = np.isfinite(drop) & free & (inside[:, 2] > floor + height)
     position = inside[below]
@@ -66,10 +66,10 @@ def floor_grid(
 
 
 def room_side(scene: Scene, window: Window) -> int:
-    """Return 1 if the room lies before the window's front, −1 if behind its back.
+    """Return 1 if the room is on the window's front side, −1 if on its back side.
 
-    The room is where there is something overhead; where that is so on both sides or on
-    neither, the front is believed.
+    The room is the side with a surface above it; if both sides or neither have one, it
+    is the front side.
     """
     walls = _walls(scene, [])
     covered = [
@@ -86,7 +86,7 @@ def room_side(scene: Scene, window: Window) -> int:
 
 
 def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
-    # Openings are closed, or the search would run out of them
+    # Openings are closed, so that the flood fill stays in the room
     parts = [mesh.vertices[mesh.faces] for mesh in meshes(scene)]
     parts += [t.vertices[t.faces] for window in windows for t in window.triangles()]
     corner = np.concatenate(parts) if parts else np.zeros((0, 3, 3))
@@ -94,7 +94,7 @@ def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
 
 
 def _centre(window: Window) -> Float[np.ndarray, "3"]:
-    # A point of the largest triangle lies in the opening, whatever its outline
+    # A point of the largest triangle is within the opening, whatever its outline
     corner = np.concatenate([t.vertices[t.faces] for t in window.triangles()])
     sides = corner[:, 1:] - corner[:, :1]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
@@ -119,7 +119,7 @@ def _centred(
 def _filled(
     walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
 ) -> Float[np.ndarray, "point 3"]:
-    # Go from point to point where nothing stands between them
+    # Step between neighbouring points with a free line of sight
     known, waiting = {(0, 0)}, [(0, 0)]
     most = round(_LARGEST / spacing)
     while waiting:
@@ -131,8 +131,8 @@ def _filled(
             there = (cell[0] + step[0], cell[1] + step[1])
             if max(map(abs, there)) > most:
                 raise InputError(
-                    f"the room behind the window is open, or reaches {_LARGEST:g} m;"
-                    " a closed room expected, or sensors"
+                    f"the room behind the window is open or extends {_LARGEST:g} m;"
+                    " a closed room or given sensors expected"
                 )
             if there not in known:
                 known.add(there)
@@ -144,7 +144,7 @@ def _filled(
 def _most_frequent(levels: Float[np.ndarray, " point"]) -> float:
     found = np.round(levels[np.isfinite(levels)] / _SAME)
     if not len(found):
-        raise InputError("nothing lies beneath the window; a floor expected")
+        raise InputError("there is no surface below the window; a floor expected")
     values, count = np.unique(found, return_counts=True)
     chosen = values[int(np.argmax(count))]
     same = np.abs(levels / _SAME - chosen) <= 1

@@ -1,11 +1,11 @@
-"""Materials as plain values: the interface of all types of material.
+"""Interface of all material types.
 
-Each type has one file in `scene.materials`, with its value, its arguments in Radiance's
-scene language (`READERS`, `specification`), what drawings show of it and the Mitsuba
-plugin that renders it. `scene.materials` finds the types by their files.
+Each type has one file in `scene.materials`: its dataclass, its arguments in Radiance's
+scene language (`READERS`, `specification`), its colour in drawings and its Mitsuba
+plugin.
 
-Colours have one value per band of the scene, or are grey: the same value, given any
-number of times. Every field of the type `Colour` is one.
+A colour is any field of the type `Colour`; it has one value per band of the scene, or
+equal values (grey), which are valid for any number of bands.
 """
 
 from abc import ABC, abstractmethod
@@ -46,7 +46,7 @@ class Plugin:
 
 
 def error_at(source: Source | None, message: str) -> InputError:
-    """Return an error about what is defined at a place, if that is known."""
+    """Return an error that names the file and line of a definition, if known."""
     if source is None:
         return InputError(message)
     return InputError(message, file=source.file, line=source.line)
@@ -59,7 +59,7 @@ class Specification:
     Attributes
     ----------
     kind : type of the primitive
-    strings : string arguments; a material stands for its name, a BSDF for its file
+    strings : string arguments; materials are written as names, BSDFs as file names
     reals : real arguments
     """
 
@@ -89,7 +89,7 @@ class Material(ABC):
 
     @abstractmethod
     def display_colour(self) -> Colour:
-        """Return its colour in drawings, patterns left out; light sources are white."""
+        """Return its colour in drawings, without patterns; white for light sources."""
 
     @abstractmethod
     def plugin(self) -> Plugin:
@@ -97,7 +97,7 @@ class Material(ABC):
 
     @abstractmethod
     def specification(self) -> Specification | None:
-        """Return its arguments in Radiance's language; None where it has none."""
+        """Return its arguments in Radiance's language; None if it has no equivalent."""
 
 
 class Emitter(Material, ABC):
@@ -118,12 +118,12 @@ _AnyMaterial = TypeVar("_AnyMaterial", bound=Material)
 
 
 def parts(material: Material) -> Iterator[Material]:
-    """Yield the materials that a material holds."""
+    """Yield the materials that a material is composed of."""
     return (part for part in vars(material).values() if isinstance(part, Material))
 
 
 def colours(material: Material) -> Iterator[Colour]:
-    """Yield the colours of a material, those of its parts left out."""
+    """Yield the colours of a material, without those of its parts."""
     known = fields(material)  # type: ignore[arg-type]
     return (getattr(material, f.name) for f in known if f.type is Colour)
 
@@ -131,7 +131,7 @@ def colours(material: Material) -> Iterator[Colour]:
 def with_colours(
     material: _AnyMaterial, change: Callable[[Colour], Colour]
 ) -> _AnyMaterial:
-    """Return a material with other colours, in its parts too."""
+    """Return a material whose colours, including those of its parts, are converted."""
     known = fields(material)  # type: ignore[arg-type]
     values = {f.name: getattr(material, f.name) for f in known}
     changed: dict[str, object] = {
@@ -144,9 +144,9 @@ def with_colours(
 
 
 def insert_material(materials: dict[str, Material], material: Material) -> str:
-    """Add a material under its name, or a numbered one if taken; return its key.
+    """Add a material under its name, numbered if the name is in use; return the key.
 
-    A material equal in all but its place in a file is not added twice.
+    A material that equals one of that name, except for its source, is not added twice.
     """
     stem = material.name.rpartition("#")[0] if "#" in material.name else material.name
     key, count = material.name, 1
@@ -160,12 +160,12 @@ def insert_material(materials: dict[str, Material], material: Material) -> str:
 
 
 def altered(material: _AnyMaterial, **values: object) -> _AnyMaterial:
-    """Return a material with other values of some fields."""
+    """Return a copy of a material with some fields changed."""
     return replace(material, **values)  # type: ignore[type-var]
 
 
 def same_material(one: Material, other: Material) -> bool:
-    """Whether two materials are equal in all but their names and places in files."""
+    """Whether two materials are equal, apart from their names and sources."""
     return _equal(one, other)
 
 

@@ -1,8 +1,8 @@
-"""The scene as plain values: materials, surfaces, distant sources.
+"""Scene of materials, surfaces and distant sources.
 
-A surface names its material by a key of `Scene.materials`. Where a file defines a name
-twice, the later definition holds for the surfaces read after it, as in Radiance; the
-scene keeps both, the later under a key of its own ("wall#2").
+A surface refers to its material by a key of `Scene.materials`. If a file defines a name
+twice, the later definition applies to the surfaces after it, as in Radiance; the scene
+contains both, the later under a numbered key ("wall#2").
 """
 
 from collections.abc import Mapping
@@ -79,13 +79,13 @@ __all__ = [
     "same_material",
 ]
 
-# Sines of angles below this are none (Radiance's FTINY)
+# Sine below which two vectors are taken to be parallel (Radiance's FTINY)
 _PARALLEL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Surfaces and the materials they are made of.
+    """Surfaces and their materials.
 
     Attributes
     ----------
@@ -96,8 +96,8 @@ class Scene:
 
     Raises
     ------
-    InputError : a surface is made of a material that is not in the scene, or the up
-        vector of its BSDF is along its normal; a colour has other bands
+    InputError : a surface's material is not in the scene, the up vector of its BSDF is
+        parallel to its normal, or a colour has other bands
 
     Examples
     --------
@@ -127,9 +127,9 @@ class Scene:
                 _check_up(item, self.materials[item.material])
 
     def __add__(self, other: "Scene") -> "Scene":
-        """Both scenes in one; equal names of different materials are kept apart.
+        """Return the union of two scenes; clashing material names are numbered.
 
-        A grey scene fits one in any bands.
+        A grey scene can be added to one in any bands.
 
         Raises
         ------
@@ -151,7 +151,7 @@ class Scene:
         )
 
     def bounds(self) -> Float[np.ndarray, "2 3"]:
-        """Lowest and highest corner [m] of the box around all surfaces; NaN if none."""
+        """Corners [m] of the bounding box of all surfaces; NaN if there are none."""
         if not self.surfaces:
             return np.full((2, 3), np.nan)
         points = np.concatenate([extent(s) for s in self.surfaces])
@@ -176,7 +176,6 @@ def _has_bsdf(material: Material) -> bool:
 
 
 def _check_up(surface: Polygon | Ring, material: Material) -> None:
-    # The up vector of a BSDF must not be along the normal of a surface
     for part in parts(material):
         _check_up(surface, part)
     if not isinstance(material, BsdfSurface):
@@ -187,8 +186,8 @@ def _check_up(surface: Polygon | Ring, material: Material) -> None:
     if sine < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
         raise error_at(
             surface.source,
-            f'"{surface.name}": the up vector of BSDF "{material.name}" is along its'
-            " normal; a vector that points up along the surface expected",
+            f'"{surface.name}": the up vector of BSDF "{material.name}" is parallel to'
+            " the surface normal; another direction expected",
         )
 
 

@@ -1,15 +1,13 @@
-"""How the radiance of an emitter varies with direction and place: the Pattern.
+"""Patterns: multipliers of radiance that vary with direction and position.
 
-A pattern is a multiplier of an emitter's radiance, as Radiance's brightfunc and
-brightdata are. Two cases share one call:
+As Radiance's brightfunc and brightdata. The arguments depend on the emitter:
 
-- a surface of the scene: `direction` is that of the light that leaves it, from the
-  surface to the viewer; `normal` and `point` say where it leaves;
-- a source at infinity (sky, sun, ground): `direction` points to the source; there is
-  no point and no normal, and both are None.
+- surface of the scene: `direction` points from the surface to the viewer; `normal`
+  and `point` are those of the surface;
+- source at infinity (sky, sun, ground): `direction` points to the source; `normal` and
+  `point` are None.
 
-Patterns know nothing of tracing. The engine evaluates them on a table of directions
-(and points, where a pattern asks for them).
+The engine tabulates patterns over directions, and over points if required.
 """
 
 from dataclasses import dataclass
@@ -29,7 +27,7 @@ class Pattern(Protocol):
 
     @property
     def needs_point(self) -> bool:
-        """Whether the value depends on the point that light leaves from."""
+        """Whether the value depends on the point of emission."""
 
     @property
     def grey(self) -> bool:
@@ -41,20 +39,20 @@ class Pattern(Protocol):
         normal: Float[np.ndarray, "rays 3"] | None = None,
         point: Float[np.ndarray, "rays 3"] | None = None,
     ) -> Float[np.ndarray, "rays 3"]:
-        """Multiplier of red, green and blue radiance, 0 or more.
+        """Return the multiplier of red, green and blue radiance, 0 or more.
 
         Parameters
         ----------
-        direction : unit vectors of the light that leaves a surface, or, where there
-            is no point, from the scene to a source at infinity
+        direction : unit vectors from a surface to the viewer, or from the scene to a
+            source at infinity
         normal : unit vectors of the surface; None at infinity
-        point : where light leaves the surface [m]; None at infinity
+        point : point of emission [m]; None at infinity
         """
 
 
 @dataclass(frozen=True, eq=False)
 class Product:
-    """Patterns that modify each other: their values multiply.
+    """The product of patterns.
 
     Examples
     --------

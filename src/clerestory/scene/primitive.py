@@ -1,7 +1,7 @@
-"""Primitives of Radiance's scene language as values, and checks of their arguments.
+"""Primitives of Radiance's scene language, with checks of their arguments.
 
-A material is defined by a primitive: a type, a name, strings and numbers. The text of
-the language is read in `radiance`.
+A primitive has a modifier, a type, a name, and string and real arguments. The parser is
+in `radiance`.
 """
 
 import warnings
@@ -34,12 +34,12 @@ class Primitive:
 
 @dataclass(frozen=True, eq=False)
 class Arguments:
-    """The arguments of a primitive, with checks that name file and line.
+    """The arguments of a primitive; errors name the file and line.
 
     Attributes
     ----------
     item : the primitive
-    file : where it is
+    file : path of its file
     """
 
     item: Primitive
@@ -56,7 +56,7 @@ class Arguments:
         return self.item.modifier, self.item.name, self.source
 
     def reals(self, *counts: int) -> Float[np.ndarray, " numbers"]:
-        """Return the numbers, if as many as one of `counts`."""
+        """Return the real arguments; their number must be among `counts`."""
         expected = " or ".join(map(str, counts))
         given = self.item.reals
         if len(given) not in counts:
@@ -67,7 +67,7 @@ class Arguments:
         return value
 
     def no_strings(self) -> None:
-        """Refuse string arguments."""
+        """Raise an error if there are string arguments."""
         if self.item.strings:
             raise self.error(
                 f"{len(self.item.strings)} string arguments; none expected"
@@ -76,12 +76,13 @@ class Arguments:
     def share(
         self, what: str, value: Float[np.ndarray, " numbers"]
     ) -> Float[np.ndarray, " numbers"]:
-        """Return the numbers, if not negative; warn of those above 1."""
+        """Return reflectances or transmittances of 0 or more; warn above 1."""
         if value.min() < 0:
             raise self.error(f"{what} is {value.min():g}; 0 to 1 expected")
         if value.max() > 1:
             self.doubt(
-                f"{what} is {value.max():g}, which creates energy; 0 to 1 expected"
+                f"{what} is {value.max():g}, which violates energy conservation;"
+                " 0 to 1 expected"
             )
         return value
 
@@ -101,11 +102,11 @@ class Arguments:
         """Return the unit vector of a vector other than zero."""
         length = np.linalg.norm(vector)
         if not 0 < length < np.inf:
-            raise self.error("its direction has no length")
+            raise self.error("the direction has zero length")
         return unit(vector)
 
     def constant(self, what: str, at: int) -> float:
-        """Return the number that a string argument spells."""
+        """Return a string argument as a number."""
         word = self.item.strings[at]
         value = number(word)
         if value is None:
@@ -115,13 +116,13 @@ class Arguments:
         return value
 
     def transform(self, at: int) -> Transform:
-        """Return the transform that the strings from `at` on spell."""
+        """Return the transform given by the string arguments from `at` on."""
         words = list(self.item.strings[at:])
         with self.located():
             transform, taken = parse_transform(words)
         if taken < len(words):
             raise self.error(
-                f'"{words[taken]}" among its transform;'
+                f'"{words[taken]}" in the transform;'
                 " -t -rx -ry -rz -s -mx -my -mz -i expected"
             )
         return transform
@@ -132,7 +133,7 @@ class Arguments:
         return f'{self.item.kind} "{self.item.name}"'
 
     def located(self) -> AbstractContextManager[None]:
-        """Return the context in which errors without a place concern the primitive."""
+        """Return a context that adds the primitive's file and line to errors."""
         return located(file=self.file, line=self.item.line, subject=self.subject)
 
     def error(self, message: str) -> InputError:
@@ -141,24 +142,24 @@ class Arguments:
         return InputError(message, file=self.file, line=self.item.line)
 
     def doubt(self, message: str) -> None:
-        """Warn of something usable but odd."""
+        """Warn about an unusual but valid argument."""
         text = f"{self.file}:{self.item.line}: {self.subject}: {message}"
         warnings.warn(text, ClerestoryWarning, stacklevel=2)
 
 
 @dataclass(frozen=True, eq=False)
 class Definition(Arguments):
-    """The arguments of a material, and what they may refer to.
+    """The arguments of a material, with look-ups of the names that they refer to.
 
     Attributes
     ----------
-    placed : transform of the file that holds it
-    named : material of a name at this line
-    bsdf : BSDF of a file name
-    vector : vector that three expressions from a string argument on define, followed by
-        file and transform, in the coordinates that a further transform leads to; a
-        pattern where it varies
-    share_of_foreground : share that the third string argument of a mixture defines
+    placed : transform of its file
+    named : function from a name to the material of that name at this line
+    bsdf : function from a file name to the BSDF
+    vector : function that evaluates three expressions, function file and transform,
+        from a string argument on, in the coordinates of a further transform; its
+        value is a vector, or a pattern if it varies
+    share_of_foreground : function that evaluates the third string argument of a mixture
     """
 
     placed: Transform
@@ -168,12 +169,12 @@ class Definition(Arguments):
     share_of_foreground: Callable[[], float | Pattern]
 
     def oriented(self, at: int) -> Transform:
-        """Return the transform of strings from `at` on, then that of the file."""
+        """Return the transform from argument `at` on, followed by the file's."""
         with self.located():
             return self.transform(at).then(self.placed)
 
     def alternate(self) -> Material | None:
-        """Return the material that the only string argument names, if there is one."""
+        """Return the material named by the optional single string argument."""
         words = self.item.strings
         if len(words) > 1:
             raise self.error(f"{len(words)} string arguments; 0 or 1 expected")

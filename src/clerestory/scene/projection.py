@@ -1,9 +1,9 @@
-"""The six ways in which a view maps directions to its image plane.
+"""View projections: the six mappings from directions to the image plane.
 
-Plane coordinates (u, v) grow to the right and upwards and are (0, 0) on the view's
-axis; a local direction is (right, up, forward) in the frame of the view. The kinds
-differ in the map between both, in the plane coordinate at the edge of a view of a given
-angle, and in the solid angle of a rectangle in the plane (Radiance, image.c).
+Plane coordinates (u, v) point right and up from (0, 0) on the view axis; local
+directions are (right, up, forward) in the frame of the view. A projection defines the
+mapping between them, the plane coordinate of a view angle and the solid angle of a
+rectangle in the plane. Source: Radiance, image.c.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,7 @@ Kind = Literal[
     "cylindrical",
 ]
 
-# Radiance's letters of the kinds, after -vt
+# Radiance's view types, as in the option -vt
 LETTERS: dict[str, Kind] = {
     "v": "perspective",
     "l": "parallel",
@@ -45,24 +45,24 @@ LETTERS: dict[str, Kind] = {
 _Plane = Float[np.ndarray, "*shape"]
 _Local = Float[np.ndarray, "*shape 3"]
 
-# Angles and distances that Radiance takes for equal (rtmath.h: FTINY)
+# Radiance's tolerance for angles and distances (rtmath.h: FTINY)
 TINY = 1e-6
 
 
 @dataclass(frozen=True)
 class Projection:
-    """How one kind of view maps directions to its plane.
+    """The mapping of one view type between directions and the image plane.
 
     Attributes
     ----------
-    largest : view angles up to which it works, horizontal and vertical [deg];
-        for a parallel view there is no limit
-    axes : for the horizontal and the vertical angle, the plane coordinate at the edge
-        of a view of this full angle [deg], and its inverse
-    to_direction : local unit directions of plane points, and where there are any
-    to_plane : plane points of local unit directions, nan where there are none
-    solid_angles : solid angles between grid lines of the plane [sr]; zero in a
-        parallel view, which sees one direction only
+    largest : maximum horizontal and vertical view angles [deg]; infinite for a parallel
+        view
+    axes : for the horizontal and the vertical angle, the function from the full view
+        angle [deg] to the plane coordinate of the edge, and its inverse
+    to_direction : function from plane points to unit directions and their validity
+    to_plane : function from local unit directions to plane points, NaN if outside
+    solid_angles : function from grid lines of the plane to solid angles [sr]; zero for
+        a parallel view, which has one direction
     """
 
     largest: tuple[float, float]
@@ -72,12 +72,12 @@ class Projection:
     solid_angles: Callable[[Lines, Lines], Float[np.ndarray, "rows columns"]]
 
     def extent(self, horizontal: float, vertical: float) -> tuple[float, float]:
-        """Plane coordinates at the edges of a view of the given angles [deg]."""
+        """Return the plane coordinates of the edges for view angles [deg]."""
         (width_of, _), (height_of, _) = self.axes
         return float(width_of(horizontal)), float(height_of(vertical))
 
     def angles(self, width: float, height: float) -> tuple[float, float]:
-        """Angles [deg] of a view whose edges have the given plane coordinates."""
+        """Return the view angles [deg] for plane coordinates of the edges."""
         (_, horizontal_of), (_, vertical_of) = self.axes
         return float(horizontal_of(width)), float(vertical_of(height))
 
@@ -148,7 +148,7 @@ def _angular_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
 def _angular_plane(local: _Local) -> tuple[_Plane, _Plane]:
     sine = np.hypot(local[..., 0], local[..., 1])
     theta = np.arctan2(sine, local[..., 2])
-    # The ratio tends to one on the axis; straight behind, the azimuth is not defined
+    # The ratio tends to one on the axis; the backward direction has no azimuth
     ratio = np.divide(theta, sine, out=np.ones_like(theta), where=sine > 0)
     behind = (sine == 0) & (local[..., 2] < 0)
     return np.where(behind, np.pi, local[..., 0] * ratio), local[..., 1] * ratio

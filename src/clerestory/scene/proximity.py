@@ -1,7 +1,6 @@
-"""How near points are to triangles, and what a ray from them meets first.
+"""Point–triangle distances and ray–triangle intersections.
 
-Plain NumPy over one point at a time: for looking over a few thousand sensors before
-a run, not for tracing.
+NumPy, one point at a time: for checks of a few thousand sensors, not for rendering.
 """
 
 from dataclasses import dataclass
@@ -12,35 +11,35 @@ from jaxtyping import Float, Int
 
 @dataclass(frozen=True, eq=False)
 class Triangulation:
-    """Triangles with their boxes, ready for questions.
+    """Triangles with their bounding boxes, for proximity queries.
 
     Attributes
     ----------
-    corner : the corners of each triangle [m]
-    surface : the index of the surface each comes from
+    corner : corners of each triangle [m]
+    surface : surface index of each triangle
     """
 
     corner: Float[np.ndarray, "triangles 3 3"]
     surface: Int[np.ndarray, " triangles"]
 
     def __post_init__(self) -> None:
-        # Boxes coordinate by coordinate: whole columns are compared
+        # Boxes as one array per coordinate, for comparisons of whole columns
         for name, of in (("_low", np.min), ("_high", np.max)):
             box = np.ascontiguousarray(of(self.corner, axis=1).T)
             object.__setattr__(self, name, box)
 
     def near(self, point: Float[np.ndarray, "3"], reach: float) -> "Triangulation":
-        """Return the triangles whose boxes come within `reach` [m] of a point."""
+        """Return the triangles whose boxes are within `reach` [m] of a point."""
         return self._meeting(point - reach, point + reach)
 
     def beneath(self, point: Float[np.ndarray, "3"]) -> "Triangulation":
-        """Return the triangles whose boxes lie under a point, in part at least."""
+        """Return the triangles whose boxes extend below a point."""
         return self._meeting(np.array([point[0], point[1], -np.inf]), point)
 
     def _meeting(
         self, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]
     ) -> "Triangulation":
-        # Triangles whose boxes meet a box, each coordinate asked of those left over
+        # Triangles whose boxes overlap a box, filtered by one coordinate after another
         lowest, highest = self.__dict__["_low"], self.__dict__["_high"]
         left = np.flatnonzero((lowest[0] <= high[0]) & (highest[0] >= low[0]))
         for axis in (1, 2):
@@ -52,7 +51,7 @@ class Triangulation:
 def distances(
     point: Float[np.ndarray, "3"], corner: Float[np.ndarray, "triangles 3 3"]
 ) -> Float[np.ndarray, " triangles"]:
-    """Distances from a point to triangles [m].
+    """Return the distances from a point to triangles [m].
 
     Examples
     --------
@@ -70,7 +69,7 @@ def distances(
     share = np.clip((away * edge).sum(axis=2) / square, 0, 1)
     nearest = np.linalg.norm(away - share[..., None] * edge, axis=2).min(axis=1)
 
-    # The plane is nearer where the point stands over the inside
+    # The plane is nearer if the point projects into the triangle
     turn = np.einsum("tex,tx->te", np.cross(edge, away), normal)
     over = np.all(turn >= 0, axis=1) & (length > 0)
     height = np.abs((away[:, 0] * normal).sum(axis=1)) / np.maximum(length, 1e-300)
@@ -83,7 +82,7 @@ def first_hits(
     direction: Float[np.ndarray, "rays 3"],
     corner: Float[np.ndarray, "triangles 3 3"],
 ) -> Float[np.ndarray, " rays"]:
-    """Distance to the first triangle along each ray from a point [m]; inf if none.
+    """Return the distance to the first hit of each ray from a point [m], inf if none.
 
     References: T. Möller, B. Trumbore, Journal of Graphics Tools 2 (1), 1997.
 

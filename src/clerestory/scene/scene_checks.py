@@ -1,7 +1,7 @@
-"""What looks wrong in a scene before it is traced: plain geometry, one line each.
+"""Plausibility checks of the geometry of scenes, windows and sensors.
 
-The findings are doubts, not errors: sensors may stand where they look misplaced. A
-window that faces away from the room is the commonest mistake of all.
+The findings are warnings, since unusual positions of sensors may be intended. The most
+frequent error is a window whose front faces outdoors.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,17 +16,17 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.window import Window
 
-# Nearer than this two things touch [m]
+# Tolerance within which surfaces and sensors touch [m]
 _TOUCH = 1e-3
 
-# Half of what a sensor sees being nearer than this means it is shut in [m]
+# A sensor is enclosed if half of its rays end within this distance [m]
 _SHUT_IN = 0.25
 
-# Sizes of scenes that are likely to be in metres [m]
+# Plausible sizes of scenes [m]
 _SMALLEST, _LARGEST = 0.1, 2000.0
 
-# Questions of one sensor to one triangle asked at most; beyond, what stands around
-# sensors is looked at for some of them, evenly spread
+# Maximum number of sensor–triangle tests; beyond it, a regular subset of the sensors
+# is checked for surrounding surfaces
 _EFFORT = 300_000_000
 
 _RAYS = 64
@@ -35,20 +35,19 @@ _RAYS = 64
 def check_scene(
     scene: Scene, windows: Sequence[Window] = (), sensors: Sensors | None = None
 ) -> tuple[str, ...]:
-    """Return what looks wrong, one line for each finding, naming the item.
+    """Return warnings about implausible geometry, one line for each finding.
 
-    Looks for sensors outside the scene, touching a surface, shut in by surfaces,
-    with nothing beneath them, in the plane of a window or given twice; windows that
-    turn their backs to the sensors, stand outside the scene or are covered by one of
-    its surfaces; and scenes that are hardly in metres. Where sensors and triangles are
-    many, surfaces around sensors are sought for some of them only; findings then say
-    of how many.
+    Checked are sensors outside the scene, on a surface, enclosed by surfaces, without
+    a surface below, in the plane of a window, or duplicate; windows whose back faces
+    the sensors, outside the scene, or covered by a surface; and scenes of implausible
+    size. In large scenes a subset of the sensors is checked for surrounding surfaces;
+    the findings state its size.
 
     Parameters
     ----------
-    scene : what is traced, without the windows
+    scene : the scene without the windows
     windows : the openings
-    sensors : points to be lit; none for pictures
+    sensors : illuminance sensors; None for images
 
     Examples
     --------
@@ -104,21 +103,20 @@ def _window(
 ) -> Iterator[str]:
     label = f'window "{window.name}"'
 
-    # The sensors stand in the room, so in front of the window
+    # The sensors are in the room, on the front side of the window
     if sensors is not None and len(sensors):
         behind = int((_heights(window, sensors) < -_TOUCH).sum())
         if behind > len(sensors) / 2:
             yield (
-                f"{label} turns its back to {behind} of {len(sensors)} sensors; its"
-                " front should face the room: reverse its vertices, or read it by"
+                f"{label} has {behind} of {len(sensors)} sensors behind it; its front"
+                " should face the room: reverse its vertices, or read it by"
                 " `!xform -I`"
             )
 
-    # It belongs to a wall
     corner = np.concatenate([p.vertices for p in window.polygons])
     outside = float(np.max([box[0] - corner, corner - box[1]]))
     if outside > 0.01:
-        yield f"{label} reaches {outside:.3g} m beyond the surfaces of the scene"
+        yield f"{label} extends {outside:.3g} m beyond the surfaces of the scene"
 
     # A surface in its plane would cover it
     covers = set()
@@ -156,7 +154,7 @@ def _sensors(
     sensors: Sensors, box: Float[np.ndarray, "2 3"], windows: Sequence[Window]
 ) -> Iterator[str]:
     out = _outside(sensors, box)
-    yield from _finding(sensors, out, "outside the box around all surfaces")
+    yield from _finding(sensors, out, "outside the bounding box of all surfaces")
 
     table = np.concatenate([sensors.position, sensors.direction], axis=1).round(6)
     _, first = np.unique(table, axis=0, return_index=True)
@@ -166,7 +164,7 @@ def _sensors(
 
     for window in windows:
         on_plane = np.abs(_heights(window, sensors)) < _TOUCH
-        where = f'in the plane of window "{window.name}", which sends them no light'
+        where = f'in the plane of window "{window.name}" and receive no light from it'
         yield from _finding(sensors, on_plane, where)
 
 
@@ -191,16 +189,16 @@ def _surroundings(
         (touching, f"nearer than {_TOUCH * 1e3:.0f} mm to a surface"),
         (
             shut_in,
-            f"shut in, with half of the view nearer than {_SHUT_IN} m: in a wall,"
+            f"enclosed, with half of the view nearer than {_SHUT_IN} m: in a wall,"
             " below the floor or inside furniture?",
         ),
-        (floating, "with no surface beneath: below the floor or outside?"),
+        (floating, "without a surface below: below the floor or outdoors?"),
     ):
         yield from _finding(sensors, which, where, looked=len(looked))
 
 
 def _hemisphere(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "rays 3"]:
-    # Directions spread evenly over the half space before a sensor, on a spiral
+    # Uniform directions over the hemisphere of a sensor, on a spiral
     helper = np.eye(3)[np.argmin(np.abs(direction))]
     frame = Frame.from_normal_up(direction, helper)
     cosine = (np.arange(_RAYS) + 0.5) / _RAYS
@@ -220,7 +218,7 @@ def _finding(
     *,
     looked: int | None = None,
 ) -> Iterator[str]:
-    # One line for all sensors with the same trouble; the first few by name
+    # One line for all sensors with the same finding; the first few by name
     found = np.flatnonzero(which).tolist()
     if not found:
         return
@@ -229,7 +227,7 @@ def _finding(
     ]
     shown = ", ".join(names) + (", …" if len(found) > len(names) else "")
     all_looked = looked in (None, len(sensors))
-    note = "" if all_looked else f", {looked} of which were looked at,"
+    note = "" if all_looked else f", {looked} of which were checked,"
     if len(found) == 1:
         yield f"sensor {shown} of {len(sensors)}{note} is {where}"
     else:

@@ -1,4 +1,4 @@
-"""Sensors: points that look into a direction, and the .pts files that list them."""
+"""Illuminance sensors and their .pts files."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,17 +14,17 @@ from clerestory.scene.transform import number
 
 @dataclass(frozen=True, eq=False)
 class Sensors:
-    """Points with a direction each, as for illuminance meters.
+    """Points with a direction each, the normals of illuminance meters.
 
     Attributes
     ----------
     position : [m]
-    direction : unit vectors; other lengths are scaled to one
-    names : one a sensor, if they have any
+    direction : unit vectors; normalized if not
+    names : one per sensor, or none
 
     Raises
     ------
-    InputError : arrays that do not fit, numbers that are not finite, no length
+    InputError : mismatched shapes, numbers that are not finite, zero directions
 
     Examples
     --------
@@ -46,13 +46,13 @@ class Sensors:
             or direction.shape != position.shape
         ):
             raise InputError(
-                f"sensor positions of shape {position.shape} with directions of shape"
+                f"sensor positions have shape {position.shape} and directions"
                 f" {direction.shape}; (n, 3) expected for both"
             )
         if self.names is not None and len(self.names) != len(position):
             raise InputError(f"{len(self.names)} names for {len(position)} sensors")
         if not np.isfinite(position).all():
-            raise InputError("a sensor's position is not finite")
+            raise InputError("the position of a sensor is not finite")
         object.__setattr__(self, "position", position)
         object.__setattr__(self, "direction", unit(direction))
 
@@ -61,14 +61,14 @@ class Sensors:
 
 
 def read_sensors(path: str | Path) -> Sensors:
-    """Return the sensors of a file with x y z dx dy dz on each line, as for rtrace.
+    """Read sensors from a file with x y z dx dy dz on each line, as for rtrace.
 
-    Blank lines and lines that begin with # are passed over.
+    Blank lines and lines that begin with # are ignored.
 
     Raises
     ------
-    InputError : with file and line, where there are not six finite numbers or the
-        direction has no length; a file without sensors
+    InputError : a line is not six finite numbers, a direction is zero, or there are no
+        sensors
     """
     rows = []
     for i, text in enumerate(read_text(path).split("\n"), start=1):
@@ -96,5 +96,5 @@ def _row(words: list[str], path: str | Path, line: int) -> list[float]:
         )
     length = np.linalg.norm(values[3:])
     if not 0 < length < np.inf:
-        raise InputError("the direction has no length", file=path, line=line)
+        raise InputError("the direction has zero length", file=path, line=line)
     return values

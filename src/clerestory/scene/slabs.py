@@ -1,7 +1,7 @@
-"""Even–odd filling of edges that may cross: slabs between all corners and crossings.
+"""Even–odd filling of self-intersecting polygons by slab decomposition.
 
-Between two neighbouring abscissae no edges cross, so the edges of a slab stack up,
-and the region lies between the first and second, third and fourth, … of them.
+Slabs are bounded by the abscissae of all corners and crossings. No edges cross within a
+slab, so the filled region is between its first and second, third and fourth, … edge.
 """
 
 from itertools import pairwise
@@ -9,14 +9,14 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-# Pairs of edges tested at a time
+# Pairs of edges per block
 _BLOCK = 2_000_000
 
 
 def crossings(
     segments: Float[np.ndarray, "edges 2 2"],
 ) -> Float[np.ndarray, " crossings"]:
-    """Abscissae where edges meet other than end to end.
+    """Return the abscissae of intersections of edges other than at common ends.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def crossings(
 def slab_triangles(
     segments: Float[np.ndarray, "edges 2 2"],
 ) -> Float[np.ndarray, "corners 2"]:
-    """Corners, three a triangle, that fill the region within the edges.
+    """Return the corners, three per triangle, of the region enclosed by edges.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def slab_triangles(
 def _block_crossings(
     some: Float[np.ndarray, "some 2 2"], all_: Float[np.ndarray, "edges 2 2"]
 ) -> Float[np.ndarray, " crossings"]:
-    # Sides on which the ends of each edge lie of the line through each other edge
+    # Side of the line through each other edge on which the ends of each edge are
     a, b = some[:, None, 0], some[:, None, 1]
     c, d = all_[None, :, 0], all_[None, :, 1]
     size = np.ptp(all_.reshape(-1, 2), axis=0).max()

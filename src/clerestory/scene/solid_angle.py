@@ -1,8 +1,7 @@
-"""Solid angles of the pixels of a view, from where they lie in its image plane.
+"""Solid angles of rectangles in the image plane of each view type.
 
-The grid lines are plane coordinates, as `projection` defines them for each kind. Where
-the solid angle of a rectangle at the origin has a closed form, that of any other is a
-difference of four.
+Grid lines are plane coordinates as in `projection`. If the solid angle of a rectangle
+with a corner at the origin has a closed form, any other is a combination of four.
 """
 
 from collections.abc import Callable
@@ -13,12 +12,12 @@ from jaxtyping import Float
 Lines = Float[np.ndarray, " lines"]
 _Plane = Float[np.ndarray, "*shape"]
 
-# A step of the image plane [rad] below which two Gauss points a side suffice
+# Largest pixel size [rad] for quadrature with two Gauss points per side
 _FINE = 0.02
 
 
 def _between(corner: Callable[[_Plane, _Plane], _Plane]) -> Callable[..., np.ndarray]:
-    # From the solid angle between the axes and a point, signed as u·v
+    # From the solid angle of the rectangle up to a point, with the sign of u·v
     def solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
         at_corners = corner(*np.meshgrid(u, v))
         angles: np.ndarray = np.abs(np.diff(np.diff(at_corners, axis=0), axis=1))
@@ -34,7 +33,7 @@ def _perspective_corner(u: _Plane, v: _Plane) -> _Plane:
 
 
 def parallel_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Solid angles in a parallel view: zero, since it sees one direction."""
+    """Return the solid angles in a parallel view: zero, since it has one direction."""
     return np.zeros((v.size - 1, u.size - 1))
 
 
@@ -56,8 +55,8 @@ def _hemispherical_corner(u: _Plane, v: _Plane) -> _Plane:
 
 
 def angular_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Solid angles in an angular view, up to its rim where θ is π [sr]."""
-    # ∫∫ sin θ / θ du dv has no closed form; Gauss points follow it to 1e-9
+    """Return the solid angles in an angular view, up to its rim at θ = π [sr]."""
+    # ∫∫ sin θ / θ du dv has no closed form; the error of the quadrature is below 1e-9
     step = max(np.abs(np.diff(u)).max(), np.abs(np.diff(v)).max())
     node, weight = np.polynomial.legendre.leggauss(2 if step < _FINE else 8)
     total = np.zeros((v.size - 1, u.size - 1))

@@ -1,7 +1,7 @@
-"""Surfaces and sources at infinity, as plain values.
+"""Surfaces and sources at infinity.
 
-A surface names its material by a key of the scene. Lengths are in metres. The front
-of a polygon is where its vertices run counter-clockwise.
+A surface refers to its material by a key of the scene. Lengths are in metres. The
+vertices of a polygon are counter-clockwise as seen from its front.
 """
 
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from clerestory.scene.transform import Transform
 
 @dataclass(frozen=True, eq=False)
 class Polygon:
-    """A flat polygon, filled by the even–odd rule; holes hang on seams."""
+    """A planar polygon, filled by the even–odd rule; seams connect holes to the rim."""
 
     vertices: Float[np.ndarray, "vertices 3"]
     material: str
@@ -64,7 +64,7 @@ class Cone:
 
 @dataclass(frozen=True, eq=False)
 class Ring:
-    """A flat disc, or a ring when the inner radius is not zero."""
+    """A disc, or an annulus if the inner radius is not zero."""
 
     centre: Float[np.ndarray, "3"]
     normal: Float[np.ndarray, "3"]
@@ -77,7 +77,7 @@ class Ring:
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:
-    """Many triangles of one material, as one surface.
+    """A surface of many triangles of one material.
 
     Attributes
     ----------
@@ -120,12 +120,11 @@ class DistantSource:
     source: Source | None = None
 
 
-# What a primitive other than a polygon describes
 Simple = Sphere | Cone | Ring | TriangleMesh | DistantSource
 
 
 def extent(surface: Surface) -> Float[np.ndarray, "points 3"]:
-    """Return points whose box holds the surface [m]."""
+    """Return points whose bounding box contains the surface [m]."""
     match surface:
         case Polygon() | TriangleMesh():
             return surface.vertices
@@ -152,11 +151,11 @@ _Item = TypeVar("_Item", bound=Surface | DistantSource)
 def transformed(
     surface: _Item, transform: Transform, *, inverted: bool = False
 ) -> _Item:
-    """Return a surface or source in the place where a transform puts it.
+    """Return a transformed surface or source.
 
     Parameters
     ----------
-    inverted : whether its front becomes its back
+    inverted : whether its front and back are swapped
     """
     move, scale = transform, transform.scale
     reverse = move.mirrored != inverted
@@ -205,7 +204,7 @@ def _disc_extent(
 def area_vector(
     vertices: Float[np.ndarray, "vertices 3"],
 ) -> Float[np.ndarray, "3"]:
-    """Normal of a polygon by Newell's method, as long as its area [m²]."""
+    """Return a polygon's normal by Newell's method, with its area as length [m²]."""
     local = vertices - vertices[0]
     area: np.ndarray = np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2
     return area
@@ -214,7 +213,7 @@ def area_vector(
 def area_vectors(
     vertices: Float[np.ndarray, "vertices 3"], first: np.ndarray
 ) -> Float[np.ndarray, "polygons 3"]:
-    """Normals of polygons by Newell's method, as long as their areas [m²]."""
+    """Return polygons' normals by Newell's method, with their areas as lengths [m²]."""
     length = np.diff(first)
     origin = vertices[first[:-1]]
     local = vertices - np.repeat(origin, length, axis=0)

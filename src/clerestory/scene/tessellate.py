@@ -1,4 +1,4 @@
-"""The scene as triangle meshes, one for each material."""
+"""Tessellation of scenes: one triangle mesh per material."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,10 +17,10 @@ class Mesh:
 
     Attributes
     ----------
-    material : what they are made of
+    material : key of the material
     vertices : [m]
     faces : counter-clockwise as seen from the front of the surface
-    surface : for each triangle, the index in `Scene.surfaces` it comes from
+    surface : index into `Scene.surfaces` of each triangle
     """
 
     material: Material
@@ -38,10 +38,10 @@ class _Part:
 
 
 def meshes(scene: Scene) -> tuple[Mesh, ...]:
-    """Return the surfaces of a scene as triangles, one mesh a material in use.
+    """Return the surfaces of a scene as triangles, one mesh per material in use.
 
-    Polygons keep their vertices and are filled by the even–odd rule; curved surfaces
-    become triangles as `curved` says.
+    Polygons are filled by the even–odd rule, without new vertices unless they intersect
+    themselves; for curved surfaces see `curved`.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) ->
 
 
 def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
-    # Convex polygons with equally many corners together, all others one by one
+    # Convex polygons are batched by their number of corners, others treated one by one
     by_corners: dict[int, list[int]] = {}
     rest: list[int] = []
     for i in chosen:
@@ -114,7 +114,7 @@ def _corners(
 def _fans(
     corner: Float[np.ndarray, "polygons corners 3"], index: Int[np.ndarray, " polygons"]
 ) -> _Part:
-    # Triangles between the first corner and each edge opposite
+    # Triangle fan around the first corner
     count, corners = corner.shape[:2]
     fan = np.array([(0, k, k + 1) for k in range(1, corners - 1)])
     faces = (corners * np.arange(count)[:, None, None] + fan).reshape(-1, 3)
@@ -124,8 +124,8 @@ def _fans(
 def _convex(
     corner: Float[np.ndarray, "polygons corners 3"],
 ) -> Bool[np.ndarray, " polygons"]:
-    # Whether every corner turns the way of the whole, and the corners as seen from
-    # the first follow each other within half a turn, so that none winds around twice
+    # Convex: every corner turns in the sense of the polygon, and the corners seen from
+    # the first are in order within half a turn, so that the winding number is one
     if corner.shape[1] == 3:
         return np.ones(len(corner), dtype=bool)
     edge = np.roll(corner, -1, axis=1) - corner

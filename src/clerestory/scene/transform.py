@@ -1,6 +1,6 @@
-"""Transforms of Radiance's xform: its options, and where they put things.
+"""Similarity transforms and the options of Radiance's xform.
 
-Points are rows and are multiplied from the left, as in Radiance: p' = p @ matrix.
+Points are row vectors, as in Radiance: p' = p @ matrix.
 """
 
 import math
@@ -13,19 +13,19 @@ from clerestory.errors import InputError
 
 _AXES = "xyz"
 
-# Coordinates [m] and factors beyond this are slips, and would overflow when squared
+# Largest accepted coordinate [m] and factor; larger ones overflow when squared
 LARGEST = 1e15
 
 
 @dataclass(frozen=True, eq=False)
 class Transform:
-    """A similarity: rotation, uniform scale, mirror and shift.
+    """A similarity: rotation, uniform scaling, reflection and translation.
 
     Attributes
     ----------
-    matrix : acts on row vectors (x, y, z, 1) from the right
-    scale : factor on lengths, positive
-    mirrored : whether it turns left hands into right ones
+    matrix : multiplies row vectors (x, y, z, 1) from the right
+    scale : scale factor, positive
+    mirrored : whether it reverses handedness
 
     Examples
     --------
@@ -41,14 +41,14 @@ class Transform:
     def points(
         self, points: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch 3"]:
-        """Where the points go."""
+        """Return transformed points."""
         moved: np.ndarray = points @ self.matrix[:3, :3] + self.matrix[3, :3]
         return moved
 
     def vectors(
         self, vectors: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch 3"]:
-        """Where the vectors go; they are scaled but not shifted."""
+        """Return transformed vectors, which are scaled but not translated."""
         turned: np.ndarray = vectors @ self.matrix[:3, :3]
         return turned
 
@@ -61,17 +61,17 @@ class Transform:
         )
         if np.abs(both.matrix).max() > LARGEST or both.scale < 1 / LARGEST:
             raise InputError(
-                f"the xform options scale or shift beyond {LARGEST:.0e};"
-                " a transform within human measure expected"
+                "the xform options scale or translate beyond"
+                f" {LARGEST:.0e}; smaller values expected"
             )
         return both
 
 
 def parse_transform(words: list[str]) -> tuple[Transform, int]:
-    """Return the transform that leading options ask for, and how many words they took.
+    """Return the transform of the leading options and the number of words read.
 
-    Takes -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz and -i count, which
-    repeats the options after it up to the next -i. Stops at any other word.
+    Options: -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz and -i count, which
+    repeats the options after it up to the next -i. Any other word ends the transform.
     """
     total, part, count = Transform(), Transform(), 1
     at = 0
@@ -110,7 +110,7 @@ def _step(option: str, value: list[float]) -> Transform:
             matrix[axis, axis] = -1
             return Transform(matrix, mirrored=True)
         case _:
-            # Turn the axis after the named one towards the one after that
+            # Rotate the next axis towards the one after it, in cyclic order
             axis = _AXES.index(option[2])
             one, two = (axis + 1) % 3, (axis + 2) % 3
             angle = math.radians(value[0])
@@ -121,7 +121,7 @@ def _step(option: str, value: list[float]) -> Transform:
 
 
 def _repeat(part: Transform, count: int) -> Transform:
-    # Apply a transform `count` times; squaring it as often as that takes
+    # Power of a transform, by repeated squaring
     if count == 1:
         return part
     result = Transform()
@@ -153,7 +153,7 @@ def _whole(words: list[str], at: int) -> int:
 
 
 def number(word: str) -> float | None:
-    """Return the finite number that a word spells, or None."""
+    """Return a word as a finite number, or None if it is not one."""
     try:
         value = float(word)
     except ValueError:

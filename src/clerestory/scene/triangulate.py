@@ -1,9 +1,9 @@
-"""A polygon cut into triangles under the even–odd rule, as Radiance fills it.
+"""Triangulation of polygons by the even–odd rule, as in Radiance.
 
-Radiance draws holes as inner loops hung on seams, and does not care which way they
-are wound. The contour is taken apart here: edges that are passed an even number of
-times bound nothing and go, the rest falls into loops, a loop inside an odd number
-of others is a hole. Contours that cross themselves are cut into slabs instead.
+In Radiance, holes are inner loops of either orientation, connected to the rim by seams.
+Edges that occur an even number of times, such as seams, are removed; the rest forms
+loops, and a loop inside an odd number of others is a hole. Contours that intersect
+themselves are decomposed into slabs instead.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 
 from clerestory.scene.slabs import crossings, slab_triangles
 
-# Vertices nearer than this share of the polygon's size are one
+# Relative distance, by the size of the polygon, below which vertices coincide
 _WELD = 1e-9
 
 Loop = list[int]
@@ -22,7 +22,7 @@ Loop = list[int]
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """Triangles whose fronts are the front of the polygon they fill."""
+    """Triangles with the orientation of the polygon that they fill."""
 
     vertices: Float[np.ndarray, "vertices 3"]
     faces: Int[np.ndarray, "triangles 3"]
@@ -31,12 +31,12 @@ class Triangles:
 def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
     """Return triangles that fill a polygon by the even–odd rule.
 
-    The polygon is flat but for rounding; its front is where its area vector points.
-    Only a contour that crosses itself gets vertices of its own.
+    The polygon is planar within rounding; its area vector points to its front. New
+    vertices are added only if the contour intersects itself.
 
     Examples
     --------
-    A square with a square hole, wound alike and joined by a seam:
+    A square with a square hole of the same orientation, connected by a seam:
 
     >>> rim = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)]
     >>> hole = [(1, 1), (3, 1), (3, 3), (1, 3), (1, 1)]
@@ -69,7 +69,7 @@ def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
 def _plane(
     vertices: Float[np.ndarray, "vertices 3"],
 ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
-    # A point of the plane, and two axes within it above its normal
+    # Origin and two axes of the plane, right-handed with the normal
     origin = vertices.mean(axis=0)
     away = vertices - origin
     normal = np.cross(away, np.roll(away, -1, axis=0)).sum(axis=0)
@@ -89,7 +89,7 @@ def _weld(
 
 
 def _odd_edges(vertex: Int[np.ndarray, " vertices"]) -> Int[np.ndarray, "edges 2"]:
-    # Edges passed an odd number of times, whichever way
+    # Edges that occur an odd number of times, in either direction
     edges = np.sort(np.stack([vertex, np.roll(vertex, -1)], axis=1), axis=1)
     edges = edges[edges[:, 0] != edges[:, 1]]
     edges, count = np.unique(edges, axis=0, return_counts=True)
@@ -98,7 +98,7 @@ def _odd_edges(vertex: Int[np.ndarray, " vertices"]) -> Int[np.ndarray, "edges 2
 
 
 def _loops(edges: Int[np.ndarray, "edges 2"]) -> list[Loop]:
-    # Walk along the edges; a vertex met again closes a loop. Every degree is even.
+    # Follow the edges; a repeated vertex closes a loop. All vertex degrees are even.
     neighbours: dict[int, set[int]] = {}
     for a, b in edges.tolist():
         neighbours.setdefault(a, set()).add(b)
@@ -124,7 +124,7 @@ def _loops(edges: Int[np.ndarray, "edges 2"]) -> list[Loop]:
 def _fill(
     points: Float[np.ndarray, "vertices 2"], loops: list[Loop]
 ) -> Int[np.ndarray, "triangles 3"] | None:
-    # Triangles between outer loops and their holes; None if their area comes out wrong
+    # Triangles between outer loops and their holes; None if their total area is wrong
     area = np.array([abs(_area(points[loop])) for loop in loops])
     inside = _containment(points, loops)
     depth = inside.sum(axis=1)
@@ -152,7 +152,7 @@ def _area(loop: Float[np.ndarray, "vertices 2"]) -> float:
 def _containment(
     points: Float[np.ndarray, "vertices 2"], loops: list[Loop]
 ) -> np.ndarray:
-    # [i, j]: loop i lies inside loop j; loops touch at vertices at most
+    # [i, j]: loop i is inside loop j; loops touch at vertices at most
     result = np.zeros((len(loops), len(loops)), dtype=bool)
     for i, loop in enumerate(loops):
         x, y = points[loop[:2]].mean(axis=0)
@@ -182,7 +182,7 @@ def _facing_up(
     faces: Int[np.ndarray, "triangles 3"],
     size: float,
 ) -> Int[np.ndarray, "triangles 3"]:
-    # Turn every triangle to the front; leave out those without area
+    # Orient every triangle like the polygon; omit those without area
     doubled = _doubled_areas(points, faces)
     turned = np.where((doubled < 0)[:, None], faces[:, ::-1], faces)
     kept: Int[np.ndarray, "triangles 3"] = turned[np.abs(doubled) > 1e-14 * size**2]

@@ -1,8 +1,8 @@
-"""Views: a camera of one of six kinds, the rays of its pixels, its text in Radiance.
+"""Views: cameras of six projections and the rays of their pixels.
 
 Image coordinates are Radiance's: x to the right and y upwards, from 0 to 1 over the
-picture. Pixel coordinates are (row, column) from the upper left corner; pixel (i, j)
-covers i to i + 1 and j to j + 1, its centre lies at i + ½, j + ½.
+image. Pixel coordinates are (row, column) from the upper left corner; pixel (i, j)
+covers i to i + 1 and j to j + 1, with its centre at i + ½, j + ½.
 """
 
 import math
@@ -24,8 +24,8 @@ class Rays(NamedTuple):
     Attributes
     ----------
     origin : [m]
-    direction : unit vectors; zero where no ray belongs to the pixel
-    valid : whether a ray belongs to the pixel
+    direction : unit vectors; zero for pixels outside the projection
+    valid : whether the pixel is within the projection
     """
 
     origin: Float[np.ndarray, "row column 3"]
@@ -35,16 +35,16 @@ class Rays(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A camera: where it stands, where it looks, how it projects.
+    """A camera: position, direction, projection and angles.
 
     Attributes
     ----------
     kind : the projection
     position : [m]
-    direction, up : unit vectors; other lengths are scaled to one
-    horizontal, vertical : full view angles [deg]; of a parallel view the width and
-        height of what it sees [m]
-    shift, lift : the picture moved right and up, in widths and heights of itself
+    direction, up : unit vectors; normalized if not
+    horizontal, vertical : full view angles [deg]; width and height of the field of a
+        parallel view [m]
+    shift, lift : offset of the image to the right and up, relative to its size
     fore, aft : clipping planes [m]; aft 0 is infinitely far. Distances along the
         axis in parallel, perspective and (from the axis) cylindrical views, else radii
 
@@ -96,7 +96,7 @@ class View:
     def _check_numbers(self) -> None:
         for name in ("horizontal", "vertical", "shift", "lift", "fore", "aft"):
             if not math.isfinite(getattr(self, name)):
-                raise InputError(f"view {name} is not finite; a number is expected")
+                raise InputError(f"view {name} is not finite; a number expected")
         for name, largest in zip(
             ("horizontal", "vertical"), self._projection.largest, strict=True
         ):
@@ -108,11 +108,11 @@ class View:
                     f" above 0{limit} expected"
                 )
         if self.fore < -TINY or self.aft < -TINY:
-            raise InputError("a clipping plane of the view lies behind its position")
+            raise InputError("a clipping plane of the view is behind its position")
         if TINY < self.aft <= self.fore:
             raise InputError(
-                f"the view's aft plane at {self.aft:g} m; farther than its fore"
-                f" plane at {self.fore:g} m expected"
+                f"the view's aft plane is at {self.aft:g} m; a distance beyond its"
+                f" fore plane at {self.fore:g} m expected"
             )
 
     @property
@@ -127,23 +127,23 @@ class View:
 
     @property
     def _half(self) -> tuple[float, float]:
-        # Plane coordinates of the right and upper edge of an unshifted picture
+        # Plane coordinates of the right and upper edge of an image without offset
         return self._projection.extent(self.horizontal, self.vertical)
 
     def aspect(self) -> float:
-        """Height of the picture over its width, with square pixels."""
+        """Ratio of the image's height to its width, with square pixels."""
         half_width, half_height = self._half
         return half_height / half_width
 
     def size_for(
         self, resolution: int | tuple[int, int], *, pixel_aspect: float = 1.0
     ) -> tuple[int, int]:
-        """Return the columns and rows of the largest picture within `resolution`.
+        """Return the columns and rows of the largest image within `resolution`.
 
         Parameters
         ----------
-        resolution : most columns and rows, or one number for both
-        pixel_aspect : height of a pixel over its width
+        resolution : maximum columns and rows, or one number for both
+        pixel_aspect : ratio of a pixel's height to its width
 
         >>> View(horizontal=60, vertical=40).size_for(400)
         (400, 252)
@@ -154,7 +154,7 @@ class View:
         if columns < 1 or rows < 1:
             raise InputError(f"resolution {resolution}; 1 or more expected")
         aspect = self.aspect()
-        # Rounded like Radiance's normaspect
+        # Rounded as in Radiance's normaspect
         if aspect * columns > pixel_aspect * rows:
             columns = int(rows / aspect * pixel_aspect + 0.5)
         else:
@@ -167,13 +167,13 @@ class View:
         rows: int,
         jitter: Float[np.ndarray, "row column 2"] | None = None,
     ) -> Rays:
-        """Rays through the pixels of a picture.
+        """Return rays through the pixels of an image.
 
         Parameters
         ----------
-        columns, rows : size of the picture
-        jitter : where the ray meets its pixel, right and up from the lower left
-            corner, 0…1; the centre if not given
+        columns, rows : size of the image
+        jitter : position within the pixel, right and up from its lower left corner,
+            0…1; default: the centre
         """
         offset = np.full((rows, columns, 2), 0.5) if jitter is None else jitter
         x = (np.arange(columns)[None, :] + offset[..., 0]) / columns
@@ -191,7 +191,7 @@ class View:
         return Rays(np.where(valid[..., None], origin, 0), direction, valid)
 
     def _stretch(self, local: Float[np.ndarray, "*batch 3"]) -> np.ndarray:
-        # Length of each ray between planes that are one metre apart
+        # Length of each ray between planes one metre apart
         along = np.ones((*local.shape[:-1], 1))
         if self.kind == "perspective":
             along = local[..., 2:]
@@ -203,7 +203,7 @@ class View:
     def reach(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Lengths of rays from the fore to the aft plane [m], infinite without one."""
+        """Return ray lengths from the fore to the aft plane [m], inf without one."""
         if self.aft <= TINY:
             return np.full(direction.shape[:-1], np.inf)
         length: np.ndarray = (self.aft - self.fore) * self._stretch(
@@ -214,10 +214,10 @@ class View:
     def pixel(
         self, direction: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
     ) -> Float[np.ndarray, "*batch 2"]:
-        """Row and column at which directions appear, with fractions of a pixel.
+        """Return the fractional row and column of directions.
 
-        They may lie outside the picture; nan where the projection does not reach, as
-        behind a perspective view, and everywhere in a parallel one.
+        They may be outside the image; NaN outside the projection, as behind a
+        perspective view, and for any direction in a parallel view.
 
         >>> View().pixel(np.array([0.0, 2.0, 0.0]), columns=40, rows=30).tolist()
         [15.0, 20.0]
@@ -230,7 +230,7 @@ class View:
     def pixel_of_point(
         self, point: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
     ) -> Float[np.ndarray, "*batch 2"]:
-        """Row and column at which points appear, with fractions of a pixel."""
+        """Return the fractional row and column of points."""
         if self.kind != "parallel":
             return self.pixel(point - self.position, columns=columns, rows=rows)
         local = (point - self.position) @ self._axes.T
@@ -248,11 +248,11 @@ class View:
 def solid_angles(
     view: View, columns: int, rows: int
 ) -> Float[np.ndarray, "row column"]:
-    """Solid angles of the pixels of a picture [sr].
+    """Return the solid angles of the pixels of an image [sr].
 
-    Of a pixel that the projection covers in part, as at the rim of a hemispherical
-    view, only that part counts, so that sums over whole views are exact. Pixels of a
-    parallel view see one direction: zero.
+    For pixels partly outside the projection, as at the rim of a hemispherical view,
+    only the part inside counts, so that sums over whole views are exact. The solid
+    angles of a parallel view are zero.
 
     >>> view = View(kind="hemispherical", horizontal=180, vertical=180)
     >>> round(float(solid_angles(view, 64, 64).sum() / np.pi), 9)

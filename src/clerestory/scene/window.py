@@ -1,4 +1,4 @@
-"""Windows: polygons with one normal that act as one opening, with an angular basis."""
+"""Window groups: coplanar or parallel polygons with one angular basis."""
 
 from dataclasses import dataclass
 
@@ -13,20 +13,20 @@ from clerestory.scene.material import error_at
 from clerestory.scene.surface import Polygon, area_vectors
 from clerestory.scene.triangulate import Triangles, triangulate
 
-# Normals of one group may differ by this much
+# Tolerance between the normals of one group
 _SAME_NORMAL_DEG = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Polygons that act as one opening.
+    """Polygons of one normal that form one opening.
 
     Attributes
     ----------
     name : the modifier of its polygons, or the name of its file
     polygons : all with one normal; their front faces the room
     frame : its normal points into the room
-    partition : the basis on both of its sides
+    partition : angular basis on both sides
 
     Raises
     ------
@@ -48,9 +48,9 @@ class Window:
             polygon = self.polygons[worst]
             raise error_at(
                 polygon.source,
-                f'polygon "{polygon.name}" of window "{self.name}" is turned by'
-                f" {angle:.2f}° against the window; one normal expected, give each"
-                " orientation a group (modifier) of its own",
+                f'the normal of polygon "{polygon.name}" differs by {angle:.2f}° from'
+                f' that of window "{self.name}"; one normal per window expected, one'
+                " modifier for each orientation",
             )
 
     @property
@@ -61,7 +61,7 @@ class Window:
         return float(np.linalg.norm(doubled, axis=1).sum() / 2)
 
     def triangles(self) -> tuple[Triangles, ...]:
-        """Triangles that fill each polygon, their fronts to the room."""
+        """Return triangles that fill each polygon, with fronts to the room."""
         return tuple(triangulate(p.vertices) for p in self.polygons)
 
 
@@ -72,7 +72,7 @@ def window_of(
     up: Float[np.ndarray, "3"] | None = None,
     partition: RingPartition | None = None,
 ) -> Window:
-    """Return the window that polygons make up, with the frame of their mean normal.
+    """Return the window of some polygons, with the frame of their mean normal.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ def test_pane_in_patches_keeps_direction_and_average():
         (lambda k: lambertian(-0.1, k), "sum of at most 1"),
         (lambda k: thin_pane(1.1, k), "transmissivity 1.1"),
         (lambda k: thin_pane(0.9, k, index=0.9), "index 0.9"),
-        (lambda k: thin_pane(0.9, k, panes=0), "0 panes"),
+        (lambda k: thin_pane(0.9, k, panes=0), "number of panes 0"),
     ],
 )
 def test_impossible_layers_are_refused(call, message):

@@ -121,7 +121,7 @@ def test_channels_are_listed_once():
     [
         (np.zeros((3, 145)), "145 exit patches by 145 incident patches expected"),
         (np.full((145, 145), -1.0), "negative"),
-        (np.full((145, 145), np.nan), "negative or infinite"),
+        (np.full((145, 145), np.nan), "negative or non-finite"),
     ],
 )
 def test_unphysical_tables_are_refused(table, message):

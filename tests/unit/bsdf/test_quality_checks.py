@@ -85,7 +85,7 @@ def test_reflections_on_the_wrong_sides_are_recognised():
     )
     finding = only(bsdf, "order")
     assert finding.size == pytest.approx(0.45)
-    assert "exchanged" in finding.what
+    assert "swapped" in finding.what
 
 
 def test_one_side_stronger_than_the_other_breaks_reciprocity():
@@ -146,7 +146,7 @@ def test_flux_shares_of_a_clear_layer_are_too_dark():
         for key, part in air.functions.items()
     }
     finding = only(replace(air, functions=functions), "scaling")
-    assert "add up to 1.000" in finding.what
+    assert "sum to 1.000" in finding.what
     assert finding.matters
 
 

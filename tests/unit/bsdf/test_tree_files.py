@@ -80,7 +80,7 @@ FAULTS = {
     "a forged number": ("{ 0.05 }", "<!-- -->{0}", "an element or a comment", 16),
     "an element within": ("{ 0.05 }", "{ <a/> 0.05 }", "an element or a comment", 16),
     "a Klems basis": ("LBNL/Shirley-Chiu", "LBNL/Klems Full", "angle basis", 7),
-    "negative light": ("{ .1", "{ -.1", "negative values change the flux by 7.85%", 9),
+    "negative light": ("{ .1", "{ -.1", "negative values contain 7.85% of the flux", 9),
     "no end": ("</WindowElement>", "", "not well-formed", 19),
 }
 
@@ -179,7 +179,7 @@ def test_reduction_keeps_the_flux_and_tells_its_error(rank, percent):
 
 @pytest.mark.parametrize("percent", [-1, 100, float("nan")])
 def test_percentages_out_of_range_are_refused(percent):
-    with pytest.raises(InputError, match="0 to below 100"):
+    with pytest.raises(InputError, match="0 ≤ reduction < 100"):
         reduce_tree(random_tree(1), percent)
 
 

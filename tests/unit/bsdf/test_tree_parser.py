@@ -98,24 +98,28 @@ def test_negative_values_become_zero_and_are_counted():
 
 
 FAULTS = {
-    "no braces": ("1 2 3", "after the tensor tree's last brace", 1),
+    "no braces": ("1 2 3", "after the last brace of a tensor tree", 1),
     "nothing": ("", "no tensor tree", 1),
-    "no end": ("{{1}\n{2}", "without its last brace", 1),
-    "an early end": ("{1}\n}", "ends before its text", 1),
-    "two trees": ("{1}\n{2}", "ends before its text", 1),
+    "no end": ("{{1}\n{2}", "the last brace '}' of a tensor tree is missing", 1),
+    "an early end": ("{1}\n}", "text after the end of a tensor tree", 1),
+    "two trees": ("{1}\n{2}", "text after the end of a tensor tree", 1),
     "values after": ("{1}\n5", "values after", 2),
     "an empty leaf": ("{}", "0 values", 1),
     "five values": ("{\n1 2 3 4 5}", "5 values in a branch of a rank 3", 1),
     "seven branches": ("\n{" + "{1}" * 7 + "}", "7 branches in a rank 3", 2),
     "nine branches": ("{" + "{1}" * 9 + "}", "9 branches", 1),
-    "a value among branches": ("{{1}{1}\n5{1}{1}{1}{1}{1}{1}}", "values beside", 2),
+    "a value among branches": (
+        "{{1}{1}\n5{1}{1}{1}{1}{1}{1}}",
+        "values and branches in the same braces",
+        2,
+    ),
     "not a number": ("{1 1 1 1\n1 1 nan 1}", "'nan'", 2),
     "infinity": ("{inf}", "'inf'", 1),
     "overflow": ("{1e39}", "'1e39'", 1),
     "a word": ("{\n\nzero}", "'zero'", 3),
     "an underscore": ("{1_0}", "'1_0'", 1),
-    "other letters": ("{½}", "a number expected", 1),
-    "a long word": ("{" + "1" * 500 + "}", "a number expected", 1),
+    "other letters": ("{½}", "a finite number expected", 1),
+    "a long word": ("{" + "1" * 500 + "}", "a finite number expected", 1),
     "deep nesting": ("{" * 10**6 + "1" + "}" * 10**6, "999999 nested levels", 1),
 }
 

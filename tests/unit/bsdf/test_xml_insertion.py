@@ -90,7 +90,7 @@ def test_other_bases_come_along(template, tmp_path):
 
 
 def test_a_missing_channel_is_refused(source, template, tmp_path):
-    with pytest.raises(InputError, match=r"source.xml: no solar data; it has visible"):
+    with pytest.raises(InputError, match=r"source.xml: no solar data; .* visible"):
         insert_blocks(source, template, tmp_path / "out.xml", channels=["solar"])
     assert not (tmp_path / "out.xml").exists()
 
@@ -104,5 +104,5 @@ def test_rows_and_columns_are_not_mixed(bsdf_xml, write, template, tmp_path):
 def test_bases_of_one_name_must_agree(bsdf_xml, basis, write, template, tmp_path):
     other = basis(rings=((0, 20, 1), (20, 90, 4)))
     source = write(bsdf_xml({"data": numbers(4)}, bases=other), "other.xml")
-    with pytest.raises(InputError, match=r"'Custom' has other rings"):
+    with pytest.raises(InputError, match=r"rings of angle basis 'Custom' differ"):
         insert_blocks(source, template, tmp_path / "out.xml")

@@ -111,7 +111,7 @@ def test_repeated_and_unknown_blocks_are_noted(bsdf_xml, write):
     bsdf = read_bsdf(write(text))
     np.testing.assert_array_equal(bsdf.function("transmission_front").values, TABLE)
     assert any("twice" in note for note in bsdf.notes)
-    assert any("'Sideways' is left out" in note for note in bsdf.notes)
+    assert any("'Sideways' is ignored" in note for note in bsdf.notes)
 
 
 def test_slight_negative_noise_is_read_as_zero(bsdf_xml, write):
@@ -144,7 +144,7 @@ FAULTS = {
     "infinity": ("0.13", "1e999", "value 14 of ScatteringData is inf", None),
     "a value too few": ("0.13,", "", "24 values; 5 x 5 = 25 expected", None),
     "a value too many": ("0.13,", "0.13, 1,", "26 values; 5 x 5 = 25 expected", None),
-    "negative light": ("0.13", "-0.13", "negative values down to -0.13/sr", None),
+    "negative light": ("0.13", "-0.13", "negative values, down to -0.13/sr", None),
     "an empty block": (DATA, "", "0 values; 5 x 5 = 25 expected", None),
     "no data element": ("ScatteringData>", "Other>", "no ScatteringData", None),
     "no layer": ("Layer>", "Other>", "no Optical/Layer in WindowElement", 2),
@@ -173,10 +173,15 @@ FAULTS = {
     "a gap between rings": (
         "<UpperTheta>30",
         "<UpperTheta>29",
-        "29° and 30° in 'Custom' leave a gap",
+        "29° and 30° in 'Custom' differ",
         None,
     ),
-    "rings that end early": ("<UpperTheta>90", "<UpperTheta>80", "leave a gap", None),
+    "rings that end early": (
+        "<UpperTheta>90",
+        "<UpperTheta>80",
+        "contiguous rings",
+        None,
+    ),
     "an angle in words": ("<UpperTheta>30", "<UpperTheta>up", "angle 'up'", None),
     "an angle beyond 90": ("<UpperTheta>90", "<UpperTheta>91", "angle '91'", None),
     "no limits": ("ThetaBounds>", "Other>", "no ThetaBounds/LowerTheta", None),

@@ -191,10 +191,10 @@ CASES = {
         "void trans x 0 0 7 1 1 1 0 0 1 -1",
         "transmitted specularity is -1",
     ),
-    "up": ("void plastic2 x 4 0 0 0 . 0 6 1 1 1 0 .1 .1", "has no length"),
+    "up": ("void plastic2 x 4 0 0 0 . 0 6 1 1 1 0 .1 .1", "has zero length"),
     "up function": (
         "void BSDF x 6 0 blind.xml Px 0 1 . 0 0",
-        "its up vector varies; one for all points expected",
+        "the up vector varies; a constant vector expected",
     ),
     "few strings": (
         "void plastic2 x 3 0 0 1 0 6 1 1 1 0 .1 .1",
@@ -203,14 +203,14 @@ CASES = {
     "sharp": ("void metal2 x 4 0 0 1 . 0 6 1 1 1 0 0 .1", "roughness is 0; more"),
     "transform": (
         "void metal2 x 5 0 0 1 . -q 0 6 1 1 1 0 .1 .1",
-        '"-q" among its transform',
+        '"-q" in the transform',
     ),
     "index": ("void dielectric x 0 0 5 1 1 1 0 0", "index of refraction is 0"),
     "interface": ("void interface x 0 0 5 1 1 1 1 1", "5 numbers; 8 expected"),
     "mirror": ("void mirror x 2 a b 0 3 1 1 1", "2 string arguments; 0 or 1"),
     "alternate": ("void illum x 1 a 0 3 1 1 1", 'undefined modifier "a"'),
     "cone": ("void spotlight x 0 0 7 1 1 1 0 0 0 1", "angle is 0°"),
-    "aim": ("void spotlight x 0 0 7 1 1 1 9 0 0 0", "direction has no length"),
+    "aim": ("void spotlight x 0 0 7 1 1 1 9 0 0 0", "direction has zero length"),
     "mixture": (
         "void mixfunc x 4 grey void sin(far) . 0 0",
         '"far" is not defined',
@@ -222,10 +222,10 @@ CASES = {
     ),
     "colours": ("void aBSDF x 5 blind.xml 0 0 1 . 0 4 1 1 1 1", "4 numbers; 0 or 3"),
     "BSDF strings": ("void BSDF x 5 blind.xml 0 0 1 . 0 0", "5 string arguments"),
-    "antimatter": ("void antimatter x 1 grey 0 0", "this type is not supported"),
+    "antimatter": ("void antimatter x 1 grey 0 0", "unsupported type"),
     "texture": ("void texfunc x 4 a b c . 0 0", '"a" is not defined'),
     "mixdata": ("void mixdata x 0 0 0", "0 string arguments"),
-    "mixpict": ("void mixpict x 0 0 0", "this type is not supported"),
+    "mixpict": ("void mixpict x 0 0 0", "unsupported type"),
 }
 
 

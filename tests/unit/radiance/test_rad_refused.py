@@ -11,7 +11,7 @@ FLOOR = "grey polygon floor 0 0 9 0 0 0 1 0 0 1 1 0\n"
 CASES = {
     # What is not known
     "material": ("void brass x 0 0 0", 2, 'unknown type "brass"'),
-    "unsupported": ("void mist x 0 0 0", 2, 'mist "x": this type is not'),
+    "unsupported": ("void mist x 0 0 0", 2, 'mist "x": unsupported type'),
     "pattern": ("void brightfunc x 2 a b 0 0", 2, 'the file "b" is missing'),
     "surface": ("grey instance x 1 a.oct 0 0", 2, 'instance "x": the file "a.oct"'),
     "modifier": ("wood sphere x 0 0 4 0 0 0 1", 2, 'undefined modifier "wood"'),
@@ -19,7 +19,7 @@ CASES = {
     "late": ("\n\nlate sphere x 0 0 4 0 0 0 1", 4, 'undefined modifier "late"'),
     "two materials": ("grey plastic x 0 0 5 0 0 0 0 0", 2, "modified by the material"),
     "alias": ("void alias x brick", 2, 'undefined modifier "brick"'),
-    "alias of void": ("inherit alias x void", 2, "stands for void"),
+    "alias of void": ("inherit alias x void", 2, "refers to void"),
     "alias chain": ("grey alias x grey", 2, 'modified by the material "grey"'),
     # Counts and numbers
     "vertices": ("grey polygon x 0 0 10 1 2 3 4 5 6 7 8 9 10", 2, "10 numbers"),
@@ -36,7 +36,7 @@ CASES = {
     "infinite": ("grey polygon x 0 0 9 0 0 0 1 0 0 1 1 inf", 2, '"inf" where number 9'),
     "overflow": ("grey polygon x 0 0 9 0 0 0 1 0 0 1 1 1e400", 2, "beyond 1e+15"),
     "huge": ("grey sphere x 0 0 4 0 0 0 1e200", 2, "beyond 1e+15"),
-    "too many": (FLOOR + "3 3 3\n" + FLOOR, 3, "more numbers than its count says"),
+    "too many": (FLOOR + "3 3 3\n" + FLOOR, 3, "more numbers than its count"),
     "swallowed": (
         "grey polygon x 0 0 12 0 0 0 1 0 0 1 1 0\n" + FLOOR,
         3,
@@ -51,7 +51,7 @@ CASES = {
     "radius": ("grey tube x 0 0 7 0 0 0 0 0 1 0", 2, "radius is 0; a positive"),
     "radii": ("grey cone x 0 0 8 0 0 0 0 0 1 1 -1", 2, "radius is 1, -1"),
     "ring": ("grey ring x 0 0 8 0 0 0 0 0 1 1 1", 2, "radii are 1 and 1"),
-    "normal": ("grey ring x 0 0 8 0 0 0 0 0 0 0 1", 2, "direction has no length"),
+    "normal": ("grey ring x 0 0 8 0 0 0 0 0 0 0 1", 2, "direction has zero length"),
     "angle": ("grey source x 0 0 4 0 0 1 0", 2, "angle is 0°"),
     "dark source": ("grey source x 0 0 4 0 0 1 5", 2, "a glow or a light expected"),
     # Truncated
@@ -63,7 +63,11 @@ CASES = {
         3,
         "the file ends where number 4 of 9",
     ),
-    "vast count": ("grey polygon x 0 0 99999999999", 2, "announces 99999999999"),
+    "vast count": (
+        "grey polygon x 0 0 99999999999",
+        2,
+        "the file ends before its 99999999999",
+    ),
     "quote": ("grey polygon 'x 0 0 9", 2, "quotation mark is not closed"),
     # Commands
     "command": (
@@ -75,14 +79,14 @@ CASES = {
     "shell": ("!xform part.rad; rm part.rad", 2, '";" in the command'),
     "quotes": ("!xform 'part.rad", 2, "cannot be read"),
     "nothing": ("!", 2, "an empty command"),
-    "no file": ("!xform -t 1 2 3", 2, "names no file"),
+    "no file": ("!xform -t 1 2 3", 2, "has no file"),
     "missing": (
         "\n!xform absent.rad",
         3,
-        'the file "absent.rad" is missing; looked for in',
+        'the file "absent.rad" is missing; searched in',
     ),
-    "option": ("!xform -q part.rad", 2, 'does not take "-q"'),
-    "order": ("!xform -t 1 2 3 -m grey part.rad", 2, 'does not take "-m"'),
+    "option": ("!xform -q part.rad", 2, 'does not accept "-q"'),
+    "order": ("!xform -t 1 2 3 -m grey part.rad", 2, 'does not accept "-m"'),
     "array": ("!xform -a 0 -t 1 1 1 part.rad", 2, 'xform -a is followed by "0"'),
     "vast array": (
         "!xform -a 9999999 -t 0 0 1 part.rad",
@@ -91,8 +95,8 @@ CASES = {
     ),
     "zero": ("!xform -s 0 part.rad", 2, "other than zero"),
     "lists": ("!xform -f absent part.rad", 2, 'the file "absent" is missing'),
-    "no list": ("!xform -f", 2, "xform -f names no file"),
-    "name": ("!xform -m", 2, "xform -m is followed by nothing"),
+    "no list": ("!xform -f", 2, "xform -f has no file"),
+    "name": ("!xform -m", 2, "xform -m has no value"),
     "itself": ("!xform main.rad", 2, "includes itself: main.rad → main.rad"),
 }
 

@@ -61,9 +61,9 @@ def test_a_sound_scene_raises_no_doubt():
 @pytest.mark.parametrize(
     ("point", "message"),
     [
-        ((2, 2, -0.1), "sensor 4 of 4 is shut in"),
-        ((2, 2, -3), "sensor 4 of 4 is outside the box"),
-        ((2, 50, 1), "sensor 4 of 4 is outside the box"),
+        ((2, 2, -0.1), "sensor 4 of 4 is enclosed"),
+        ((2, 2, -3), "sensor 4 of 4 is outside the bounding box"),
+        ((2, 50, 1), "sensor 4 of 4 is outside the bounding box"),
         ((2, 2, 0), "sensor 4 of 4 is nearer than 1 mm to a surface"),
         ((4, 2, 1.5), "sensor 4 of 4 is nearer than 1 mm to a surface"),
         ((2, 0, 2), 'sensor 4 of 4 is in the plane of window "south"'),
@@ -80,7 +80,7 @@ def test_findings_among_some_of_the_sensors_say_so(monkeypatch):
     monkeypatch.setattr(scene_checks, "_EFFORT", 2 * 14)  # triangles of the room
     few = check_scene(room(), (), sensors((2, 2, 0), *DESKS, DESKS[0]))
     assert few[0] == "sensor 5 of 5 is given twice"
-    assert few[1].startswith("sensor 1 of 5, 2 of which were looked at, is nearer")
+    assert few[1].startswith("sensor 1 of 5, 2 of which were checked, is nearer")
     assert len(few) == 2
 
 
@@ -99,17 +99,17 @@ def test_a_sensor_with_nothing_beneath_is_named():
         (*without.surfaces, rectangle((-9, -9, -1), (1, 0, 0), (0, 1, 0), "plinth")),
     )
     [finding] = check_scene(over_the_edge, (), sensors((2, 2, -0.5)))
-    assert "with no surface beneath" in finding
+    assert "without a surface below" in finding
 
 
 def test_a_window_that_turns_its_back_is_named():
     [finding] = check_scene(room(), [window(turned=True)], sensors(*DESKS))
-    assert 'window "south" turns its back to 3 of 3 sensors' in finding
+    assert 'window "south" has 3 of 3 sensors behind it' in finding
 
 
 def test_a_window_outside_the_scene_is_named():
     findings = check_scene(room(), [window(at=-20.0)], sensors(*DESKS))
-    assert findings == ('window "south" reaches 10 m beyond the surfaces of the scene',)
+    assert findings == ('window "south" extends 10 m beyond the surfaces of the scene',)
 
 
 def test_a_window_behind_its_own_glazing_is_named():

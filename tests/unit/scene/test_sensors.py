@@ -26,7 +26,7 @@ def test_the_tutorials_sensors_are_a_grid_of_a_hundred(shared_data):
 @pytest.mark.parametrize(
     ("text", "place", "message"),
     [
-        ("1 2 3 0 0 1\n1 2 3 0 0 0", ":2:", "direction has no length"),
+        ("1 2 3 0 0 1\n1 2 3 0 0 0", ":2:", "direction has zero length"),
         ("\n1 2 3 0 0", ":2:", "5 numbers; six"),
         ("1 2 3 0 0 1 7", ":1:", "7 numbers; six"),
         ("1 2 nan 0 0 1", ":1:", '"nan" is not a finite number'),

@@ -137,7 +137,7 @@ def test_jitter_moves_rays_right_and_up():
         ({"direction": np.zeros(3)}, "zero or not finite"),
         ({"position": np.array([0.0, np.nan, 0.0])}, "three finite numbers"),
         ({"fore": -1.0}, "behind its position"),
-        ({"fore": 2.0, "aft": 1.0}, "farther than its fore"),
+        ({"fore": 2.0, "aft": 1.0}, "beyond its fore"),
         ({"shift": np.inf}, "shift is not finite"),
     ],
 )

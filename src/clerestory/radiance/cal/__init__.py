@@ -1,1 +1,1 @@
-"""Radiance's function language (calcomp), over arrays, with every run bounded."""
+"""Radiance's function language (calcomp), vectorized and with limited work."""

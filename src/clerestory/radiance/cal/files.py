@@ -1,7 +1,7 @@
-"""Function files of Radiance's library that stand for functions of our own.
+"""Built-in replacements of function files of Radiance's library.
 
-Those of skies and luminaires are written in Python. Those by which `gensurf`, `genrev`
-and `obj2rad` smooth normals are written in the language itself, and work on surfaces.
+Those of skies and luminaires are in Python; those for smooth normals of `gensurf`,
+`genrev` and `obj2rad` are in the function language.
 """
 
 from collections.abc import Mapping
@@ -17,20 +17,20 @@ NATIVE_FILES: Mapping[str, Mapping[str, Native]] = {
     "source.cal": SOURCE,
 }
 
-# A patch seen along its dominant axis A1: the perturbation is bilinear in the other two
+# Perturbation of a patch, bilinear in the coordinates other than its dominant axis A1
 _SURF = """
 u = select(A1 + 1, Py, Pz, Px); v = select(A1 + 1, Pz, Px, Py);
 bent(i) = u*v*arg(i) + u*arg(i + 3) + v*arg(i + 6) + arg(i + 9);
 surf_dx = bent(2); surf_dy = bent(3); surf_dz = bent(4);
 """
 
-# About the z axis: outwards A3 r + A4, and along the axis A1 z + A2
+# Surface of revolution around z: radial component A3 r + A4, axial A1 z + A2
 _REV = """
 r = sqrt(Px*Px + Py*Py); outwards = A3*r + A4;
 rev_dx = outwards*Px/r; rev_dy = outwards*Py/r; rev_dz = A1*Pz + A2;
 """
 
-# Three linear functions in the plane of a triangle: the normal that they interpolate
+# Normal interpolated by three linear functions in the plane of a triangle
 _TMESH = """
 p = select(A1 + 1, Py, Pz, Px); q = select(A1 + 1, Pz, Px, Py);
 along(i) = p*arg(i) + q*arg(i + 1) + arg(i + 2);

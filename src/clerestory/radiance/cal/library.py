@@ -1,8 +1,8 @@
-"""Functions and variables that every function file may use, over arrays.
+"""Predefined functions and variables of function files, over arrays.
 
-They are those of Radiance's calculator and of its start file (rayinit.cal), without
-fractal noise. As in Radiance, a division by zero or a root of a negative number
-is a fault: the value is 0, and the ray counts as not computed.
+They are those of Radiance's calculator and rayinit.cal, without fractal noise. As in
+Radiance, a division by zero or a root of a negative number is an error of that ray: the
+value is 0, and the ray is marked as not computed.
 
 Reference: G. Ward, Radiance, icalc and rayinit.cal (names and meanings).
 """
@@ -22,17 +22,17 @@ Values = Float[np.ndarray, " rays"]
 
 
 class Surroundings(Protocol):
-    """What a native function may ask of the evaluation around it."""
+    """The evaluation context of a native function."""
 
     @property
     def arguments(self) -> tuple[float, ...]:
         """The real arguments of the primitive."""
 
     def value(self, name: str) -> Values:
-        """Value of a variable for the rays at hand."""
+        """Return the value of a variable for the current rays."""
 
     def fault(self, where: Bool[np.ndarray, " rays"]) -> None:
-        """Note the rays for which there is no value."""
+        """Mark rays for which there is no value."""
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Native:
 
     Attributes
     ----------
-    compute : takes the surroundings and the arguments
-    arity : least number of arguments; None for a variable
-    uses : names of the variables it asks for
+    compute : function of the context and the arguments
+    arity : minimum number of arguments; None for a variable
+    uses : names of the variables that it reads
     """
 
     compute: Callable[..., Any]
@@ -52,14 +52,14 @@ class Native:
 
 
 def divide(env: Surroundings, dividend: Values, divisor: Values) -> Values:
-    """Quotient; 0 and a fault where the divisor is 0."""
+    """Return the quotient; 0, with the ray marked, for a divisor of 0."""
     zero = divisor == 0
     env.fault(zero)
     return np.where(zero, 0.0, dividend / np.where(zero, 1.0, divisor))
 
 
 def power(env: Surroundings, base: Values, exponent: Values) -> Values:
-    """Power; 0 and a fault where it is not a finite real number."""
+    """Return the power; 0, with the ray marked, if it is not a finite real number."""
     return _finite(env, np.power(base, exponent))
 
 
@@ -78,7 +78,7 @@ def _of_all(function: np.ufunc) -> Native:
 
 
 def _argument(env: Surroundings, number: Values) -> Values:
-    # arg(n): the n-th real argument; arg(0) counts them
+    # arg(n): the n-th real argument; arg(0): their number
     place = np.floor(number + 0.5).astype(int)
     given = (float(len(env.arguments)), *env.arguments)
     if place.size and place.max() >= len(given):
@@ -106,7 +106,7 @@ def _count(env: Surroundings) -> Values:
 
 
 def _random(_: Surroundings, x: Values) -> Values:
-    # The hash of Radiance's rand(x): uniform to the eye, the same for the same x
+    # Radiance's rand(x): a deterministic hash of x, uniform in 0…1
     mixed = x * (1 / (1 + x * x) + 2.71828182845904)
     share = 1e5 / (mixed + 0.785398163397447 - np.floor(mixed))
     fraction: Values = share - np.floor(share)
@@ -118,7 +118,7 @@ def _bound(_: Surroundings, low: Values, x: Values, high: Values) -> Values:
 
 
 def _grey(_: Surroundings, red: Values, green: Values, blue: Values) -> Values:
-    # Shares of rayinit.cal's own grey
+    # Luminance weights of rayinit.cal
     total = 0.265074126 * red + 0.670114631 * green + 0.064811243 * blue
     return np.maximum(total, 0)
 
@@ -137,7 +137,7 @@ def _component(letter: str) -> Native:
 
 
 def _local(letter: str) -> Native:
-    # U and V of a flat surface: U runs level, and N = U × V
+    # U and V of a flat surface: U is horizontal, and N = U × V
     def compute(env: Surroundings) -> Values:
         n = [env.value("N" + a) for a in "xyz"]
         p = [env.value("P" + a) for a in "xyz"]
@@ -157,12 +157,12 @@ def _constant(value: float) -> Native:
 
 
 def _plain(function: Callable[..., Any], arity: int) -> Native:
-    # A function that is defined everywhere
+    # A function without undefined values
     return Native(lambda _, *v: function(*v[:arity]), arity)
 
 
 def _quotient(remainder: Callable[..., Any], arity: int) -> Native:
-    # A function of a divisor, its last argument
+    # A function that divides by its last argument
     def compute(env: Surroundings, *v: Values) -> Values:
         divisor = v[arity - 1]
         env.fault(divisor == 0)
@@ -180,7 +180,7 @@ def _zigzag(n: Values, d: Values) -> Values:
 
 
 def _hermite(p0: Values, p1: Values, r0: Values, r1: Values, t: Values) -> Values:
-    # Through p0 and p1 with slopes r0 and r1
+    # Hermite curve through p0 and p1 with slopes r0 and r1
     value: Values = (
         p0 * (1 + 2 * t) * (1 - t) ** 2
         + p1 * t**2 * (3 - 2 * t)
@@ -278,7 +278,7 @@ _NOISE = {"noise3": _plain(noise_of_arrays, 3)} | {
 
 LIBRARY: Mapping[str, Native] = _CALCULATOR | _START_FILE | _NOISE
 
-# The same in the language itself, for functions that take functions
+# Functions of functions, defined in the language itself
 PRELUDE = """
 dot(v1, v2) : v1(1)*v2(1) + v1(2)*v2(2) + v1(3)*v2(3);
 cross(i, v1, v2) : select(i, v1(2)*v2(3) - v1(3)*v2(2),

@@ -1,9 +1,8 @@
-"""The functions of Radiance's source.cal that luminaires from IES files use.
+"""Functions of Radiance's source.cal for luminaires from IES files.
 
-Angles of photometry, in degrees, from the direction D in which a viewer sees the
-lamp: θ from straight down (the viewer looks up along +z), φ from +x towards +y on the
-side to which the light goes. Corrections divide an intensity by the projected area
-of the lamp's shape, which leaves a radiance.
+Photometric angles [deg] of the direction of emission −D: θ from the nadir (−z), φ from
++x towards +y. Corrections divide the intensity by the projected area of the luminaire,
+which gives the radiance.
 """
 
 from collections.abc import Callable, Mapping
@@ -32,7 +31,7 @@ def _azimuth(dx: Values, dy: Values, _: Values) -> Values:
 
 
 def _folded(period: float) -> Callable[[Values, Values, Values], Values]:
-    # Azimuth mirrored into one period, for symmetric lamps
+    # Azimuth reflected into one period, for symmetric luminaires
     def compute(dx: Values, dy: Values, dz: Values) -> Values:
         turn = np.mod(_azimuth(dx, dy, dz), 2 * period)
         angle: Values = np.minimum(turn, 2 * period - turn)

@@ -1,11 +1,11 @@
-"""Perlin's noise, over any kind of array: smooth, about 0, within -1 and 1.
+"""Perlin noise with values from -1 to 1, for any type of array.
 
-Every point of the integer lattice has one of twelve gradients by a fixed shuffle of
-256 numbers; between them the value follows a polynomial of degree five. `noise3x` and
-its like are slopes over a step of 0.0005 backwards, as in Radiance.
+A permutation of 256 numbers assigns one of twelve gradients to each integer lattice
+point; the interpolant has degree five. `noise3x`, `noise3y` and `noise3z` are
+backward differences over 0.0005, as in Radiance.
 
-References: K. Perlin, "Improving Noise", SIGGRAPH 2002 (method and shuffle);
-G. Ward, Radiance, src/rt/noise3.c (step of the slopes).
+References: K. Perlin, "Improving Noise", SIGGRAPH 2002 (method and permutation);
+G. Ward, Radiance, src/rt/noise3.c (step of the differences).
 """
 
 from collections.abc import Callable
@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-# Of a slope
+# Step of the backward differences
 STEP = 0.0005
 
-# The shuffle, and the gradients by the last four bits of its numbers
+# The permutation, and the gradients by the last four bits of its numbers
 SHUFFLE = np.array(
     [
         151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225, 140,
@@ -49,10 +49,10 @@ GRADIENTS = np.array(
     dtype=float,
 )  # fmt: skip
 
-# One of four tables of 256 numbers: the shuffle, and its gradients by axis
+# Four tables of 256 numbers: the permutation, and the gradients by axis
 TABLES = (SHUFFLE, *GRADIENTS[SHUFFLE.astype(int) & 15].T)
 
-# Takes the number of a table and places in it, whole numbers of any size
+# Function of the number of a table and integer indices of any size
 Take = Callable[[int, Any], Any]
 
 
@@ -61,8 +61,8 @@ def noise(x: Any, y: Any, z: Any, *, floor: Callable[[Any], Any], take: Take) ->
 
     Parameters
     ----------
-    floor : of an array
-    take : entries of one of `TABLES`, its places counted modulo 256
+    floor : floor function of arrays
+    take : function that returns entries of one of `TABLES`, for indices modulo 256
     """
     cell = [floor(c) for c in (x, y, z)]
     local = [c - low for c, low in zip((x, y, z), cell, strict=True)]
@@ -85,7 +85,7 @@ def noise(x: Any, y: Any, z: Any, *, floor: Callable[[Any], Any], take: Take) ->
 def slope_of(
     at: Callable[[Any, Any, Any], Any], axis: int
 ) -> Callable[[Any, Any, Any], Any]:
-    """Return the slope of a noise along an axis."""
+    """Return the backward difference of a noise function along an axis."""
 
     def slope(x: Any, y: Any, z: Any) -> Any:
         before = [x, y, z]

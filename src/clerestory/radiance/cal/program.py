@@ -1,4 +1,4 @@
-"""A function file as a program: definitions over what every function file may use."""
+"""Programs: the definitions of a function file and of the library."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -26,12 +26,12 @@ _PRELUDE = parse_definitions(PRELUDE)
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """Definitions of a function file, over what every function file may use.
+    """The definitions of a function file, on top of the predefined ones.
 
     Attributes
     ----------
-    definitions : of the file itself
-    native_file : a file of Radiance whose functions are written in Python, or none
+    definitions : those of the file
+    native_file : function file of Radiance implemented in Python, or None
 
     Examples
     --------
@@ -45,7 +45,7 @@ class Program:
     native_file: str = ""
 
     def definition(self, name: str) -> Definition | Native | None:
-        """Return what a name stands for in this program, None if nothing."""
+        """Return the definition of a name, or None."""
         natives = NATIVE_FILES.get(self.native_file, {})
         for names in (self.definitions, natives, _PRELUDE, LIBRARY):
             if name in names:
@@ -53,18 +53,18 @@ class Program:
         return None
 
     def arity(self, name: str) -> int:
-        """Return how many arguments a function needs; 0 for other names."""
+        """Return the number of arguments of a function; 0 for other names."""
         found = self.definition(name)
         if isinstance(found, Definition):
             return len(found.parameters or ())
         return 0 if found is None else found.arity or 0
 
     def is_value(self, node: Node) -> bool:
-        """Whether an expression has a value by itself: it is no function's name."""
+        """Whether an expression has a value, unlike the name of a function."""
         return not (isinstance(node, Name) and self.arity(node.name) > 0)
 
     def uses(self, *nodes: Node) -> frozenset[str]:
-        """Return the names that expressions lead to and that are not defined here."""
+        """Return the undefined names used by expressions, directly or indirectly."""
         open_names, seen = set().union(*(_names(node) for node in nodes)), set()
         missing = set()
         while open_names:
@@ -92,7 +92,7 @@ class Program:
         Parameters
         ----------
         nodes : expressions
-        inputs : variables given, at least the scale S
+        inputs : values of variables, at least the scale S
         arguments : real arguments of the primitive
         """
         faulty = np.zeros(len(inputs["S"]), dtype=bool)
@@ -106,8 +106,8 @@ class Computed:
 
     Attributes
     ----------
-    value : one column an expression
-    valid : where no fault occurred on the way
+    value : one column per expression
+    valid : whether the ray has values for all of them
     """
 
     value: Float[np.ndarray, "rays expressions"]

@@ -1,8 +1,8 @@
-"""Function files at work: expressions evaluated for many rays at once.
+"""Evaluation of function files for many rays at once.
 
-A condition splits the rays: each branch is evaluated for its own rays only, so that
-recursion ends where the file says. Arguments and variables are evaluated when they
-are asked for, once for a set of rays. Depth and work are bounded.
+Conditions divide the rays: each branch is evaluated for its own rays only, so that
+recursion terminates. Arguments and variables are evaluated lazily, once for a set of
+rays. Depth and number of steps are limited.
 """
 
 from collections.abc import Callable, Hashable, Mapping
@@ -24,10 +24,10 @@ from clerestory.radiance.cal.syntax import (
     Power,
 )
 
-# Expressions within expressions and calls within calls, together
+# Maximum depth of nested expressions and calls
 _DEEPEST = 100
 
-# Nodes evaluated in one run, whatever the number of rays
+# Maximum number of nodes evaluated in one run
 MOST_STEPS = 50_000
 
 # Functions that evaluate only the arguments they need
@@ -35,13 +35,13 @@ SPECIAL = ("if", "select")
 
 
 class Rows:
-    """Some of the rays, and what is known of them.
+    """A subset of the rays, with a cache of values.
 
     Attributes
     ----------
-    index : which of all rays
-    parent, place : the rays these were chosen from, and which of them
-    known : values computed for them so far
+    index : indices among all rays
+    parent, place : the superset from which they were selected, and the mask
+    known : cached values
     """
 
     def __init__(
@@ -54,11 +54,11 @@ class Rows:
         self.known: dict[Hashable, Values] = {}
 
     def part(self, place: Bool[np.ndarray, " all"]) -> "Rows":
-        """Return some of these rays."""
+        """Return a subset of these rays."""
         return Rows(self.index[place], self, place)
 
     def find(self, key: Hashable) -> Values | None:
-        """Return what is known under a key here or among the rays chosen from."""
+        """Return the cached value of a key, of these rays or of a superset."""
         value = self.known.get(key)
         if value is None and self.parent is not None:
             outer = self.parent.find(key)
@@ -67,7 +67,7 @@ class Rows:
         return value
 
     def once(self, key: Hashable, compute: Callable[[], Values]) -> Values:
-        """Return what is known under a key, computed now if nothing is."""
+        """Return the value of a key, from the cache or computed."""
         value = self.find(key)
         if value is None:
             value = self.known[key] = compute()
@@ -76,13 +76,13 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A call in progress.
+    """The frame of a function call.
 
     Attributes
     ----------
     parameters : their names
-    arguments : what was given for them
-    outer : the call in which the arguments have their meaning
+    arguments : their expressions
+    outer : frame in which the arguments are evaluated
     """
 
     parameters: tuple[str, ...]
@@ -92,7 +92,7 @@ class Frame:
 
 @dataclass(eq=False)
 class _Env:
-    # What natives see
+    # The evaluation context of native functions
     run: "Run"
     rows: Rows
 
@@ -113,11 +113,11 @@ class Run:
 
     Attributes
     ----------
-    definition : what a name stands for in the program
-    inputs : variables given, at least the scale S
+    definition : function from a name to its definition
+    inputs : values of variables, at least the scale S
     arguments : real arguments of the primitive
-    faulty : set where a fault occurs
-    depth, steps : how deep the evaluation is, and how much has been done
+    faulty : rays without a value
+    depth, steps : current depth, and number of nodes evaluated
     """
 
     definition: Callable[[str], Definition | Native | None]
@@ -137,13 +137,13 @@ class Run:
             raise _too_deep() from None
 
     def node(self, node: Node, rows: Rows, frame: Frame | None) -> Values:
-        """Evaluate an expression for some rays, within a call or outside of all."""
+        """Evaluate an expression for some rays, in the frame of a call if any."""
         self.depth, self.steps = self.depth + 1, self.steps + 1
         if self.depth > _DEEPEST:
             raise _too_deep()
         if self.steps > MOST_STEPS:
             raise InputError(
-                f"the function takes more than {MOST_STEPS} steps; does it end?"
+                f"the function takes more than {MOST_STEPS} steps; does it terminate?"
             )
         value = self._value(node, rows, frame)
         self.depth -= 1
@@ -200,7 +200,7 @@ class Run:
         if name in self.inputs:
             return np.asarray(self.inputs[name][rows.index])
         if found is not None:
-            raise InputError(f'the function "{name}" stands without arguments')
+            raise InputError(f'the function "{name}" has no arguments')
         raise InputError(f'"{name}" is not defined')
 
     def _call(self, call: Call, rows: Rows, frame: Frame | None) -> Values:
@@ -228,11 +228,11 @@ class Run:
         raise InputError(f'the function "{name}" is not defined')
 
     def _function_name(self, name: str, frame: Frame | None) -> str:
-        # The function that a parameter stands for
+        # The function bound to a parameter
         while frame is not None and name in frame.parameters:
             handed = frame.arguments[frame.parameters.index(name)]
             if not isinstance(handed, Name):
-                raise InputError(f'"{name}" is called, but no function was handed on')
+                raise InputError(f'"{name}" is called, but its argument is no function')
             name, frame = handed.name, frame.outer
         return name
 
@@ -255,7 +255,7 @@ class Run:
     def _selection(
         self, given: tuple[Node, ...], rows: Rows, frame: Frame | None
     ) -> Values:
-        # select(0, …) counts its choices
+        # select(0, …) returns the number of choices
         which = self.node(given[0], rows, frame)
         number = np.trunc(np.where(which < -0.5, -1.0, which + 0.5))
         value = np.where(number == 0, float(len(given) - 1), 0.0)
@@ -271,7 +271,7 @@ class Run:
 
 def _too_deep() -> InputError:
     return InputError(
-        f"the function calls itself or nests more than {_DEEPEST} deep; does it end?"
+        f"calls are nested more than {_DEEPEST} deep; does the recursion terminate?"
     )
 
 

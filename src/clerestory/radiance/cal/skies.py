@@ -1,8 +1,7 @@
-"""The sky functions that Radiance's generators name, written in Python.
+"""Sky functions of Radiance's skybright.cal and perezlum.cal.
 
-`skybr` of skybright.cal is the sky of gensky, `skybright` of perezlum.cal that of
-gendaylit. Both fade from sky to ground around the horizon by the weights
-(z + 1.01)^±10, so that neither has an edge.
+`skybr` (skybright.cal) is the sky of gensky, `skybright` (perezlum.cal) that of
+gendaylit. Both blend sky and ground at the horizon with the weights (z + 1.01)^±10.
 
 References: CIE 22-1973 (clear sky); P. Moon, D. E. Spencer 1942 (overcast sky);
 J. Matsuura, T. Iwata 1990 (intermediate sky); R. Perez, R. Seals, J. Michalsky, Solar
@@ -20,7 +19,7 @@ from clerestory.sky.luminance_distribution import Overcast
 
 _DIRECTION = ("Dx", "Dy", "Dz")
 
-# Below this height the gradation of a sky is held
+# Elevation below which the gradation function is constant
 _LOWEST = 0.01
 
 
@@ -33,7 +32,7 @@ def _need(env: Surroundings, count: int, what: str) -> tuple[float, ...]:
 
 
 def _over_ground(height: Values, sky: Values, ground: float) -> Values:
-    # The weights of the sky over that of the ground is (z + 1.01)^20
+    # The ratio of the weights of sky and ground is (z + 1.01)^20
     share = (height + 1.01) ** 20
     value: Values = (share * sky + ground) / (share + 1)
     return value
@@ -59,7 +58,7 @@ def _gensky(env: Surroundings) -> Values:
             relative = _intermediate(_directions(env), np.array(sun))
             sky = zenith * relative / normalisation
         case _:
-            raise InputError(f"skybr has no sky {kind:g}; 1 to 4 expected")
+            raise InputError(f"skybr has no sky type {kind:g}; 1 to 4 expected")
     return _over_ground(height, sky, ground)
 
 
@@ -77,7 +76,7 @@ def _clear(env: Surroundings, zenith: float) -> Values:
 
 
 def _intermediate(direction: np.ndarray, sun: np.ndarray) -> Values:
-    # The formula goes on below the horizon, where the ground outweighs it
+    # The formula extends below the horizon, where the ground's weight dominates
     eta = np.arccos(np.clip(direction[:, 2], -1, 1))
     gamma = np.arccos(np.clip(direction @ sun, -1, 1))
     zenith = np.arccos(np.clip(sun[2], -1, 1))

@@ -1,9 +1,9 @@
-"""The text of function files (.cal) as trees: names, definitions, expressions.
+"""Parser of function files (.cal).
 
 A definition is `name = expression;`, `name : expression;` or `f(x, y) = expression;`.
-Powers bind to the right and stronger than products, products stronger than sums; a
-sign binds to what follows it directly, so -2^2 is 4. Comments stand in braces.
-Trees are flat where texts are long: a sum of a thousand terms is one node.
+Powers are right-associative and precede products, products precede sums; a sign binds
+more tightly than a power, so -2^2 is 4. Comments are in braces.
+Chains of sums or products are one node, so that long expressions are not deep.
 
 Reference: G. Ward, Radiance, "calcomp" (icalc manual page, section Expressions).
 """
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from clerestory.errors import InputError
 
-# Brackets nested deeper than this are a mistake, and would exhaust the stack
+# Maximum depth of nested brackets, which limits recursion
 _DEEPEST = 40
 
 _TOKEN = re.compile(
@@ -33,7 +33,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Name:
-    """A variable, a parameter of the function around it, or a function handed on."""
+    """A variable, a parameter, or a function passed as an argument."""
 
     name: str
 
@@ -48,14 +48,14 @@ class Call:
 
 @dataclass(frozen=True)
 class Negative:
-    """The opposite of a value."""
+    """The negative of a value."""
 
     value: "Node"
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Terms or factors taken from left to right: a + b - c, or a * b / c."""
+    """A left-associative chain: a + b - c, or a * b / c."""
 
     first: "Node"
     rest: tuple[tuple[str, "Node"], ...]
@@ -74,7 +74,7 @@ Node = Number | Name | Call | Negative | Chain | Power
 
 @dataclass(frozen=True)
 class Definition:
-    """What a name stands for; `parameters` is None for a variable."""
+    """The definition of a name; `parameters` is None for a variable."""
 
     name: str
     parameters: tuple[str, ...] | None
@@ -82,7 +82,7 @@ class Definition:
 
 
 def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Definition]:
-    """Return the definitions in a text; of several of one name, the last holds.
+    """Return the definitions in a text; the last of one name is valid.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def parse_expression(text: str, *, file: str | None = None, line: int = 1) -> No
 
 
 def _without_comments(text: str, file: str | None) -> str:
-    # Blank out what stands in braces, which nest, and keep the lines
+    # Replace nested comments by blanks, except for line breaks
     kept, depth, opened = [], 0, 0
     for at, letter in enumerate(text):
         if letter == "{":
@@ -135,7 +135,7 @@ def _without_comments(text: str, file: str | None) -> str:
 
 
 class _Cursor:
-    # A place among the words of a text
+    # Position in the tokens of a text
 
     def __init__(self, text: str, file: str | None, *, line: int = 1) -> None:
         self.source, self.file, self.line = text, file, line
@@ -164,7 +164,7 @@ class _Cursor:
     def expect(self, sign: str) -> None:
         if self.text != sign:
             found = f'"{self.text}"' if self.text else "the end"
-            raise self.error(f'{found} is found where "{sign}" is expected')
+            raise self.error(f'unexpected {found}; "{sign}" expected')
         self.advance()
 
     def error(self, message: str) -> InputError:
@@ -175,14 +175,14 @@ class _Cursor:
 
 def _definition(cursor: _Cursor) -> Definition:
     if cursor.kind != "name":
-        raise cursor.error(f'"{cursor.text}" is found where a name is expected')
+        raise cursor.error(f'unexpected "{cursor.text}"; a name expected')
     name, parameters = plain_name(cursor.take()), None
     if cursor.text == "(":
         cursor.advance()
         parameters = _parameters(cursor)
     if cursor.text not in ("=", ":"):
         found = f'"{cursor.text}"' if cursor.text else "the end"
-        raise cursor.error(f'{found} is found where "=" or ":" is expected')
+        raise cursor.error(f'unexpected {found}; "=" or ":" expected')
     cursor.advance()
     return Definition(name, parameters, _expression(cursor))
 
@@ -192,7 +192,7 @@ def _parameters(cursor: _Cursor) -> tuple[str, ...]:
     while True:
         if cursor.kind != "name":
             raise cursor.error(
-                f'"{cursor.text}" is found where the name of a parameter is expected'
+                f'unexpected "{cursor.text}"; the name of a parameter expected'
             )
         names.append(plain_name(cursor.take()))
         if cursor.text != ",":
@@ -203,7 +203,7 @@ def _parameters(cursor: _Cursor) -> tuple[str, ...]:
 
 
 def plain_name(name: str) -> str:
-    """Return a name without the marks that make it local or global."""
+    """Return a name without its context marks (`)."""
     return name.strip("`") or "`"
 
 
@@ -237,7 +237,7 @@ def _power(cursor: _Cursor) -> Node:
         cursor.advance()
         operands.append(_signed(cursor))
         if len(operands) > _DEEPEST:
-            raise cursor.error(f"more than {_DEEPEST} powers of powers")
+            raise cursor.error(f"more than {_DEEPEST} nested powers")
     node = operands.pop()
     while operands:
         node = Power(operands.pop(), node)
@@ -269,11 +269,11 @@ def _primary(cursor: _Cursor) -> Node:
         (node,) = _inside(cursor, one=True)
         return node
     found = f'"{cursor.text}"' if cursor.text else "the end"
-    raise cursor.error(f"{found} is found where a value is expected")
+    raise cursor.error(f"unexpected {found}; a value expected")
 
 
 def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:
-    # What stands in brackets
+    # An expression in brackets
     cursor.depth += 1
     if cursor.depth > _DEEPEST:
         raise cursor.error(f"brackets are nested too deep, more than {_DEEPEST}")

@@ -1,1 +1,1 @@
-"""Radiance's generators run natively: from a command's words to scene text."""
+"""Python implementations of Radiance's scene generators."""

@@ -1,6 +1,7 @@
-"""The venetian blind of Radiance's genblinds: flat or curved slats, one above another.
+"""Radiance's genblinds: venetian blinds with flat or curved slats.
 
-Slats run along y from 0 to the width and are hinged at x = 0; their depth goes to +x.
+Slats extend along y from 0 to the width and along +x by their depth, from their axis of
+rotation at x = 0.
 """
 
 from itertools import pairwise
@@ -11,7 +12,7 @@ from jaxtyping import Float
 from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import polygon
 
-# A curved slat is cut into strips that turn by at most this much [deg]
+# Largest angle between adjacent strips of a curved slat [deg]
 _STRIP_DEG = 3.0
 
 _MOST_SLATS = 100_000
@@ -20,8 +21,9 @@ _MOST_SLATS = 100_000
 def blinds(words: WordReader) -> list[str]:
     """Return the primitives of a blind.
 
-    `genblinds material name depth width height slats angle [-r|+r radius]`, the angle
-    in degrees, a slat's front up; -r curves slats downwards, +r upwards.
+    `genblinds material name depth width height slats angle [-r|+r radius]`, with the
+    angle in degrees; the front of a slat is its upper side, -r curves it downwards, +r
+    upwards.
     """
     material, name = words.word("a material"), words.word("a name")
     depth = words.positive("depth of the slats")
@@ -38,11 +40,11 @@ def blinds(words: WordReader) -> list[str]:
         radius = radius if option == "-r" else -radius
     if radius and depth > 2 * abs(radius):
         raise words.error(
-            f"slats of depth {depth:g} on a radius of {abs(radius):g};"
+            f"the slats have a depth of {depth:g} and a radius of {abs(radius):g};"
             " a depth of at most twice the radius expected"
         )
     if words.left:
-        raise words.error(f'"{words.word("")}" follows a complete command')
+        raise words.error(f'"{words.word("")}" after the end of the command')
 
     profile = _profile(depth, angle, radius)
     return [
@@ -56,11 +58,11 @@ def blinds(words: WordReader) -> list[str]:
 def _profile(
     depth: float, angle: float, radius: float
 ) -> Float[np.ndarray, "points 2"]:
-    # The slat from the side: points (x, z) from the hinge to the far edge
+    # Cross-section of the slat: points (x, z) from the axis to the other edge
     chord = np.array([np.cos(angle), np.sin(angle)])
     if radius == 0:
         return np.stack([np.zeros(2), depth * chord])
-    # Its arc stands over the chord; measure angles from the middle of the arc
+    # An arc above the chord, with angles from the middle of the arc
     half = np.arcsin(depth / (2 * abs(radius)))
     strips = int(2 * np.degrees(half) / _STRIP_DEG + 0.99999)
     turn = np.linspace(-half, half, strips + 1)

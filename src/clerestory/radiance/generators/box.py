@@ -1,8 +1,8 @@
-"""The box of Radiance's genbox: plain, bevelled or rounded.
+"""Radiance's genbox: plain, bevelled or rounded boxes.
 
-A corner is numbered by three bits, one for each axis, 0 at the origin and 1 at the far
-side. Where edges are cut, three more bits say along which axes the corner has been
-drawn in by the size of the cut.
+The index of a corner has three bits, one for each axis: 0 at the origin, 1 at the
+opposite side. With bevelled or rounded edges, three more bits give the axes along which
+the corner is moved inwards.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from jaxtyping import Float
 from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import polygon, primitive
 
-# Faces of the plain box, and of one with cut edges; vertices in genbox's numbers
+# Faces of the plain box, and of one with bevelled edges; vertices as in genbox
 _FACES = ("1540", "4620", "2310", "3267", "5137", "6457")
 
 # fmt: off
@@ -45,7 +45,9 @@ def box(words: WordReader) -> list[str]:
             case option:
                 raise words.unknown(option)
     if 2 * cut > size.min():
-        raise words.error(f"edges cut by {cut:g} leave nothing of {size.min():g}")
+        raise words.error(
+            f"a bevel of {cut:g} exceeds half of the smallest size, {size.min():g}"
+        )
 
     corners = _Corners(size, cut, inward)
     if not cut:
@@ -60,7 +62,7 @@ def box(words: WordReader) -> list[str]:
 
 
 class _Corners:
-    # Where genbox's numbered corners lie
+    # Positions of genbox's corners
 
     def __init__(self, size: Float[np.ndarray, "3"], cut: float, inward: bool) -> None:
         self.size, self.cut, self.inward = size, cut, inward
@@ -77,7 +79,7 @@ def _letters(numbers: tuple[int, ...]) -> str:
 
 
 def _rounded(material: str, name: str, corners: _Corners) -> list[str]:
-    # A quarter of a cylinder shows along an edge, an eighth of a sphere at a corner
+    # Quarters of cylinders along the edges, eighths of spheres at the corners
     kinds = ("tube", "bubble") if corners.inward else ("cylinder", "sphere")
     made = []
     for one in (0o70, 0o73, 0o75, 0o76):  # no two of these share an edge

@@ -1,4 +1,4 @@
-"""Which generators are run natively, and what becomes of the others."""
+"""Registry of scene generators."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -30,13 +30,13 @@ GENERATORS: Mapping[str, Callable[[WordReader, Find], list[str]]] = {
 
 
 def generate(program: str, words: list[str], find: Find) -> str:
-    """Return the scene text that a generator makes, on a single line.
+    """Return the output of a generator as scene text on a single line.
 
     Parameters
     ----------
     program : name of the generator
-    words : what stands behind it
-    find : path of a file that the command names
+    words : its arguments
+    find : function from a file name in the command to its path
 
     Examples
     --------
@@ -45,5 +45,5 @@ def generate(program: str, words: list[str], find: Find) -> str:
     6
     """
     if program not in GENERATORS:
-        raise InputError(f'the generator "{program}" is not known')
+        raise InputError(f'the generator "{program}" is unknown')
     return " ".join(GENERATORS[program](WordReader(words, program), find))

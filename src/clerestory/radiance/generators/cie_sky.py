@@ -1,8 +1,7 @@
-"""The skies of Radiance's gensky: the sun as a light, the sky as a brightfunc.
+"""Radiance's gensky: CIE clear, intermediate, overcast and uniform skies.
 
 References: Radiance, gensky (levels, efficacies, normalisation); R. Dogniaux (zenith of
-clear skies); R. G. Hopkinson (overcast). Numbers keep their digits, where gensky
-prints three.
+clear skies); R. G. Hopkinson (overcast). Unlike gensky, values are not rounded.
 """
 
 import warnings
@@ -22,10 +21,10 @@ from clerestory.sky.gensky import (
     zenith_radiance,
 )
 
-# Angular diameter of its sun [deg]
+# Angular diameter of the sun [deg]
 _SUN_ANGLE_DEG = 0.5
 
-# Kinds of sky by the numbers of skybright.cal
+# Sky types as numbered in skybright.cal
 CLEAR, OVERCAST, UNIFORM, INTERMEDIATE = 1, 2, 3, 4
 _NAMES: dict[int, CieSky] = {
     CLEAR: "clear",
@@ -34,7 +33,7 @@ _NAMES: dict[int, CieSky] = {
     INTERMEDIATE: "intermediate",
 }
 
-# Horizontal irradiance over zenith radiance as a polynomial of the sun's altitude
+# Ratio of horizontal irradiance to zenith radiance: polynomial of the sun's altitude
 _NORMAL = {
     CLEAR: (2.766521, 0.547665, -0.369832, 0.009237, 0.059229),
     INTERMEDIATE: (3.5556, -2.7152, -1.3081, 1.0660, 0.60227),
@@ -43,7 +42,7 @@ _NORMAL = {
 
 @dataclass
 class _Request:
-    # What the options ask for
+    # Values of the options
     kind: int = CLEAR
     sun: bool = True
     zenith: float | None = None
@@ -57,7 +56,7 @@ class _Request:
 def gensky(words: WordReader) -> list[str]:
     """Return the primitives of `gensky month day hour` or `gensky -ang alt azi`.
 
-    Takes -s +s -c -u -i +i, -g -t, -b -B, -r -R, -a -o -m -y.
+    Options: -s +s -c -u -i +i, -g -t, -b -B, -r -R, -a -o -m -y.
     """
     moment = read_moment(words)
     request = _Request()
@@ -79,7 +78,7 @@ def _take(request: _Request, option: str, words: WordReader) -> bool:
         case "-t":
             request.turbidity = words.real("the turbidity")
         case "-g":
-            request.ground = words.real("the ground's reflectance")
+            request.ground = words.real("the ground reflectance")
         case "-b":
             request.zenith, request.horizontal = words.real("a radiance"), None
         case "-B":
@@ -101,15 +100,15 @@ def _sky(request: _Request, moment: Moment, words: WordReader) -> list[str]:
     overcast = kind in (OVERCAST, UNIFORM)
     if not overcast and altitude > HIGHEST_SUN:
         warnings.warn(
-            f"{words.program}: the sun stands {np.degrees(altitude):.1f}° high; its"
-            " clear sky takes 87°",
+            f"{words.program}: the sun's altitude is {np.degrees(altitude):.1f}°; the"
+            " clear sky is that of 87°",
             ClerestoryWarning,
             stacklevel=2,
         )
         altitude = HIGHEST_SUN
     sun = direction(altitude, azimuth)
 
-    # Radiance of the zenith, and what the sky alone makes of a white level plane
+    # Zenith radiance, and radiance of a white horizontal plane lit by the sky alone
     near_sun, share = levels(kind, altitude, float(sun[2]))
     zenith = request.zenith
     if request.horizontal is not None:
@@ -118,7 +117,7 @@ def _sky(request: _Request, moment: Moment, words: WordReader) -> list[str]:
         zenith = zenith_radiance(_NAMES[kind], altitude, request.turbidity)
     ambient = zenith * share
 
-    # Radiance of the sun; the ground is lit by it whether it is shown or not
+    # Radiance of the sun; it lights the ground even if it is omitted from the output
     radiance = None if overcast else _sun_radiance(request, float(sun[2]))
     made = []
     if radiance is not None:
@@ -135,14 +134,14 @@ def _sky(request: _Request, moment: Moment, words: WordReader) -> list[str]:
 
 
 def levels(kind: int, altitude: float, height: float) -> tuple[float, float]:
-    """Return a sky's distribution at the zenith, and what it makes of the ground.
+    """Return a sky's relative zenith radiance and its normalization factor.
 
-    The second is the radiance of a white level plane over that of the zenith.
+    The second is the ratio of a white horizontal plane's radiance to the zenith's.
 
     Parameters
     ----------
     kind : CLEAR, OVERCAST, UNIFORM or INTERMEDIATE
-    altitude, height : of the sun [rad], and its sine
+    altitude, height : altitude of the sun [rad], and its sine
 
     Examples
     --------

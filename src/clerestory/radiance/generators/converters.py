@@ -1,4 +1,4 @@
-"""Commands that stand for a scene of values: Radiance's mgf2rad and pkgBSDF."""
+"""Radiance's converters mgf2rad and pkgBSDF."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -11,7 +11,7 @@ from clerestory.radiance.bsdf_package import package
 from clerestory.scene.model import Scene
 from clerestory.scene.transform import Transform
 
-# A scene at the place where a transform puts it
+# Function from a transform to the transformed scene
 Build = Callable[[Transform], Scene]
 Find = Callable[[str], Path]
 
@@ -31,7 +31,7 @@ def mgf2rad(words: WordReader, find: Find) -> Build:
 
 
 def pkg_bsdf(words: WordReader, find: Find) -> Build:
-    """Return the scene of `pkgBSDF [-s] [-i] file.xml …`; both options do nothing."""
+    """Return the scene of `pkgBSDF [-s] [-i] file.xml …`; both options are ignored."""
     paths = _paths(words, find, idle=("-s", "-i"))
     layers = [(read_bsdf(path), path.stem) for path in paths]
 
@@ -58,5 +58,5 @@ def _paths(words: WordReader, find: Find, *, idle: tuple[str, ...]) -> list[Path
             raise words.unknown(word)
         names += [] if word.startswith("-") else [word]
     if not names:
-        raise words.error("the command names no file")
+        raise words.error("the command has no file")
     return [find(name) for name in names]

@@ -1,8 +1,7 @@
-"""Surfaces from formulas: Radiance's gensurf, genrev and genworm.
+"""Radiance's gensurf, genrev and genworm: surfaces of formulas.
 
-Formulas and the definitions behind -e and -f are in Radiance's function language.
-Facets are flat and cones have the normals of cones: the smoothing of -s is left out,
-with a warning.
+Formulas and the definitions of -e and -f are in Radiance's function language. Normals
+are those of flat facets and cones: -s (smooth normals) is ignored with a warning.
 """
 
 import warnings
@@ -28,10 +27,10 @@ from clerestory.radiance.generators.scene_text import polygon, primitive
 
 Find = Callable[[str], Path]
 
-# Differences below this are none, as in the generators
+# Tolerance of lengths, as in the generators
 _TINY = 1e-7
 
-# Two triangles are a flat quadrilateral if their normals agree to this
+# Tolerance of normals for two triangles to form a planar quadrilateral
 _FLAT = 1e-12
 
 _MOST_STEPS = 100_000
@@ -45,7 +44,7 @@ class _Formulas:
     nodes: tuple[Node, ...]
 
     def at(self, **places: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n values"]:
-        """Values of the formulas; NaN where there are none."""
+        """Return values of the formulas; NaN if undefined."""
         count = len(next(iter(places.values())))
         computed = self.program.values(self.nodes, {"S": np.ones(count), **places})
         return np.where(computed.valid[:, None], computed.value, np.nan)
@@ -54,7 +53,7 @@ class _Formulas:
 def revolution(words: WordReader, find: Find) -> list[str]:
     """Return the primitives of `genrev material name z(t) r(t) segments`.
 
-    Takes -e, -f and -s.
+    Options: -e, -f and -s.
     """
     formulas, [count] = _read(words, find, 2, ("number of segments",))
     value = _finite(formulas.at(t=np.linspace(0, 1, count + 1)), words)
@@ -80,7 +79,7 @@ def revolution(words: WordReader, find: Find) -> list[str]:
 def worm(words: WordReader, find: Find) -> list[str]:
     """Return the primitives of `genworm material name x(t) y(t) z(t) r(t) segments`.
 
-    Takes -e and -f.
+    Options: -e and -f.
     """
     formulas, [count] = _read(words, find, 4, ("number of segments",))
     value = _finite(formulas.at(t=np.linspace(0, 1, count + 1)), words)
@@ -97,7 +96,7 @@ def worm(words: WordReader, find: Find) -> list[str]:
 def _link(
     material: str, name: str, i: int, last: np.ndarray, this: np.ndarray
 ) -> list[str]:
-    # The cone that touches two spheres, where neither holds the other
+    # The cone tangent to two spheres, unless one contains the other
     step = this[:3] - last[:3]
     length = float(np.linalg.norm(step))
     fall = float(last[3] - this[3])
@@ -117,8 +116,8 @@ def _link(
 def surface(words: WordReader, find: Find) -> list[str]:
     """Return the polygons of `gensurf material name x(s,t) y(s,t) z(s,t) m n`.
 
-    Takes -e, -f and -s; where `valid(s,t)` is defined, points at which it is not
-    positive are left out.
+    Options: -e, -f and -s; if `valid(s,t)` is defined, points at which it is not
+    positive are omitted.
     """
     formulas, [m, n] = _read(words, find, 3, ("rows", "columns"))
     s, t = (
@@ -146,7 +145,7 @@ def surface(words: WordReader, find: Find) -> list[str]:
 def _facets(
     grid: Float[np.ndarray, "rows columns 3"], valid: Bool[np.ndarray, "rows columns"]
 ) -> Iterator[Float[np.ndarray, "corners 3"]]:
-    # One flat quadrilateral a cell, or two triangles; diagonals take turns
+    # One planar quadrilateral per cell, or two triangles with alternating diagonals
     for i in range(len(grid) - 1):
         for j in range(grid.shape[1] - 1):
             turned = bool(j & 1)
@@ -201,7 +200,7 @@ def _read(
                 definitions |= parse_definitions(read_text(path), file=str(path))
             case "-s":
                 warnings.warn(
-                    f'{words.program}: "{name}" stays faceted; -s is left out',
+                    f'{words.program}: "{name}" remains faceted; -s is ignored',
                     ClerestoryWarning,
                     stacklevel=3,
                 )
@@ -216,5 +215,5 @@ def _finite(
     value: Float[np.ndarray, "n values"], words: WordReader
 ) -> Float[np.ndarray, "n values"]:
     if not np.all(np.isfinite(value)):
-        raise words.error("a formula has no value somewhere between 0 and 1")
+        raise words.error("a formula is undefined at a parameter between 0 and 1")
     return value

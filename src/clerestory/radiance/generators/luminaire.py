@@ -1,7 +1,7 @@
-"""Radiance's ies2rad: the luminaire of an IES or EULUMDAT file as scene text.
+"""Radiance's ies2rad: luminaires from IES or EULUMDAT files.
 
-The text names the photometric file itself where ies2rad would name a table of its own;
-`brightdata` reads it. Lamps are white unless -c says otherwise.
+The output refers to the photometric file, which `brightdata` reads, instead of a data
+file written by ies2rad. Lamps are white by default (-c).
 """
 
 import re
@@ -19,17 +19,17 @@ from clerestory.radiance.generators.scene_text import polygon, primitive
 from clerestory.radiance.intensity_table import table_coordinates
 from clerestory.scene.model import Cone, Polygon, Ring, Sphere
 
-# Metres to the units of -d
+# Units of -d per metre
 _UNITS = {"m": 1.0, "c": 100.0, "f": 1 / 0.3048, "i": 12 / 0.3048}
 _DIMENSION = re.compile(r"-d([mcfi])(?:/(\d+\.?\d*))?")
 
-# Options about files that are not read or written here, with a name behind
+# Ignored options for file names, with one argument
 _NAMED = ("-p", "-l", "-f", "-u")
 
 
 @dataclass
 class _Request:
-    # What the options ask for
+    # Values of the options
     file: str = ""
     name: str = ""
     scale: float = 1.0
@@ -40,13 +40,13 @@ class _Request:
 def ies2rad(words: WordReader, find: Callable[[str], Path]) -> list[str]:
     """Return the primitives of `ies2rad [-dU] [-m factor] [-c r g b] [-o name] file`.
 
-    -s, -p, -l, -f, -u and `-t default` change nothing here: no file is written.
+    -s, -p, -l, -f, -u and `-t default` are ignored, since no file is written.
     """
     request = _Request()
     while words.left:
         _take(request, words.word("a file"), words)
     if not request.file:
-        raise words.error("the command names no file")
+        raise words.error("the command has no file")
     path = find(request.file)
     lamp = read_luminaire(path)
     name = request.name or path.stem
@@ -70,7 +70,7 @@ def _take(request: _Request, word: str, words: WordReader) -> None:
         request.name = words.word("a name")
     elif word == "-t":
         if words.word("a type of lamp") != "default":
-            raise words.error("types of lamps are not known here; -c r g b expected")
+            raise words.error("lamp types are not supported; -c r g b expected")
     elif word in _NAMED:
         words.word("a name")
     elif word.startswith("-") and word != "-s":
@@ -80,7 +80,7 @@ def _take(request: _Request, word: str, words: WordReader) -> None:
 
 
 def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> str:
-    # The correction that turns intensity into radiance, and what it takes
+    # The function that converts intensity to radiance, and its arguments
     shape = lamp.shape
     reals: tuple[float, ...]
     if shape.kind == "sphere":

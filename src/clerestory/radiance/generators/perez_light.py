@@ -1,4 +1,4 @@
-"""The light that gendaylit is given, and the state of the sky it leads to.
+"""Irradiance options of gendaylit and Perez's sky parameters.
 
 References: R. Perez et al., Solar Energy 44 (5), 1990; D. G. Erbs, S. A. Klein, J. A.
 Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (limits, order of steps).
@@ -17,33 +17,33 @@ from clerestory.sky.sky_state import (
     visible_irradiance,
 )
 
-# Limits of Perez's clearness and brightness, and the categories of clearness
+# Limits of Perez's clearness and brightness, and bins of the clearness
 _CLEARNESS = (1.0, 12.009)
 _BRIGHTNESS = (0.01, 0.6)
 _CATEGORIES = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
 
-# Dew point that stands for 2 cm of water in the air [°C]
+# Dew point of 2 cm of precipitable water [°C]
 DEW_POINT_C = 10.97353115
 
-# No sky sends more than the sun outside the air
+# Maximum illuminance: that of the extraterrestrial sun
 _MOST_LUX = 127_500.0
 
-# Rounds from illuminance back to irradiance
+# Iterations of the conversion from illuminance to irradiance
 _ROUNDS = 9
 
 
 @dataclass
 class Request:
-    """What the options ask for.
+    """Values of the options.
 
     Attributes
     ----------
-    by : the option that gives the light, -P -W -L -G or -E
-    given : the numbers behind it
-    output : 0 visible radiance, 1 of the whole spectrum, 2 luminance
-    sun : whether the sun is shown
+    by : option of the irradiance, -P -W -L -G or -E
+    given : its arguments
+    output : 0 visible radiance, 1 solar radiance, 2 luminance
+    sun : whether the output includes the sun
     ground : reflectance of the ground
-    dew_point_c : of the air
+    dew_point_c : dew point [°C]
     """
 
     by: str = "-P"
@@ -64,13 +64,13 @@ class Light:
 
 @dataclass(frozen=True)
 class Air:
-    """What lies between the sun and the ground.
+    """Properties of the atmosphere.
 
     Attributes
     ----------
-    altitude : of the sun [rad]
-    day_of_year : for the distance of the sun
-    dew_point_c : of the air
+    altitude : altitude of the sun [rad]
+    day_of_year : day that determines the distance of the sun
+    dew_point_c : dew point [°C]
     """
 
     altitude: float
@@ -79,27 +79,27 @@ class Air:
 
     @property
     def zenith(self) -> float:
-        """Angle of the sun to the zenith [rad]."""
+        """Zenith angle of the sun [rad]."""
         return float(np.pi / 2 - self.altitude)
 
     @property
     def outside(self) -> float:
-        """Irradiance above the air [W/m²]."""
+        """Extraterrestrial normal irradiance [W/m²]."""
         return SOLAR_CONSTANT * float(orbit_factor(np.array([self.day_of_year]))[0])
 
     @property
     def mass(self) -> float:
-        """Relative mass of the air (Kasten 1966)."""
+        """Relative air mass (Kasten 1966)."""
         haze = 0.15 * (93.885 - np.degrees(self.zenith)) ** -1.253
         return float(1 / (np.cos(self.zenith) + haze))
 
     @property
     def bend(self) -> float:
-        """Perez's term of the zenith angle in the clearness."""
+        """Zenith angle term of Perez's clearness."""
         return 1.041 * self.zenith**3
 
     def light(self, request: Request, words: WordReader) -> Light | None:
-        """Return the irradiance that is given; None without any."""
+        """Return the given irradiance; None if it is zero."""
         first, second = request.given[0], request.given[-1]
         match request.by:
             case "-P":
@@ -140,7 +140,7 @@ class Air:
     def output(
         self, light: Light, state: SkyState, request: Request, words: WordReader
     ) -> Light:
-        """Return visible or solar irradiance, or illuminance, as asked for."""
+        """Return visible or solar irradiance, or illuminance, by the option -O."""
         if request.output == 1:
             return light
         if request.by == "-L":
@@ -167,7 +167,7 @@ class Air:
         )
 
     def _from_lux(self, direct: float, diffuse: float, request: Request) -> Light:
-        # Efficacy depends on the irradiance looked for: go round a few times
+        # The efficacy depends on the irradiance: fixed-point iteration
         per = SOLAR_CONSTANT / _MOST_LUX
         light = Light(max(direct, 0) * per, max(diffuse, 0) * per)
         for _ in range(_ROUNDS):
@@ -181,7 +181,7 @@ class Air:
         return light
 
     def _erbs(self, level: float) -> Light:
-        # Diffuse share by the clearness of the sky
+        # Diffuse fraction by the clearness index
         outside = self.outside * np.sin(self.altitude)
         level = max(level, 0.0) if level <= outside else 0.999 * outside
         k = level / outside

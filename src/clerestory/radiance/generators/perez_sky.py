@@ -1,8 +1,8 @@
-"""The sky of Radiance's gendaylit: Perez's all-weather model for one moment.
+"""Radiance's gendaylit: Perez all-weather sky for one moment.
 
-Sky and sun are scaled as gendaylit scales them: the diffuse level over the 145 patches
-of Tregenza, the ground by the clear or intermediate sky of gensky. Numbers keep their
-digits, where gendaylit prints four.
+As in gendaylit, the diffuse irradiance is normalized over the 145 Tregenza patches, and
+the ground's radiance is that under the clear or intermediate sky of gensky. Values are
+not rounded, unlike those of gendaylit.
 
 References: R. Perez et al., Solar Energy 44 (5), 1990 and 50 (3), 1993; D. G. Erbs,
 S. A. Klein, J. A. Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (limits).
@@ -26,7 +26,7 @@ from clerestory.sky.perez import perez_sky
 
 _DEW_POINTS = (-40.0, 40.0)
 
-# Solid angle by which the sun lights the ground [sr]
+# Solid angle of the sun for the irradiance of the ground [sr]
 _SUN_ON_GROUND = 6.8e-5
 
 # Tregenza's rings: zenith angle [deg] and patches
@@ -36,7 +36,7 @@ _RINGS = ((84, 30), (72, 30), (60, 24), (48, 24), (36, 18), (24, 12), (12, 6), (
 def gendaylit(words: WordReader) -> list[str]:
     """Return the primitives of `gendaylit month day hour` or `gendaylit -ang alt azi`.
 
-    Takes -P -W -L -G -E, -O, -s +s -c, -g, -d, -w, -a -o -m -y. At night the sky is
+    Options: -P -W -L -G -E, -O, -s +s -c, -g, -d, -w, -a -o -m -y. At night the sky is
     black, with a warning.
     """
     moment = read_moment(words)
@@ -58,11 +58,11 @@ def _take(request: Request, option: str, words: WordReader) -> bool:
         case "-E":
             request.by, request.given = option, (words.real("an irradiance"),)
         case "-O":
-            request.output = words.whole("the kind of output", 0, 2)
+            request.output = words.whole("the output type", 0, 2)
         case "-s" | "+s" | "-c":
             request.sun = option == "+s"
         case "-g":
-            request.ground = words.real("the ground's reflectance")
+            request.ground = words.real("the ground reflectance")
         case "-d":
             dew = words.real("a dew point")
             known = _DEW_POINTS[0] <= dew <= _DEW_POINTS[1]
@@ -82,8 +82,8 @@ def _sky(
     if light is None:
         if not quiet:
             warnings.warn(
-                f"{words.program}: no light, the sun stands {np.degrees(altitude):.1f}°"
-                " high; the sky is black",
+                f"{words.program}: no light at a sun altitude of"
+                f" {np.degrees(altitude):.1f}°; the sky is black",
                 ClerestoryWarning,
                 stacklevel=2,
             )
@@ -103,8 +103,8 @@ def _lit_sky(
     shape = [float(p[0]) for p in (perez.a, perez.b, perez.c, perez.d, perez.e)]
     if shape[1] > 0:
         raise words.error(
-            f"Perez's parameter b is {shape[1]:.3g}, which has no sky; other values"
-            " expected"
+            f"Perez's parameter b is {shape[1]:.3g}, for which the model is undefined;"
+            " other irradiances expected"
         )
     sent = air.output(light, state, request, words)
     distribution = FiveParameters(*shape)
@@ -112,7 +112,7 @@ def _lit_sky(
     scale = sent.diffuse / _tregenza_integral(distribution, towards)
     radiance = sent.direct / (2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2)))
 
-    # Light the ground as the sky of gensky nearest in clearness would
+    # Ground radiance under the sky of gensky with the nearest clearness
     clearness = float(state.clearness[0])
     kind = cie_sky.OVERCAST if clearness <= 1 else cie_sky.INTERMEDIATE
     kind = cie_sky.CLEAR if clearness >= 6 else kind
@@ -142,7 +142,7 @@ def _skyfunc(reals: list[float], sun: Float[np.ndarray, "3"]) -> str:
 def _tregenza_integral(
     distribution: FiveParameters, sun: Float[np.ndarray, "3"]
 ) -> float:
-    # Irradiance of a level plane, by the centres of 145 patches of equal weight
+    # Horizontal irradiance by the centres of 145 patches of equal weight
     theta = np.radians(np.repeat([t for t, _ in _RINGS], [n for _, n in _RINGS]))
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])
     sine, cosine = np.sin(theta), np.cos(theta)

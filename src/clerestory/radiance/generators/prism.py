@@ -1,9 +1,8 @@
-"""The prism of Radiance's genprism: a polygon in the plane z = 0, drawn along a vector.
+"""Radiance's genprism: polygons in the plane z = 0, extruded along a vector.
 
-Corners may be rounded. With t the tangent of half the angle by which the outline turns
-at a corner, a circle of radius r around the point t·r before the corner and r inside
-touches both sides; t is negative where the outline turns the other way, and nothing
-needs to be filled there.
+Corners may be rounded. With t the tangent of half the exterior angle of a corner, the
+circle of radius r around the point t·r before the corner and r inside is tangent to
+both sides; t is negative at concave corners.
 """
 
 from collections.abc import Callable
@@ -44,8 +43,8 @@ def prism(words: WordReader, find: Callable[[str], Path]) -> list[str]:
     """Return the primitives of a prism.
 
     `genprism material name {file | N x1 y1 … xN yN} [-l x y z][-r radius][-c][-e]`:
-    -l draws it along a vector (0 0 1), -r rounds corners, -c leaves out the side from
-    the last corner to the first, -e leaves out both ends.
+    -l gives the vector of extrusion (0 0 1), -r rounds corners, -c omits the side from
+    the last corner to the first, -e omits both ends.
     """
     material, name = words.word("a material"), words.word("a name")
     outline = _outline(words, find)
@@ -63,12 +62,12 @@ def prism(words: WordReader, find: Callable[[str], Path]) -> list[str]:
             case option:
                 raise words.unknown(option)
     if abs(along[2]) <= _TINY:
-        raise words.error("the vector of -l lies in the plane of the outline")
+        raise words.error("the vector of -l is in the plane of the outline")
     made = _Prism(material, name, outline, along, radius, ends, open_side)
     if radius <= _TINY:
         return _sharp(made)
     if radius > abs(along[2]):
-        raise words.error(f"rounding by {radius:g} needs more height than it has")
+        raise words.error(f"rounding by {radius:g} exceeds the height")
     return _round(made, words)
 
 
@@ -77,7 +76,7 @@ def _outline(
 ) -> Float[np.ndarray, "corners 2"]:
     first = words.word("a file of corners, or their number")
     if first == "-":
-        raise words.error("corners from standard input are not read here")
+        raise words.error("corners from standard input are not supported")
     if first[0].isdigit():
         words.at -= 1
         count = words.whole("number of corners", 3, _MOST_CORNERS)
@@ -87,7 +86,7 @@ def _outline(
         flat = [value for value in read if value is not None]
         if len(flat) < max(len(read), 6) or len(flat) % 2:
             raise words.error(
-                f'the file "{first}" holds {len(read)} words; two numbers for each of'
+                f'the file "{first}" has {len(read)} words; two numbers for each of'
                 " at least 3 corners expected"
             )
     return np.array(flat).reshape(-1, 2)
@@ -112,7 +111,7 @@ def _sharp(made: _Prism) -> list[str]:
 
 
 def _round(made: _Prism, words: WordReader) -> list[str]:
-    # u: unit vector of the side that ends at a corner, pointing back along it
+    # u: unit vector from a corner to the previous one
     corner, r = made.outline, made.radius * made.upwards
     back = np.roll(corner, 1, axis=0) - corner
     length = np.linalg.norm(back, axis=1, keepdims=True)
@@ -122,7 +121,7 @@ def _round(made: _Prism, words: WordReader) -> list[str]:
     ahead = np.roll(u, -1, axis=0)
     cosine = np.einsum("cx,cx->c", u, ahead)
     if (1 + cosine).min() <= _TINY:
-        raise words.error("two sides lie on each other")
+        raise words.error("two sides overlap")
     turn = np.sign(ahead[:, 0] * u[:, 1] - ahead[:, 1] * u[:, 0])
     t = turn * np.sqrt(np.maximum(1 - cosine, 0) / (1 + cosine))
     inside = np.stack([-u[:, 1], u[:, 0]], axis=1)
@@ -142,7 +141,7 @@ def _round_side(
     centre: Float[np.ndarray, "corners 2"],
 ) -> list[str]:
     j, r = (i + 1) % len(t), made.radius * made.upwards
-    # A slanting side touches its edges at a tilt
+    # Oblique sides: the tangent points are inclined
     tilt = made.along[1] * u[j, 0] - made.along[0] * u[j, 1]
     sine = made.upwards * tilt / np.linalg.norm(made.along)
     sine = sine if abs(sine) > _TINY else 0.0

@@ -1,7 +1,7 @@
-"""Primitives of the scene language as text, on one line each.
+"""Formatting of primitives as scene text on one line.
 
-A generator's text has no line breaks, so that all of it stands, as far as messages
-can tell, on the line of its command.
+The output of a generator has no line breaks, so that messages give the line of its
+command.
 """
 
 from collections.abc import Iterable, Sequence
@@ -20,7 +20,7 @@ def primitive(
     strings: Sequence[str] = (),
     reals: Iterable[float] = (),
 ) -> str:
-    """Return a primitive's text.
+    """Return a primitive as text.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def primitive(
 
 
 def polygon(modifier: str, name: str, vertices: Float[np.ndarray, "vertices 3"]) -> str:
-    """Return a polygon's text."""
+    """Return a polygon as text."""
     return primitive(modifier, "polygon", name, reals=vertices.ravel())
 
 

@@ -1,8 +1,7 @@
-"""Where the sun stands for gensky and gendaylit: date, time, site, or its angles.
+"""Sun position of gensky and gendaylit from date, time and site.
 
-Longitudes and meridians count westwards here, in degrees, as in those commands. Without
-a year the position is that of Radiance's own formulas, with a year that of the
-Astronomical Almanac.
+As in these commands, longitudes and meridians are in degrees west. The position is by
+Radiance's formulas, or by the Astronomical Almanac if a year is given.
 
 References: Radiance, sun.c (time zones, defaults, solar time); J. J. Michalsky, The
 Astronomical Almanac's algorithm for approximate solar position (1950-2050), Solar
@@ -18,7 +17,7 @@ from jaxtyping import Float
 from clerestory.formats.word_reader import WordReader
 from clerestory.sky.solar_position import sun_position
 
-# Standard meridian of time zones [deg west]; the first of a name counts
+# Standard meridians of time zones [deg west]; the first of a name is used
 _ZONES = {
     **{"YST": 135, "YDT": 120, "PST": 120, "PDT": 105, "MST": 105, "MDT": 90},
     **{"CST": 90, "CDT": 75, "EST": 75, "EDT": 60, "AST": 60, "ADT": 45},
@@ -32,16 +31,16 @@ _HOUR = re.compile(r"(\+?)(\d{1,2})(?::(\d{1,2})|(\.\d*))?([A-Za-z]*)", re.ASCII
 
 @dataclass
 class Moment:
-    """Date, time and site; or, without a month, the angles of the sun.
+    """Date, time and site; or, without a month, the sun's altitude and azimuth.
 
     Attributes
     ----------
-    altitude, azimuth : of the sun, azimuth clockwise from south [rad], if given
+    altitude, azimuth : angles of the sun, azimuth clockwise from south [rad], if given
     month, day, year : the date; 0 for none
     hour : standard time, or solar time
     solar : whether it is solar time
-    latitude_deg, longitude_deg, meridian_deg : the site, counted westwards
-    zoned : whether the hour named a time zone, which outweighs -m
+    latitude_deg, longitude_deg, meridian_deg : the site, positive to the west
+    zoned : whether the hour has a time zone, which overrides -m
     """
 
     altitude: float = 0.0
@@ -57,7 +56,7 @@ class Moment:
     zoned: bool = False
 
     def take(self, option: str, words: WordReader) -> bool:
-        """Take the values of an option about date or site; False for another."""
+        """Read an option of date or site; return False for other options."""
         match option:
             case "-a":
                 self.latitude_deg = words.real("a latitude")
@@ -85,7 +84,7 @@ class Moment:
             declination, solar_hour = self._almanac()
             hour = self.hour if self.solar else solar_hour
             return _horizontal(np.radians(self.latitude_deg), declination, hour)
-        # Solar time is what a site without equation of time would have
+        # Solar time is standard time without equation of time and longitude correction
         days = np.timedelta64(self.day_of_year - 1, "D")
         seconds = np.timedelta64(round(self.hour * 3600), "s")
         times = np.array([np.datetime64("2001-01-01", "s") + days + seconds])
@@ -103,7 +102,7 @@ class Moment:
         return float(place.altitude[0]), float(place.azimuth[0] - np.pi)
 
     def _almanac(self) -> tuple[float, float]:
-        # Declination [rad] and solar time [h]; days count from noon of 1 January 2000
+        # Declination [rad] and solar time [h]; days since noon of 1 January 2000
         date = np.datetime64(f"{self.year:04d}-{self.month:02d}-01") + self.day - 1
         days = (date - np.datetime64("2000-01-01")) / np.timedelta64(1, "D")
         utc = self.hour + self.meridian_deg / 15
@@ -123,7 +122,7 @@ class Moment:
 
 
 def read_moment(words: WordReader) -> Moment:
-    """Take `month day hour` or `-ang altitude azimuth` from a command.
+    """Read `month day hour` or `-ang altitude azimuth` from a command.
 
     Examples
     --------
@@ -142,7 +141,7 @@ def read_moment(words: WordReader) -> Moment:
     text = words.word("the hour")
     match = _HOUR.fullmatch(text)
     if match is None:
-        raise words.error(f'"{text}" is found where an hour such as 14:30 is expected')
+        raise words.error(f'unexpected "{text}"; an hour such as 14:30 expected')
     plus, hour, minute, fraction, zone = match.groups()
     moment.solar = bool(plus)
     moment.hour = float(hour + (fraction or "")) + float(minute or 0) / 60
@@ -170,7 +169,7 @@ def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
 def _horizontal(
     latitude: float, declination: float, hour: float
 ) -> tuple[float, float]:
-    # Altitude, and azimuth clockwise from south, from solar time
+    # Altitude and azimuth clockwise from south, by solar time
     turn = hour * np.pi / 12
     sine = np.sin(latitude) * np.sin(declination)
     sine -= np.cos(latitude) * np.cos(declination) * np.cos(turn)

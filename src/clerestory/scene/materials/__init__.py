@@ -1,7 +1,7 @@
-"""Registry of materials: one file for each type, found by its presence in this folder.
+"""Registry of material types, discovered from the files in this folder.
 
-A file defines its value, a `Material`, and `READERS`: for each type of Radiance's scene
-language the function from its arguments to the value.
+Each file defines a `Material` and `READERS`, a dictionary from types of Radiance's
+scene language to functions that read the arguments of the type.
 """
 
 import importlib
@@ -23,5 +23,5 @@ READERS: Mapping[str, Callable[[Definition], Material]] = {
 def read_material(given: Definition) -> Material:
     """Return the material that a primitive defines."""
     if given.item.kind not in READERS:
-        raise given.error(f"this type is not supported; {', '.join(READERS)} are")
+        raise given.error(f"unsupported type; one of {', '.join(READERS)} expected")
     return READERS[given.item.kind](given)

@@ -1,4 +1,4 @@
-"""Radiance's BSDF and aBSDF: surfaces that scatter as measured or simulated."""
+"""Radiance's BSDF and aBSDF: surfaces with a measured or simulated BSDF."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -29,14 +29,14 @@ class BsdfSurface(Material):
     Attributes
     ----------
     bsdf : its scattering functions
-    thickness : 0 for a surface; otherwise depth of the geometry that the BSDF stands
-        for, behind (positive) or in front of (negative) the surface [m]
+    thickness : 0 for a surface; otherwise depth of the geometry that the BSDF
+        represents, behind (positive) or in front of (negative) the surface [m]
     up : vector in the coordinates before `transform`; with the normal it orients the
         BSDF
     transform : rotation or reflection of `up` into the scene: up @ transform
     front, back : diffuse reflectance added on either side
     transmission : diffuse transmittance added for both sides
-    peak : whether light that the BSDF passes straight is kept sharp (aBSDF)
+    peak : whether direct transmission is extracted as a specular peak (aBSDF)
     """
 
     name: str
@@ -78,7 +78,7 @@ class BsdfSurface(Material):
 
 def _read(given: Definition) -> Material:
     peak = given.item.kind == "aBSDF"
-    first = 0 if peak else 1  # the thickness stands before the file
+    first = 0 if peak else 1  # only BSDF has a thickness, before the file
     words = given.item.strings
     if len(words) < first + 5:
         raise given.error(
@@ -91,9 +91,9 @@ def _read(given: Definition) -> Material:
     transform = given.oriented(first + 5)
     up = given.vector(first + 1, Transform())
     if isinstance(up, Pattern):
-        raise given.error("its up vector varies; one for all points expected")
+        raise given.error("the up vector varies; a constant vector expected")
     if not np.any(up):
-        raise given.error("its up vector has no length")
+        raise given.error("the up vector has zero length")
     # In the coordinates before the transform
     up = up @ np.linalg.inv(given.transform(first + 5).matrix[:3, :3])
     return BsdfSurface(

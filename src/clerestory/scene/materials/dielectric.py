@@ -21,12 +21,12 @@ _MIDDLE = 500.0
 
 @dataclass(frozen=True, eq=False)
 class Dielectric(Material):
-    """A solid that refracts; its surface has the inside behind its front.
+    """The surface of a refracting solid, which is on its back side.
 
     Attributes
     ----------
-    transmissivity : share left after 1 m inside
-    index : index of refraction at the wavelength of 500 nm
+    transmissivity : transmitted fraction per metre
+    index : index of refraction at 500 nm
     """
 
     name: str
@@ -50,11 +50,11 @@ class Dielectric(Material):
 
 @dataclass(frozen=True, eq=False)
 class Interface(Material):
-    """The surface between two dielectrics; the inside is behind its front.
+    """The surface between two dielectrics; the inside is on its back side.
 
     Attributes
     ----------
-    inside_transmissivity, outside_transmissivity : share left after 1 m
+    inside_transmissivity, outside_transmissivity : transmitted fraction per metre
     inside_index, outside_index : indices of refraction
     """
 
@@ -89,8 +89,8 @@ def _dielectric(given: Definition) -> Material:
     value = given.reals(5)
     if value[4] != 0:
         given.doubt(
-            f"Hartmann's constant is {value[4]:g}; dispersion is ignored,"
-            f" the index is that at {_MIDDLE:g} nm"
+            f"Hartmann's constant is {value[4]:g}; dispersion is ignored and the"
+            f" index at {_MIDDLE:g} nm used"
         )
     index = _index(given, value[3] + value[4] / _MIDDLE)
     return Dielectric(
@@ -112,7 +112,7 @@ def _interface(given: Definition) -> Material:
 
 
 def _per_metre(given: Definition, value: Colour) -> Colour:
-    # Transmissivity is per unit of the file, whose scale is in metres; at most 1
+    # Convert from transmissivity per unit length of the file; at most 1
     passed = np.minimum(given.share("transmissivity", value), 1)
     return np.asarray(passed ** (1 / given.placed.scale))
 

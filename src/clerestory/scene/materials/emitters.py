@@ -1,6 +1,6 @@
-"""Radiance's light sources: light, glow, spotlight and illum.
+"""Emitters of Radiance: light, glow, spotlight and illum.
 
-They emit from their front; the back is black, and they reflect nothing.
+Emission is from the front; the back is black, and the reflectance is zero.
 
 Reference: "The RADIANCE 6.0 Synthetic Imaging System" (ray.html), section 2.1.3.
 """
@@ -55,12 +55,12 @@ class Light(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Glow(Emitter):
-    """A light source that is sampled by shadow rays up to a distance only.
+    """A light source sampled by shadow rays within a maximum distance only.
 
     Attributes
     ----------
-    radius : largest distance at which it is sampled [m]; 0: never, negative: it does
-        not light the scene
+    radius : largest distance at which it is sampled [m]; 0: never; negative: it also
+        contributes no indirect light
     pattern : see `Light`
     """
 
@@ -105,11 +105,11 @@ class Spotlight(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Illum(Emitter):
-    """A light source that is seen as another material.
+    """A light source that appears to direct view as another material.
 
     Attributes
     ----------
-    alternate : material that is seen
+    alternate : material in direct view
     pattern : see `Light`
     """
 
@@ -136,7 +136,6 @@ class Illum(Emitter):
 
 
 def _even(pattern: Pattern | None) -> tuple[Pattern, ...]:
-    # A pattern among the arguments is refused by the writer
     return () if pattern is None else (pattern,)
 
 

@@ -1,4 +1,4 @@
-"""Radiance's glass: a thin pane."""
+"""Radiance's glass: thin glazing."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ class Glass(Material):
     Attributes
     ----------
     name : key in the scene
-    transmissivity : share left after one passage at normal incidence, surfaces excluded
+    transmissivity : internal transmittance of one pass at normal incidence
     index : index of refraction
     """
 

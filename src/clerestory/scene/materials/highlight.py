@@ -1,7 +1,7 @@
-"""Gaussian highlights of plastic, metal and trans: reading, writing, parameters.
+"""Gaussian highlights of plastic, metal and trans.
 
-One roughness makes a round highlight. Two, with an up vector, make an elliptical one,
-for which Radiance has types of their own (plastic2, metal2, trans2).
+One roughness gives an isotropic highlight; two, with an up vector, an anisotropic one
+(Radiance's plastic2, metal2, trans2).
 
 References: G. Ward, "Measuring and modeling anisotropic reflection", SIGGRAPH 1992;
 "The RADIANCE 6.0 Synthetic Imaging System" (ray.html), section 2.1.3.
@@ -16,13 +16,13 @@ from clerestory.scene.material import Colour, Parameter, Specification, Vector
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition
 
-# Radiance's FTINY: elliptical highlights must be rougher than this
+# Least roughness of anisotropic highlights (Radiance's FTINY)
 _TINY = 1e-6
 
-# Rms slope of the facets; of an elliptical highlight along `up` and across it
+# Rms facet slope; of an anisotropic highlight along `up` and across it
 Roughness = float | Float[np.ndarray, "2"]
 
-# In the scene's coordinates; expressions for it in those of a function
+# Vector in scene coordinates, or expressions in the coordinates of a function
 Up = Vector | Pattern | None
 
 
@@ -42,7 +42,7 @@ class Glossy(Protocol):
 def highlight_parameters(
     material: Glossy,
 ) -> dict[str, Parameter]:
-    """Return the parameters of a plugin that all glossy materials share."""
+    """Return the plugin parameters common to all glossy materials."""
     first, *second = np.atleast_1d(material.roughness).tolist()
     shared: dict[str, Parameter] = {
         "reflectance": material.reflectance,
@@ -61,8 +61,8 @@ def highlight_specification(
 
     Parameters
     ----------
-    kind : type with a round highlight
-    further : arguments behind the roughness
+    kind : type with an isotropic highlight
+    further : arguments after the roughness
     """
     gloss = material.specularity, *np.atleast_1d(material.roughness).tolist()
     reals = (*material.reflectance, *gloss, *further)
@@ -79,7 +79,7 @@ def read_highlight(
 
     Parameters
     ----------
-    further : number of arguments behind the roughness
+    further : number of arguments after the roughness
     """
     elliptical = given.item.kind.endswith("2")
     up = _up(given) if elliptical else None

@@ -1,4 +1,4 @@
-"""Radiance's mirror: a plane mirror that makes virtual light sources."""
+"""Radiance's mirror: a plane mirror that creates virtual light sources."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ class Mirror(Material):
 
     Attributes
     ----------
-    reflectance : share reflected
-    alternate : material for all light but that of light sources; None: the mirror
+    reflectance : specular reflectance
+    alternate : material for rays other than shadow rays; None: the mirror itself
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Radiance's mixfunc and mixdata: two materials, mixed by a share; and void."""
+"""Radiance's mixfunc, mixdata and void: blends of two materials."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -30,12 +30,12 @@ class Void(Material):
 
 @dataclass(frozen=True, eq=False)
 class Mixture(Material):
-    """Two materials, mixed on a scale too fine to be resolved.
+    """A blend of two materials.
 
     Attributes
     ----------
     foreground, background : the two materials
-    amount : share of the foreground, 0…1, or a pattern whose first channel it is
+    amount : fraction of the foreground, 0…1, or a pattern whose first channel gives it
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Materials with a pattern, which multiplies their colour, or with a texture."""
+"""Materials modified by a pattern (colour) or a texture (surface normal)."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ class Patterned(Material):
 
     Attributes
     ----------
-    base : plastic, metal, trans, glass or mirror; of glass the transmission varies
+    base : plastic, metal, trans, glass or mirror; for glass the transmission varies
     pattern : multiplier of its colour
     """
 
@@ -42,8 +42,7 @@ class Textured(Material):
 
     Attributes
     ----------
-    texture : three values that are added to the unit normal, in the coordinates of the
-        function
+    texture : vector added to the unit normal, in the coordinates of the function
     """
 
     name: str

@@ -21,11 +21,11 @@ class Plastic(Material):
     Attributes
     ----------
     name : key in the scene
-    reflectance : diffuse reflectance before the highlight takes its share
-    specularity : share reflected by the highlight, 0…1
-    roughness : rms slope of the facets, 0 for a smooth coat; two numbers, along `up`
-        and across it, make the highlight elliptical
-    up : projected onto the surface, the first axis of an elliptical highlight
+    reflectance : diffuse reflectance, to be multiplied by 1 − specularity
+    specularity : specular reflectance, 0…1
+    roughness : rms facet slope, 0 for a smooth coat; two values, along `up` and across
+        it, for an anisotropic highlight
+    up : first axis of an anisotropic highlight, before projection onto the surface
     """
 
     name: str

@@ -20,12 +20,11 @@ class Trans(Material):
 
     Attributes
     ----------
-    reflectance : colour of all light that is not in the highlight, reflected or
-        transmitted
-    specularity : share reflected by the uncoloured highlight
-    roughness, up : of the reflected and of the transmitted highlight; see `Plastic`
-    transmission : share of the rest that is transmitted
-    transmitted_specular : share of the transmitted light that is not diffused
+    reflectance : colour of reflected and transmitted light, except for the highlight
+    specularity : specular reflectance, uncoloured
+    roughness, up : of the reflected and the transmitted highlight; see `Plastic`
+    transmission : fraction of the remaining light that is transmitted
+    transmitted_specular : specular fraction of the transmitted light
     """
 
     name: str
