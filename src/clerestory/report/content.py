@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 from clerestory.errors import InputError
 from clerestory.report.animation import Film
 from clerestory.report.electric_lighting import LampZone
-from clerestory.report.five_phase_terms import EquationTerms
+from clerestory.report.equation_terms import EquationTerms
 from clerestory.report.method_table import MethodComparison
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.sunlight import Sunlight
