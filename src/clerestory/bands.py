@@ -1,8 +1,8 @@
 """Spectral bands: the parts of the spectrum in which light is computed.
 
-Radiance's red, green and blue are one set of bands. Arrays of light have an axis of
-channels, one for each band; a single channel stands for all bands alike, as in a room
-of grey materials. A value of one in every band is white light of 179 lm/W.
+Radiance's red, green and blue are one set of bands. Arrays have a channel axis with one
+channel per band, or a single channel whose values apply to every band, as in a room of
+grey materials. A value of one in every band is white light of 179 lm/W.
 """
 
 import math
@@ -24,16 +24,16 @@ class Bands:
 
     Attributes
     ----------
-    names : of the bands, all different
+    names : unique names of the bands
     efficacy : luminance [cd/m²] per radiance [W/(m²·sr)] in each band [lm/W]; None if
-        it is not known
-    limits_nm : shortest and longest wavelength of each band [nm]; None where the bands
-        are no intervals, such as RGB
+        unknown
+    limits_nm : shortest and longest wavelength of each band [nm]; None if the bands are
+        not wavelength intervals, such as RGB
 
     Raises
     ------
-    InputError : no band, a name that occurs twice, a negative efficacy, limits that do
-        not grow, or another number of any of them
+    InputError : no band, a repeated name, a negative efficacy, limits that do not
+        increase, or efficacies or limits that are not one per band
 
     Examples
     --------
@@ -47,22 +47,22 @@ class Bands:
 
     def __post_init__(self) -> None:
         if not self.names or len(set(self.names)) < len(self.names):
-            raise InputError(f"bands named {self.names}; different names expected")
+            raise InputError(f"band names {self.names} repeat; unique names expected")
         for what, given in (("efficacies", self.efficacy), ("limits", self.limits_nm)):
             if given is not None and len(given) != len(self.names):
                 raise InputError(
-                    f"{len(given)} {what} of {len(self)} bands; one per band expected"
+                    f"{len(given)} {what} for {len(self)} bands; one per band expected"
                 )
         efficacy = np.array(self.efficacy or (1.0,))
         if not (np.all(efficacy >= 0) and 0 < efficacy.sum() < np.inf):
             raise InputError(
-                f"luminous efficacies {self.efficacy}; numbers from 0, not all zero,"
-                " expected"
+                f"luminous efficacies {self.efficacy}; numbers of 0 or more, not all"
+                " zero, expected"
             )
         for shortest, longest in self.limits_nm or ():
             if not 0 < shortest < longest < np.inf:
                 raise InputError(
-                    f"a band from {shortest:g} to {longest:g} nm; limits that grow"
+                    f"a band from {shortest:g} to {longest:g} nm; increasing limits"
                     " expected"
                 )
 
@@ -78,18 +78,18 @@ class Bands:
 
         Raises
         ------
-        InputError : it is not known
+        InputError : the luminous efficacy is unknown
         """
         if self.efficacy is None:
             raise InputError(
-                f"the luminous efficacy of the bands {self} is not known; bands with"
+                f"the luminous efficacy of the bands {self} is unknown; bands with"
                 " photometric weights expected"
             )
         return np.array(self.efficacy)
 
     @property
     def shares(self) -> Float[np.ndarray, " band"]:
-        """Share of each band in the luminance of white light; their sum is one."""
+        """Fraction of the luminance of white light in each band; the sum is one."""
         return np.asarray(self.weights / self.weights.sum())
 
     def photometric(
@@ -100,7 +100,7 @@ class Bands:
         Parameters
         ----------
         values : radiance [W/(m²·sr)] or irradiance [W/m²]
-        axis : of the channels, one per band, or one that stands for all of them
+        axis : index of the channel axis (one channel per band, or one for all bands)
         """
         return weighted_sum(values, self.weights, axis=axis)
 
@@ -111,7 +111,7 @@ def weighted_sum(
     *,
     axis: int = -1,
 ) -> Float[np.ndarray, "..."]:
-    """Sum of the channels under weights; a single channel stands for all bands.
+    """Weighted sum of the channels; a single channel applies to every band.
 
     >>> weighted_sum(np.array([[1.0, 2.0]]), np.array([0.5, 0.25, 0.25]), axis=0)
     array([1., 2.])
@@ -128,9 +128,9 @@ def weighted_sum(
 
 
 def unnamed_bands(count: int) -> Bands:
-    """Return the bands of a file that does not say which they are.
+    """Return the bands of a file that does not name them.
 
-    Three are Radiance's red, green and blue; one stands for all three.
+    Three bands are Radiance's red, green and blue; a single one applies to all three.
     """
     if count in (1, len(RGB)):
         return RGB
@@ -140,19 +140,19 @@ def unnamed_bands(count: int) -> Bands:
 def common_bands(parts: Iterable[tuple[Bands, int]]) -> Bands:
     """Return the bands of a product or sum, from the bands and channels of its parts.
 
-    A part of one channel has the same value in all bands, and fits any others. Where
-    all parts have one channel, the bands are those of the last one.
+    A part with one channel has the same value in every band and is compatible with any
+    bands. If all parts have one channel, the bands of the last part are returned.
 
     Raises
     ------
-    MatrixError : two parts have channels of different bands
+    MatrixError : two parts with several channels have different bands
     """
     pairs = list(parts)
     several = [bands for bands, channels in pairs if channels > 1]
     for bands in several[1:]:
         if bands != several[0]:
             raise MatrixError(
-                f"one part is in the bands {several[0]}, another in {bands};"
+                f"one operand has the bands {several[0]}, another has {bands};"
                 " the same bands expected"
             )
     return several[0] if several else pairs[-1][0]

@@ -1,8 +1,9 @@
 """Colorimetry: the CIE 1931 observer, RGB primaries and chromatic adaptation.
 
-Radiance's primaries have an equal-energy white (color.h). Another white is adapted by
-von Kries' rule in the sharpened space of Süsstrunk, Holm and Finlayson, "Chromatic
-adaptation performance of different RGB sensors", Proc. SPIE 4300 (2001).
+Radiance's primaries have an equal-energy white (color.h). Other white points are
+adapted by the von Kries transform in the sharpened space of Süsstrunk, Holm and
+Finlayson, "Chromatic adaptation performance of different RGB sensors", Proc. SPIE 4300
+(2001).
 """
 
 from collections.abc import Sequence
@@ -50,7 +51,7 @@ class Primaries:
 
     Raises
     ------
-    InputError : they span no colour space
+    InputError : a white point is not positive, or the primaries lie on a line
     """
 
     red: tuple[float, float]
@@ -61,10 +62,14 @@ class Primaries:
     def __post_init__(self) -> None:
         points = np.array([self.red, self.green, self.blue, self.white])
         if not np.isfinite(points).all() or (points[3] <= 0).any():
-            raise InputError("a white point of the primaries is not positive")
+            raise InputError(
+                "the white point of the primaries has y ≤ 0; a positive one expected"
+            )
         corners = np.column_stack([points[:3], 1 - points[:3].sum(axis=1)])
         if np.linalg.cond(corners) > 1e6 or not self._scale().all():
-            raise InputError("the primaries span no colour space; a triangle expected")
+            raise InputError(
+                "the chromaticities of the primaries lie on a line; a triangle expected"
+            )
 
     def _corners(self) -> Float[np.ndarray, "3 3"]:
         xy = np.array([self.red, self.green, self.blue], dtype=float)
@@ -90,7 +95,7 @@ def xyz_of(white: tuple[float, float]) -> Float[np.ndarray, "3"]:
 def adaptation(
     source: tuple[float, float], target: tuple[float, float]
 ) -> Float[np.ndarray, "3 3"]:
-    """Matrix in XYZ that takes one white point to another."""
+    """Chromatic adaptation matrix in XYZ from one white point to another."""
     ratio = (_SHARP @ xyz_of(target)) / (_SHARP @ xyz_of(source))
     matrix: np.ndarray = np.linalg.solve(_SHARP, ratio[:, None] * _SHARP)
     return matrix
@@ -122,7 +127,7 @@ def xyz_to_rgb() -> Float[np.ndarray, "3 3"]:
 def rgb_from_xyz(
     xyz: Float[np.ndarray, "3 row column"],
 ) -> Float[np.ndarray, "3 row column"]:
-    """Radiance's RGB of XYZ; colours outside its gamut are desaturated.
+    """Convert XYZ to Radiance's RGB; colours outside the gamut are desaturated.
 
     >>> rgb_from_xyz(np.full((3, 1, 1), 0.5)).ravel().round(6).tolist()
     [0.5, 0.5, 0.5]
@@ -145,7 +150,7 @@ def wavelength_bands(limits_nm: Sequence[float]) -> Bands:
 
     The luminous efficacy of a band is its share of the photopic sensitivity of the
     CIE 1931 observer, times 179 lm/W: a spectrum of one in all bands of the visible
-    range is white light.
+    range has 179 lm/W.
 
     >>> nine = wavelength_bands(range(380, 830, 45))
     >>> nine.names[2], round(float(nine.weights.sum()), 6)

@@ -51,7 +51,7 @@ class Frame:
 
     @classmethod
     def from_normal_up(cls, normal: Vector, up: Vector) -> "Frame":
-        """Frame with a given normal whose up is the projection of `up` onto the
+        """Frame with the given normal; its up is the projection of `up` onto the
         surface.
         """
         normal, up = unit(normal), unit(up)

@@ -6,7 +6,7 @@
     ├── DeviceError     no usable compute device or LLVM            exit status 1
     └── OutputError     a result could not be written               exit status 1
 
-Every message is one line: the place, what is wrong, what was expected.
+Every message is one line: the location, what is wrong, what was expected.
 """
 
 from collections.abc import Iterator
@@ -15,18 +15,18 @@ from pathlib import Path
 
 
 class ClerestoryError(Exception):
-    """Root of all errors that this package raises on purpose."""
+    """Base class of the errors of this package."""
 
     exit_status = 1
 
 
 class InputError(ClerestoryError):
-    """Input of the user is invalid.
+    """A file, an argument or a study is invalid.
 
     Parameters
     ----------
     message : what is wrong and what was expected
-    file, line : place of the fault, if it is in a file
+    file, line : location of the fault, if it is in a file
 
     Examples
     --------
@@ -61,11 +61,11 @@ class OutputError(ClerestoryError):
 def located(
     *, file: str | Path | None, line: int | None = None, subject: str = ""
 ) -> Iterator[None]:
-    """Add a place to the input errors that are raised within and have none.
+    """Add a location to input errors raised in the `with` block without one.
 
     Parameters
     ----------
-    subject : what the message is about; begins it
+    subject : object at fault, put before the message
 
     Examples
     --------
@@ -84,4 +84,4 @@ def located(
 
 
 class ClerestoryWarning(UserWarning):
-    """Usable but physically doubtful input; the message gives the size of the doubt."""
+    """Usable but physically doubtful input; the message quantifies the deviation."""

@@ -12,7 +12,7 @@ from clerestory.errors import InputError, OutputError
 
 @contextmanager
 def replace_file(path: str | Path) -> Iterator[BinaryIO]:
-    """Open a binary stream that replaces `path` when its block ends without an error.
+    """Open a binary stream that replaces `path` if the `with` block succeeds.
 
     The bytes go to a temporary file in the same folder, which is renamed at the end;
     after an error or an interruption an existing file is unchanged.
@@ -31,7 +31,7 @@ def replace_path(path: str | Path) -> Iterator[Path]:
         os.close(handle)
         temporary = Path(name)
         yield temporary
-        # mkstemp creates private files; results have ordinary permissions
+        # mkstemp restricts access to the owner; apply the umask instead
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)

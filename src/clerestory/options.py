@@ -1,9 +1,9 @@
 """Options of commands, described by the fields of frozen dataclasses.
 
-A request is a dataclass whose fields are options and arguments. Python calls its
-constructor; a command line fills it from the words of a command. A field that is itself
-such a dataclass is a group of options. Types that requests share are `Annotated` with
-an `Option`; other fields are described in place by `option`.
+A request is a dataclass whose fields are options and arguments; it is constructed in
+Python or parsed from a command line. A field that is itself such a dataclass is a group
+of options. Types shared by several requests are `Annotated` with an `Option`; all other
+fields are described in place by `option`.
 """
 
 from dataclasses import MISSING, Field, dataclass, field, fields
@@ -18,11 +18,11 @@ class Option:
     Attributes
     ----------
     help : one sentence, with the unit in brackets
-    names : on the command line; `--field-name` is added if none begins with two dashes,
-        and a bare "--" says that there is no long name
-    metavar : what stands for the value in the help
-    least, most : limits of the value
-    panel : heading in the help
+    names : names on the command line; `--field-name` is added if none begins with two
+        dashes; a bare "--" suppresses the long name
+    metavar : placeholder of the value in the help
+    least, most : smallest and largest permitted value
+    panel : heading of the option's group in the help
     """
 
     def __init__(
@@ -40,25 +40,27 @@ class Option:
 
 @dataclass(frozen=True)
 class Argument:
-    """Description of a positional argument; `metavar` stands for it in the help."""
+    """Description of a positional argument; `metavar` is its placeholder in the
+    help.
+    """
 
     help: str
     metavar: str | None = None
 
 
 def option(default: object, help: str, *names: str, **details: Any) -> Any:
-    """Return a field with its default that is an option; see `Option`."""
+    """Return a dataclass field that is an option with a default; see `Option`."""
     described = Option(help, *names, **details)
     return field(default=default, metadata={_KEY: described})
 
 
 def required(help: str, *names: str, **details: Any) -> Any:
-    """Return a field that is an option without default; see `Option`."""
+    """Return a dataclass field that is a required option; see `Option`."""
     return option(MISSING, help, *names, **details)
 
 
 def argument(help: str, metavar: str | None = None, *, default: Any = MISSING) -> Any:
-    """Return a field that is a positional argument."""
+    """Return a dataclass field that is a positional argument."""
     return field(default=default, metadata={_KEY: Argument(help, metavar)})
 
 

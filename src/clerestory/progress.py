@@ -2,19 +2,19 @@
 
 from collections.abc import Callable
 
-# Called with the share done, 0…1, and a note such as the rate
+# Called with the fraction done, 0…1, and a note such as the rate
 Progress = Callable[[float, str], None]
 
 
 def share_of_progress(
     progress: Progress | None, start: float, share: float, name: str = ""
 ) -> Progress | None:
-    """Return the report of a part of the work that begins at `start`.
+    """Return a progress callback for the part of the work that begins at `start`.
 
     Parameters
     ----------
-    start, share : of the whole work
-    name : of the part, put before its notes
+    start, share : beginning and length of the part, as fractions of the whole work
+    name : prefix of the notes of the part
 
     Examples
     --------

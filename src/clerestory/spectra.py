@@ -23,8 +23,8 @@ class Spectrum:
 
     Attributes
     ----------
-    wavelength_nm : increasing
-    value : at each wavelength
+    wavelength_nm : increasing wavelengths [nm]
+    value : quantity at each wavelength
 
     Raises
     ------
@@ -48,12 +48,14 @@ class Spectrum:
                 " one value per wavelength expected"
             )
         if not np.all(np.isfinite(self.value)):
-            raise InputError("a spectrum has values that are not finite")
+            raise InputError(
+                "a spectrum has values that are not finite; numbers expected"
+            )
 
     def at(
         self, wavelength_nm: Float[np.ndarray, "*batch"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Values at other wavelengths; constant beyond both ends."""
+        """Values interpolated at the given wavelengths; constant beyond both ends."""
         return np.asarray(np.interp(wavelength_nm, self.wavelength_nm, self.value))
 
 
@@ -62,7 +64,7 @@ def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
 
     Raises
     ------
-    InputError : they are not
+    InputError : a wavelength is missing, not positive or not increasing
     """
     w = wavelength_nm
     if len(w) == 0 or not np.all(np.isfinite(w)) or w[0] <= 0:
@@ -79,7 +81,7 @@ def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
 def interpolation_matrix(
     known_nm: Float[np.ndarray, " known"], wanted_nm: Float[np.ndarray, " wanted"]
 ) -> Float[np.ndarray, "wanted known"]:
-    """Weights of the known values in each interpolated one; constant beyond the ends.
+    """Weights of the known values in each interpolated value; constant beyond the ends.
 
     >>> one = interpolation_matrix(np.array([1.0, 2.0]), np.array([1.25]))
     >>> one.tolist()

@@ -89,7 +89,7 @@ def test_a_clock_that_is_wrong_is_told(call, room):
     (room / "late.wea").write_text(head + "\n".join(rows) + "\n")
     outcome = sky(call, "sun late.wea -o suns.csv")
     assert outcome.status == 0
-    assert "h late against the sun: are time zone" in outcome.err
+    assert "h late relative to the solar position" in outcome.err
 
 
 def test_the_three_formats_and_netcdf_hold_the_same_sky(call):

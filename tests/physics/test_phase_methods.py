@@ -12,6 +12,7 @@ import clerestory as cl
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
+from clerestory.metrics.spatial_metrics import sunlight_exposure
 from clerestory.phases.illuminance import illuminance
 from clerestory.phases.matrix_equation import (
     MatrixChain,
@@ -305,3 +306,45 @@ def test_hours_of_sun_in_a_glass_room_are_those_of_five_phases(tmp_path):
         hours[method] = data["sun_hours"].values
     assert hours["5-phase"].max() > 50
     np.testing.assert_allclose(hours["2-phase"], hours["5-phase"], rtol=0.08, atol=3)
+
+
+BLINDS = """[[window]]
+file = "window.rad"
+[[window.state]]
+name = "glass"
+bsdf = "pane.xml"
+peak = true
+[[window.state]]
+name = "blind"
+bsdf = "blind.xml"
+[window.control]
+rule = "LM-83"
+"""
+
+
+def test_blinds_of_lm83_and_hours_of_sun_by_two_phases(tmp_path):
+    """The blind closes when the sun behind open glass reaches any of three sensors."""
+    folder = tmp_path / "study"
+    shutil.copytree(ROOM, folder)
+    write_bsdf(folder / "pane.xml", sheet_bsdf(Glass("pane", np.full(3, 0.96))))
+    write_bsdf(folder / "blind.xml", lambertian(0.05, klems("full")))
+    window = (folder / "window.rad").read_text()
+    (folder / "window.rad").write_text(window.replace("h=kq", "h=kf"))
+    room = (folder / "room.rad").read_text()
+    (folder / "room.rad").write_text(room.split("grey polygon overhang")[0])
+    depths = (0.6, 1.0, 3.0)
+    (folder / "floor.pts").write_text("".join(f"2 {y} 0.1 0 0 1\n" for y in depths))
+    text = ASE.format(method="2-phase", files='"room.rad"', window=BLINDS)
+    text = text.replace("723170TYA.CSV", "two_days.wea").replace("every = 7", "")
+    (folder / "study.toml").write_text(text)
+    data = run_study(read_study(folder / "study.toml"), out=tmp_path / "out").data
+    sunny = data["direct_open"].values > 1000
+    assert sunny.any(axis=0).tolist() == data["state"].values[0].astype(bool).tolist()
+    assert data["rule_kept"].values.all()
+    occupied = data["occupied"].values
+    hours = sunny[:, occupied].sum(axis=1)
+    np.testing.assert_array_equal(data["sun_hours"], hours)
+    assert hours.max() > 0
+    assert hours[-1] == 0
+    found = sunlight_exposure(data["direct_open"], occupied, most_hours=1)
+    assert found.value == np.mean(hours > 1) > 0

@@ -39,20 +39,20 @@ def test_sums_of_nothing_are_empty():
 
 
 def test_unknown_efficacies_are_not_guessed():
-    with pytest.raises(InputError, match="not known"):
+    with pytest.raises(InputError, match="is unknown"):
         NINE.photometric(np.ones(9))
 
 
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"names": ()}, "different names"),
-        ({"names": ("a", "a")}, "different names"),
-        ({"names": ("a", "b"), "efficacy": (1.0,)}, "1 efficacies of 2 bands"),
-        ({"names": ("a",), "efficacy": (-1.0,)}, "numbers from 0"),
+        ({"names": ()}, "unique names"),
+        ({"names": ("a", "a")}, "unique names"),
+        ({"names": ("a", "b"), "efficacy": (1.0,)}, "1 efficacies for 2 bands"),
+        ({"names": ("a",), "efficacy": (-1.0,)}, "numbers of 0 or more"),
         ({"names": ("a",), "efficacy": (0.0,)}, "not all zero"),
         ({"names": ("a",), "limits_nm": ((500.0, 400.0),)}, "from 500 to 400 nm"),
-        ({"names": ("a", "b"), "limits_nm": ((400.0, 500.0),)}, "1 limits of 2 bands"),
+        ({"names": ("a", "b"), "limits_nm": ((400.0, 500.0),)}, "1 limits for 2 bands"),
     ],
 )
 def test_faulty_bands_are_refused(given, message):

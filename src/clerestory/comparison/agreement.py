@@ -1,6 +1,7 @@
 """Statistics of agreement: fractions within limits, bias, RMSE, correlation.
 
-Deviations are simulated minus measured, relative ones in parts of the measured value.
+Deviations are simulated minus measured; relative deviations are divided by the measured
+value.
 The fractions within 5, 10 and 20 % are those of Tables 1 to 4 of the validation of the
 extended five-phase method.
 
@@ -28,15 +29,16 @@ class Agreement:
 
     Attributes
     ----------
-    count : of pairs
+    count : number of pairs
     within : fraction of the pairs with deviations below 5, 10, 20 %, 0…1
     measured, simulated : means, in the unit of the series
     mean_bias : mean bias error (MBE), in the unit of the series
-    relative_bias : mean bias error over the measured mean
+    relative_bias : mean bias error divided by the measured mean
     rmse : root mean square error, in the unit of the series
-    variation : RMSE over the measured mean, CV(RMSE)
+    variation : RMSE divided by the measured mean, CV(RMSE)
     median_deviation : median of the absolute relative deviations
-    correlation : Pearson's; NaN for fewer than two pairs, or where one side is constant
+    correlation : Pearson correlation coefficient; NaN for fewer than two pairs or a
+        constant series
     """
 
     count: int
@@ -61,7 +63,10 @@ def agreement(
     ((0.5, 0.5, 1.0), 17.0, 0.1133)
     """
     if measured.size == 0 or not np.all(measured > 0):
-        raise InputError("pairs of values, the measured ones above 0, expected")
+        raise InputError(
+            "no pairs or a measured value of 0 or less; measured values above 0"
+            " expected"
+        )
     deviation = simulated - measured
     relative = np.abs(deviation) / measured
     mean = float(measured.mean())

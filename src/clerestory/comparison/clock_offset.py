@@ -14,18 +14,18 @@ from clerestory.comparison.time_alignment import Pairs
 # Largest shift and step of the search [min]
 _LARGEST, _STEP = 120, 5
 
-# Smallest number of times for a search
+# Smallest number of distinct times for a search
 _FEWEST = 8
 
 
 @final
 @dataclass(frozen=True)
 class Offset:
-    """Shift of the measured times for the best agreement.
+    """Shift of the measured times with the best agreement.
 
     Attributes
     ----------
-    minutes : added to the measured times [min]
+    minutes : shift added to the measured times [min]
     rmse, rmse_unmoved : CV(RMSE) with this shift and without
     """
 
@@ -40,7 +40,7 @@ class Offset:
 
 
 def search_offset(pairs_at: Callable[[int], Pairs]) -> Offset | None:
-    """Return the best shift within two hours, None with too few pairs."""
+    """Return the best shift within two hours; None if there are too few pairs."""
     unmoved = pairs_at(0)
     if len(np.unique(unmoved.times)) < _FEWEST:
         return None
@@ -50,7 +50,7 @@ def search_offset(pairs_at: Callable[[int], Pairs]) -> Offset | None:
         pairs = pairs_at(minutes)
         if pairs.measured.size >= enough:
             found[minutes] = _variation(pairs)
-    # Of equal shifts, the smallest
+    # Among equally good shifts choose the smallest
     best = min(found, key=lambda minutes: (found[minutes], abs(minutes)))
     return Offset(best, found[best], found[0])
 

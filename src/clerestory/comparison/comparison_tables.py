@@ -35,7 +35,7 @@ _STATISTICS = (
 def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
     """Return the fractions of pairs within the limits, simulations side by side.
 
-    The first row is the header; each other row is a group and a quantity.
+    The first row is the header; each further row holds one group and quantity.
     """
     head = ["group", "quantity", "pairs"]
     for comparison in comparisons:
@@ -53,7 +53,7 @@ def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
 
 
 def statistics_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Return all statistics, of groups and then of each series."""
+    """Return all statistics, first of the groups, then of the series."""
     rows = [["simulation", "series", "quantity", "unit", *_STATISTICS]]
     for comparison in comparisons:
         for (group, quantity), found in comparison.table().items():
@@ -80,7 +80,7 @@ def write_tables(comparisons: Sequence[Comparison], folder: Path) -> None:
 
 
 def comparison_facts(comparison: Comparison) -> dict[str, Any]:
-    """Return the results of a comparison, without the pairs, as plain values."""
+    """Return the results of a comparison, without the pairs, as values for JSON."""
     pairs = comparison.pairs
     return {
         "simulation": comparison.name,

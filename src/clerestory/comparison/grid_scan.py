@@ -27,10 +27,11 @@ class GridLayout(Table):
     ----------
     columns : names of the columns to be read
     column_axis : axis along which the points of a row lie
-    column_at, row_at : coordinates of columns and rows [m], on that axis and the other
-    height : of the points [m]
-    grid : of the study, whose sensors these are; any if empty
-    factor : of the readings, 1000 for kilolux
+    column_at, row_at : coordinates [m] of the columns along that axis and of the rows
+        along the other axis
+    height : height of the points [m]
+    grid : sensor grid of the study at these points; if empty, all grids are searched
+    factor : multiplier of the readings, 1000 for kilolux
     tolerance : largest distance of the study's sensor from a point [m]
     """
 
@@ -66,11 +67,11 @@ class GridScan(Table):
 
     Attributes
     ----------
-    file : its name
-    at : time of its first row, on the clock of the measurement
-    layout : name of its layout
-    row_minutes : from one row to the next [min]; 0 if all were taken at once
-    backwards : whether the first row of the file is that of the last points
+    file : name of the file
+    at : time of the first row, on the clock of the measurement
+    layout : name of the layout
+    row_minutes : time between rows [min]; 0 if all readings were simultaneous
+    backwards : whether the rows of the file are in the reverse order of `row_at`
     """
 
     file: str = Field(min_length=1, description="the name of a file in quotes")
@@ -83,7 +84,7 @@ class GridScan(Table):
 def read_scan(
     folder: Path, scan: GridScan, *, layout: GridLayout, near: Series
 ) -> list[Series]:
-    """Return the readings of a scan, one set of series for each time."""
+    """Return the readings of a scan, one `Series` per measured time."""
     path = folder / scan.file
     readings = layout.factor * _cells(path, layout)
     names = sensors_at(layout, near)
@@ -113,7 +114,7 @@ def sensors_at(layout: GridLayout, near: Series) -> list[list[str]]:
     """Return the study's sensor at each point of a layout, row by row."""
     if near.position is None:
         raise InputError(
-            "no positions of sensors; the results.nc of a run expected with scans",
+            "no positions of sensors; scans need the results.nc of a run",
             file=near.source,
         )
     ours = [
@@ -133,7 +134,7 @@ def sensors_at(layout: GridLayout, near: Series) -> list[list[str]]:
             x, y, z = row[int(np.argmax(far))]
             raise InputError(
                 f"no sensor within {layout.tolerance:g} m of ({x:g} {y:g} {z:g});"
-                f" the next is {far.max():.3g} m away",
+                f" the nearest sensor is {far.max():.3g} m away",
                 file=near.source,
             )
         found.append([near.names[ours[i]] for i in best])

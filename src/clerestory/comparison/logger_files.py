@@ -21,13 +21,13 @@ class LoggerFile(Table):
 
     Attributes
     ----------
-    file : its name
-    time : one column, or several that together give the time
-    columns : names of columns by the names of series
-    time_format : as for `datetime.strptime`; None reads ISO 8601
-    stands_for : the part of its step that a time names; "moment" for instantaneous
-        readings
-    factor : of the values, 1000 for kilolux
+    file : name of the file
+    time : column of times, or several columns that are joined
+    columns : column name of each series
+    time_format : format for `datetime.strptime`; default: ISO 8601
+    stands_for : whether times are the start, centre or end of their steps; "moment" for
+        instantaneous readings
+    factor : multiplier of the values, 1000 for kilolux
     """
 
     file: str = Field(min_length=1, description="the name of a file in quotes")
@@ -53,7 +53,7 @@ def read_logger(
 
     Parameters
     ----------
-    utc_offset_hours : of local standard time
+    utc_offset_hours : local standard time minus UTC [h]
     clock : time zone of civil time, such as "Europe/Berlin", with its daylight saving
         time; None for local standard time
     """
@@ -95,7 +95,7 @@ def _header(path: Path) -> Sequence[str]:
     names = [name.strip() for row in rows for name in row]
     if len(names) < 2 or not all(names) or len(set(names)) < len(names):
         raise InputError(
-            "a header with a column of times and different names of series expected",
+            "a header with a column of times and unique names of series expected",
             file=path,
             line=1,
         )

@@ -1,4 +1,4 @@
-"""Mapping files (.toml): measured columns and the series of a study they belong to.
+"""Mapping files (.toml): assignment of measured columns to the series of a study.
 
     utc_offset_hours = 1
 
@@ -20,7 +20,7 @@
     at = 2024-06-26T09:00:00
     layout = "classroom"
 
-Files are named relative to the mapping.
+File names are relative to the folder of the mapping.
 """
 
 from pathlib import Path
@@ -84,7 +84,7 @@ def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:
 
     Raises
     ------
-    InputError : the mapping or one of its files is wrong
+    InputError : the mapping or one of its files is invalid
     """
     path = Path(path)
     if path.suffix.lower() != ".toml":
@@ -107,7 +107,7 @@ def write_layout_sensors(path: str | Path, mapping: Mapping) -> int:
     """Write the points of all layouts as upward sensors; return their number."""
     places = [one.positions().reshape(-1, 3) for one in mapping.layout.values()]
     if not places:
-        raise InputError("no table [layout.NAME]; the places of scans expected")
+        raise InputError("no table [layout.NAME]; at least one expected")
     points = np.unique(np.concatenate(places).round(6), axis=0)
     lines = [f"{x:.6g} {y:.6g} {z:.6g} 0 0 1" for x, y, z in points]
     write_text(path, "\n".join(lines) + "\n")

@@ -1,8 +1,8 @@
 """Measured or simulated quantities over time.
 
-Series have the names of results: `desks.3` is the third sensor of the grid "desks",
-`eye.dgp` the daylight glare probability of the view "eye". The quantity is the last
-word of the name, or illuminance.
+Series are named like results: `desks.3` is the third sensor of the grid "desks",
+`eye.dgp` the daylight glare probability of the view "eye". The quantity is the part
+after the last dot if it is known, otherwise illuminance.
 """
 
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from clerestory.glare.indices import INDICES
 
 ILLUMINANCE = "illuminance"
 GLARE = tuple(index.name for index in INDICES)
-# Units of the quantities that are recognised in names
+# Units of the quantities recognised in names
 UNITS = {
     ILLUMINANCE: "lux",
     **{index.name: index.unit.removeprefix("1") for index in INDICES},
@@ -25,7 +25,7 @@ UNITS = {
 
 
 def quantity_of(name: str) -> str:
-    """Return the quantity of a series by its name.
+    """Return the quantity of a series from its name.
 
     >>> quantity_of("desks.3"), quantity_of("eye.dgp")
     ('illuminance', 'dgp')
@@ -51,14 +51,14 @@ class Series:
 
     Attributes
     ----------
-    names : of the series
+    names : names of the series
     times : centres of the steps, local standard time, increasing
-    values : in the unit of each series' quantity; NaN if missing
+    values : values in the unit of the series' quantity; NaN if missing
     step_minutes : length of a step [min]; 0 for instantaneous values
-    utc_offset_hours : time of the clock minus UTC [h]
-    error : standard errors of the values, if known
-    position : of each series' sensor [m], NaN if unknown
-    source : file of the series
+    utc_offset_hours : clock time minus UTC [h]
+    error : standard errors of the values; None if unknown
+    position : position of each series' sensor [m], NaN if unknown
+    source : file name of the series
     """
 
     names: tuple[str, ...]
@@ -76,21 +76,23 @@ class Series:
             raise InputError(f'two series "{twice}"; one expected', file=self.source)
         if self.values.shape != (len(self.names), len(self.times)):
             raise InputError(
-                f"values {self.values.shape} for {len(self.names)} series of"
-                f" {len(self.times)} steps; as many expected",
+                f"values of shape {self.values.shape}; ({len(self.names)} series,"
+                f" {len(self.times)} steps) expected",
                 file=self.source,
             )
         if np.any(np.diff(self.times) <= np.timedelta64(0)):
-            raise InputError("times do not increase", file=self.source)
+            raise InputError(
+                "times do not increase; increasing times expected", file=self.source
+            )
 
     def on_clock(self, utc_offset_hours: float) -> "Series":
-        """Return the series with the times of another clock."""
+        """Return the series with the times converted to another UTC offset."""
         ahead = round((utc_offset_hours - self.utc_offset_hours) * 3600)
         times = self.times + np.timedelta64(ahead, "s")
         return replace(self, times=times, utc_offset_hours=utc_offset_hours)
 
     def shifted(self, minutes: float) -> "Series":
-        """Return the series at later times."""
+        """Return the series with its times shifted by some minutes."""
         later = np.timedelta64(round(minutes * 60), "s")
         return replace(self, times=self.times + later)
 

@@ -35,8 +35,8 @@ class Rules:
     Attributes
     ----------
     above_lux : smaller measured illuminances are excluded [lux]
-    shift_minutes : added to the measured times [min]
-    coverage : fraction of a coarse step that finer values must cover, 0…1
+    shift_minutes : shift added to the measured times [min]
+    coverage : smallest fraction of a coarse step covered by finer values, 0…1
     """
 
     above_lux: float = ABOVE_LUX
@@ -45,7 +45,7 @@ class Rules:
 
     def __post_init__(self) -> None:
         if not self.above_lux >= 0:
-            raise InputError(f"{self.above_lux} lux; a limit of 0 or more expected")
+            raise InputError(f"limit of {self.above_lux} lux; 0 or more expected")
         if not 0 < self.coverage <= 1:
             raise InputError(f"coverage {self.coverage}; above 0 to 1 expected")
 
@@ -57,14 +57,14 @@ class Comparison:
 
     Attributes
     ----------
-    name : of the simulation
+    name : name of the simulation
     pairs : included pairs
-    below : number of pairs of each series below the limit of illuminance
+    below : number of pairs of each series excluded by `above_lux`
     rules : settings of the comparison
-    offset : best shift of the clock of each quantity, not applied
-    unmatched : measured series that the simulation does not have
+    offset : clock shift of best agreement for each quantity, not applied
+    unmatched : measured series missing from the simulation
     years_ignored : whether only month, day and time of day were matched
-    step_minutes : of the simulation
+    step_minutes : time step of the simulation [min]
     """
 
     name: str
@@ -77,7 +77,7 @@ class Comparison:
     step_minutes: float
 
     def table(self) -> dict[tuple[str, str], Agreement]:
-        """Return the agreement by group (a grid or a view) and quantity."""
+        """Return the agreement of each group (grid or view) and quantity."""
         kinds = [(group_of(n), quantity_of(n)) for n in self.pairs.names]
         return self._agreements(kinds)
 
@@ -86,7 +86,7 @@ class Comparison:
         return self._agreements(list(self.pairs.names))
 
     def _agreements(self, labels: list[Label]) -> dict[Label, Agreement]:
-        # One label for each series; those without pairs are left out
+        # `labels` has one label per series; labels without pairs are omitted
         found = {}
         for label in dict.fromkeys(labels):
             rows = [i for i, each in enumerate(labels) if each == label]
@@ -107,12 +107,12 @@ def compare_series(
 
     Parameters
     ----------
-    measured : from `read_measured_series`, on the clock of the simulation
-    simulated : from `simulated_series`, or another measurement
+    measured : series from `read_measured_series`, on the clock of the simulation
+    simulated : series from `simulated_series`, or another measurement
 
     Raises
     ------
-    InputError : no series or no step in common, or nothing above the limit
+    InputError : no series or time step in common, or no measurement above the limit
 
     Examples
     --------
@@ -164,7 +164,7 @@ def _pairs(
 
 
 def _counts(pairs: Pairs, rules: Rules) -> np.ndarray:
-    # Illuminance above the limit; indices of glare above 0
+    # Count illuminances above the limit and glare indices above 0
     lux = np.array([quantity_of(name) == ILLUMINANCE for name in pairs.names])
     limit = np.where(lux[pairs.series], rules.above_lux, 0.0)
     return np.asarray(pairs.measured > limit)
@@ -214,8 +214,7 @@ def _in_the_same_years(
 
 
 def _in_year(series: Series, year: int) -> Series:
-    # Steps of 29 February are dropped where the year has none, as are those of other
-    # years than the first
+    # Drop 29 February if the year has none, and all years after the first
     months = series.times.astype("datetime64[M]")
     day = (series.times.astype("datetime64[D]") - months).astype(int)
     rest = series.times - series.times.astype("datetime64[D]")

@@ -1,4 +1,4 @@
-"""Series in the results of a study: sensors, and indices of views."""
+"""Simulated series: illuminance of sensors and glare indices of views."""
 
 from pathlib import Path
 
@@ -11,14 +11,15 @@ from clerestory.study.results import read_results
 
 
 def simulated_series(path: str | Path) -> Series:
-    """Return the series in a run's folder or its `results.nc`.
+    """Return the series of a run, given its folder or its `results.nc`.
 
-    Sensors have their names; a view has `VIEW.dgp`, `VIEW.dgi` … and
-    `VIEW.illuminance`, the vertical illuminance at the eye [lux].
+    Sensor series have the names of the sensors; views have the series `VIEW.dgp`,
+    `VIEW.dgi` … and `VIEW.illuminance`, the vertical illuminance at the eye [lux].
 
     Raises
     ------
-    InputError : the file does not hold results, or is of a version without UTC offset
+    InputError : the file holds no results, or was written by a version without UTC
+        offset
     """
     data = read_results(path).data
     if "utc_offset_hours" not in data.attrs:

@@ -1,6 +1,6 @@
 """Time alignment of measured and simulated series.
 
-The finer series is averaged over the steps of the coarser one, where enough of a step
+The finer series is averaged over the steps of the coarser series, if enough of a step
 is covered. If both have the same step, or measurements are instantaneous, the
 simulation is interpolated between the centres of its steps. Clocks are not corrected;
 see `clock_offset`.
@@ -15,7 +15,7 @@ from jaxtyping import Float, Int
 from clerestory.comparison.series import Series
 
 COVERAGE = 0.75
-_SAME = 1.0  # seconds by which steps may differ and still be the same
+_SAME = 1.0  # largest difference of step lengths regarded as equal [s]
 
 
 @final
@@ -25,10 +25,10 @@ class Pairs:
 
     Attributes
     ----------
-    names : of the series
+    names : names of the series
     series : index of the series of each pair
     times : centre of each pair's step, local standard time
-    measured, simulated : the values
+    measured, simulated : values of the pairs
     error : standard error of the simulated value, NaN if unknown
     gaps : number of missing measured values of each series
     outside : number of measured values of each series at times without simulation
@@ -44,7 +44,7 @@ class Pairs:
     outside: Int[np.ndarray, " series"]
 
     def where(self, chosen: np.ndarray) -> "Pairs":
-        """Return the pairs of a mask; all series are kept."""
+        """Return the pairs selected by a mask; the list of series is unchanged."""
         return replace(
             self,
             series=self.series[chosen],
@@ -68,8 +68,8 @@ def pair_series(
 
     Parameters
     ----------
-    measured, simulated : on the same clock
-    coverage : fraction of a coarse step that finer values must cover, 0…1
+    measured, simulated : series with the same UTC offset
+    coverage : smallest fraction of a coarse step covered by finer values, 0…1
     """
     coarse = (measured.step_minutes - simulated.step_minutes) * 60
     if measured.step_minutes > 0 and coarse < -_SAME:
@@ -103,7 +103,7 @@ def pair_series(
 
 
 def join_pairs(parts: list[Pairs]) -> Pairs:
-    """Return all pairs of several files, series of the same name joined."""
+    """Return the pairs of several files; series of equal names are joined."""
     names = tuple(dict.fromkeys(name for part in parts for name in part.names))
     place = {name: number for number, name in enumerate(names)}
     gaps, outside = np.zeros(len(names), int), np.zeros(len(names), int)
@@ -132,8 +132,8 @@ def _seconds(times: np.ndarray) -> np.ndarray:
 def _averaged(
     fine: Series, coarse: Series, coverage: float, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    # Means over the coarse steps, NaN below the coverage, and the number of missing
-    # values. Each fine step belongs to the coarse step around its centre
+    # Return means over the coarse steps (NaN below the coverage) and the number of
+    # missing values. A fine step belongs to the coarse step that contains its centre
     moments, middles = _seconds(fine.times), _seconds(coarse.times)
     half = coarse.step_minutes * 30
     bin_of = np.searchsorted(middles - half, moments, side="right") - 1
@@ -156,7 +156,8 @@ def _averaged(
 def _interpolated(
     series: Series, times: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    # Between the centres of neighbouring steps; up to half a step beyond the ends
+    # Interpolate between the centres of neighbouring steps; constant up to half a step
+    # beyond the ends
     moments, middles = _seconds(times), _seconds(series.times)
     step = max(series.step_minutes * 60, 1.0)
     after = np.clip(np.searchsorted(middles, moments), 0, len(middles) - 1)

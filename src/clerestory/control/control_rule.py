@@ -1,7 +1,7 @@
-"""User-defined control rules: functions that return a state per step.
+"""User-defined control rules: functions that return the state at each time step.
 
-A rule may be a function in a Python file that a study names. The file is imported, so
-it runs with all rights of the program.
+A study may name a function in a Python file. The file is imported: its code runs with
+all permissions of the user.
 """
 
 import importlib.util
@@ -19,15 +19,15 @@ from clerestory.errors import InputError
 @final
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """Inputs of a rule, per step or per state and step.
+    """Inputs of a control rule.
 
     Attributes
     ----------
     times : centres of the steps, local standard time
     states : number of states of the window group
     occupied : whether the room is occupied
-    signals : over time, such as "irradiance" [W/m²] and "profile" [rad]
-    by_state : over (state, time), such as "illuminance" [lux] and "dgp"
+    signals : time series by name, such as "irradiance" [W/m²] and "profile" [rad]
+    by_state : results over (state, time), such as "illuminance" [lux] and "dgp"
     """
 
     times: np.ndarray
@@ -54,7 +54,7 @@ Rule = Callable[[Situation], Int[np.ndarray, " time"]]
 
 
 def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
-    """Return the states of a rule, after a check.
+    """Return the states chosen by a rule, after checking them.
 
     >>> hours = np.array(["2001-06-21T09:30", "2001-06-21T12:30"], "datetime64[s]")
     >>> here = Situation(hours, 2, np.array([True, True]),
@@ -66,14 +66,16 @@ def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
     name = getattr(rule, "__name__", "rule")
     if states.shape != (len(situation.times),):
         raise InputError(
-            f"{name} gives states of shape {states.shape}; ({len(situation.times)},)"
+            f"{name} returns states of shape {states.shape}; ({len(situation.times)},)"
             " expected"
         )
     if not np.issubdtype(states.dtype, np.integer):
-        raise InputError(f"{name} gives {states.dtype} values; whole numbers expected")
+        raise InputError(
+            f"{name} returns {states.dtype} values; whole numbers expected"
+        )
     if len(states) and not 0 <= states.min() <= states.max() < situation.states:
         raise InputError(
-            f"{name} gives states from {states.min()} to {states.max()}; 0 to"
+            f"{name} returns states from {states.min()} to {states.max()}; 0 to"
             f" {situation.states - 1} expected"
         )
     return states
@@ -97,7 +99,7 @@ def load_rule(path: str | Path, name: str) -> Rule:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # whatever the user's file does
+    except Exception as error:  # the user's code may raise any exception
         raise InputError(
             f"{_message(error)}; a file that runs expected", file=path
         ) from (error)

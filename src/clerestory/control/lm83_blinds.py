@@ -1,8 +1,8 @@
 """Blind operation of IES LM-83: at most 2 % of the sensors in direct sunlight.
 
 Direct sunlight is 1000 lux or more from the sun without reflections. Window groups are
-operated independently; at each step the least closed combination of states that meets
-the criterion is chosen.
+operated independently; at each step the most open combination of states that meets the
+criterion is chosen.
 
 Reference: IES LM-83-12 and LM-83-23, Approved Method: spatial daylight autonomy and
 annual sunlight exposure (blinds operation).
@@ -20,7 +20,7 @@ from clerestory.errors import InputError
 SUN_LUX = 1000.0
 MOST_SENSORS = 0.02
 
-# Largest number of combinations of states that are all tried
+# Largest number of combinations of states for an exhaustive search
 _MOST_COMBINATIONS = 256
 
 
@@ -29,7 +29,7 @@ class Operation(NamedTuple):
 
     Attributes
     ----------
-    states : per group, over time
+    states : state of each group over time
     kept : whether the criterion is met at each step
     """
 
@@ -48,16 +48,17 @@ def operate_by_direct_sun(
 
     Parameters
     ----------
-    direct : per group, direct illuminance in every state from the most open on [lux],
-        over (state, sensor, time)
+    direct : direct illuminance of each group [lux], over (state, sensor, time), with
+        states from the most open to the most closed
     static : direct illuminance through windows without blinds [lux]
-    sun_lux, most_sensors : limits of the criterion
+    sun_lux : illuminance that counts as direct sunlight [lux]
+    most_sensors : largest permitted fraction of sensors in direct sunlight
 
     Notes
     -----
-    Of combinations with the same sum of state numbers the first is chosen, in the order
-    of the groups. Beyond 256 combinations groups are closed successively, the one with
-    most sensors in direct sunlight first.
+    Among combinations with equal sums of state numbers, the first in the order of the
+    groups is chosen. With more than 256 combinations, groups are closed successively,
+    starting with the group that has most sensors in direct sunlight.
 
     >>> sun = np.array([[[2000.0, 500.0]], [[100.0, 25.0]]])  # open, closed; two hours
     >>> operate_by_direct_sun({"south": sun}).states["south"].tolist()
@@ -67,7 +68,9 @@ def operate_by_direct_sun(
         raise InputError("no window group with blinds; at least one expected")
     shapes = {values.shape[1:] for values in direct.values()}
     if len(shapes) > 1 or (static is not None and {static.shape} != shapes):
-        raise InputError(f"direct light over {shapes}; (sensor, time) alike expected")
+        raise InputError(
+            f"direct illuminance over {shapes}; equal (sensor, time) expected"
+        )
     base = np.zeros(next(iter(shapes))) if static is None else static
     counts = [len(values) for values in direct.values()]
     if np.prod([float(count) for count in counts]) > _MOST_COMBINATIONS:

@@ -1,7 +1,7 @@
 """Profile angle of the sun and cut-off tilt of slats.
 
 The profile angle ψ is the solar altitude projected to the plane across the slats. Slats
-of width w at distance s, tilted by β with the outer edge down, transmit the fraction
+of width w and spacing s, tilted by β with the outer edge down, transmit the fraction
 1 − (w/s)|sin(β + ψ)|/cos ψ of direct light.
 
 Reference: ISO 15099:2003, 7.3 (direct transmittance of flat slats), solved for β.
@@ -17,10 +17,10 @@ from clerestory.errors import InputError
 def profile_angle(
     sun: Float[np.ndarray, "time 3"], frame: Frame, *, vertical: bool = False
 ) -> Float[np.ndarray, " time"]:
-    """Profile angle of the sun [rad], above the normal for horizontal slats.
+    """Profile angle of the sun [rad], measured upwards from the window normal.
 
-    NaN where the sun is behind the window. For vertical slats the angle is measured to
-    the right, seen from the room.
+    NaN if the sun is behind the window. For vertical slats the angle is measured to the
+    right, seen from the room.
 
     >>> y, z = np.eye(3)[1:]
     >>> south = Frame.from_normal_up(y, z)
@@ -38,8 +38,8 @@ def cut_off_tilt(
 ) -> Float[np.ndarray, " time"]:
     """Cut-off tilt: smallest tilt that blocks direct light, 0 to π/2 [rad].
 
-    Slats are horizontal at 0; positive tilts turn the outer edge down. Where even
-    closed slats transmit, the tilt is that of the smallest transmission. NaN stays NaN.
+    Slats are horizontal at 0; positive tilts turn the outer edge down. If even closed
+    slats transmit, the tilt of smallest transmission is returned. NaN stays NaN.
 
     >>> wide = cut_off_tilt(np.array([0.0]), width=0.08, spacing=0.04)
     >>> np.degrees(wide).round(6).tolist()  # sin β = s/w
@@ -47,7 +47,8 @@ def cut_off_tilt(
     """
     if not (width > 0 and spacing > 0):
         raise InputError(
-            f"slats {width:g} m wide every {spacing:g} m; both above 0 expected"
+            f"slats of width {width:g} m and spacing {spacing:g} m; both above 0"
+            " expected"
         )
     sine = np.minimum(spacing / width * np.cos(profile), 1)
     return np.asarray(np.clip(np.arcsin(sine) - profile, 0, np.pi / 2))
@@ -60,7 +61,7 @@ def direct_share(
     width: float,
     spacing: float,
 ) -> Float[np.ndarray, "*batch"]:
-    """Direct-direct transmittance of flat slats; 0 with the sun behind the window."""
+    """Direct-direct transmittance of flat slats; 0 if the sun is behind the window."""
     hidden = width / spacing * np.abs(np.sin(tilt + profile)) / np.cos(profile)
     return np.asarray(np.nan_to_num(np.maximum(1 - hidden, 0)))
 
@@ -73,13 +74,13 @@ def blocking_states(
     spacing: float,
     sunny: Bool[np.ndarray, " time"] | None = None,
 ) -> Int[np.ndarray, " time"]:
-    """Most open state that blocks direct light, the last one where none does.
+    """Most open state that blocks direct light, or the last state if none does.
 
     Parameters
     ----------
-    profile : profile angle, NaN where the sun is behind the window: then state 0
-    tilts : of the states, from the most open [rad]
-    sunny : steps with direct light; None for all
+    profile : profile angle [rad]; NaN (sun behind the window) gives state 0
+    tilts : slat tilt of each state, from the most open [rad]
+    sunny : steps with direct light; default: all
 
     >>> tilts = np.radians([0.0, 60.0, 75.0])
     >>> sun = np.radians([60.0, 10.0, np.nan])

@@ -1,7 +1,7 @@
 """State schedules: shading state of each window group over time.
 
-States of a group are numbered from the most open, 0, to the most closed. A schedule
-selects from results that are computed once for every state.
+States of a group are numbered from the most open, 0, to the most closed. Results are
+computed once for every state; a schedule selects among them.
 """
 
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ class StateSchedule:
     Attributes
     ----------
     times : centres of the steps, local standard time
-    states : number of the state per group
+    states : state number of each group over time
 
     Raises
     ------
@@ -46,7 +46,7 @@ class StateSchedule:
             if len(state) != len(self.times):
                 raise InputError(
                     f"group {group!r} has {len(state)} states for {len(self.times)}"
-                    " steps; one each expected"
+                    " steps; one state per step expected"
                 )
             if len(state) and int(np.min(state)) < 0:
                 raise InputError(
@@ -55,7 +55,7 @@ class StateSchedule:
                 )
 
     def hours_in_state(self, group: str, *, count: int) -> Int[np.ndarray, " state"]:
-        """Number of steps that a group spends in each of its states."""
+        """Number of time steps of a group in each of its states."""
         return np.bincount(self.states[group], minlength=count)
 
     def total(
@@ -64,11 +64,13 @@ class StateSchedule:
         *,
         static: Float[np.ndarray, "sensor time"] | None = None,
     ) -> Float[np.ndarray, "sensor time"]:
-        """Sum of the results of all groups in their states."""
+        """Sum over all groups of the results in the scheduled states."""
         parts = [] if static is None else [static]
         for group, state in self.states.items():
             if group not in by_state:
-                raise InputError(f"group {group!r} has no results in its states")
+                raise InputError(
+                    f"group {group!r} has no results; results in every state expected"
+                )
             parts.append(select_states(by_state[group], state))
         if not parts:
             raise InputError("a schedule without groups; at least one expected")
@@ -78,7 +80,7 @@ class StateSchedule:
 def select_states(
     by_state: Float[np.ndarray, "state *rest time"], state: Int[np.ndarray, " time"]
 ) -> Float[np.ndarray, "*rest time"]:
-    """Return the values of the state of each step.
+    """Return, for each time step, the values of its state.
 
     >>> values = np.array([[10.0, 20.0], [1.0, 2.0]])
     >>> select_states(values, np.array([0, 1])).tolist()
@@ -86,10 +88,13 @@ def select_states(
     """
     steps = by_state.shape[-1]
     if len(state) != steps:
-        raise InputError(f"{len(state)} states for {steps} steps; one each expected")
+        raise InputError(
+            f"{len(state)} states for {steps} steps; one state per step expected"
+        )
     if steps and not 0 <= state.min() <= state.max() < len(by_state):
         raise InputError(
-            f"state {int(state.max())} of {len(by_state)}; numbers from 0 expected"
+            f"state {int(state.max())} of {len(by_state)} states; numbers from 0"
+            " expected"
         )
     by_time = np.moveaxis(by_state, -1, 0)[np.arange(steps), state]
     return np.asarray(np.moveaxis(by_time, 0, -1))
@@ -98,9 +103,9 @@ def select_states(
 def states_at(
     schedule: StateSchedule, times: np.ndarray
 ) -> dict[str, Int[np.ndarray, " time"]]:
-    """States at some times, each line of a schedule being valid until the next.
+    """States at given times; each line of a schedule is valid until the next line.
 
-    Years are ignored: the last line is valid until the first one.
+    Years are ignored: the last line is valid until the first line.
 
     >>> lines = np.array(["2001-01-01T08:00", "2001-01-01T18:00"], "datetime64[s]")
     >>> schedule = StateSchedule(lines, {"south": np.array([1, 0])})
@@ -117,7 +122,7 @@ def states_at(
 
 
 def read_schedule(path: str | Path) -> StateSchedule:
-    """Read a CSV file: a header `time,GROUP…`, then lines of a time and states."""
+    """Read a CSV file with a header `time,GROUP…` and lines of a time and states."""
     lines = read_text(path).splitlines()
     groups = [word.strip() for word in lines[0].split(",")][1:] if lines else []
     if not groups:
@@ -140,7 +145,8 @@ def read_schedule(path: str | Path) -> StateSchedule:
             ) from error
         if len(row) != len(groups) or min(row) < 0 or np.isnat(moment):
             raise InputError(
-                f"{len(row)} states for {len(groups)} groups; one of 0 or more for each"
+                f"{len(row)} states for {len(groups)} groups; one state of 0 or"
+                " more for each group"
                 " expected",
                 file=path,
                 line=number,
@@ -149,7 +155,7 @@ def read_schedule(path: str | Path) -> StateSchedule:
         rows.append(row)
     table = np.array(rows, dtype=int).reshape(-1, len(groups))
     if max(map(int, table.ravel()), default=0) > 10_000:
-        raise InputError("a state above 10000; its number expected", file=path)
+        raise InputError("a state above 10000; a state number expected", file=path)
     return StateSchedule(
         np.array(times, dtype="datetime64[s]"),
         {group: table[:, column] for column, group in enumerate(groups)},

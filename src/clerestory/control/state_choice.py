@@ -17,9 +17,9 @@ class Limit:
 
     Attributes
     ----------
-    values : over (state, time)
-    bound : the limit, which is permitted itself
-    side : "below" or "above", the permitted side
+    values : quantity over (state, time)
+    bound : limit value, itself permitted
+    side : permitted side of the limit, "below" or "above"
     """
 
     values: Float[np.ndarray, "state time"]
@@ -33,15 +33,15 @@ class Limit:
             )
 
     def excess(self) -> Float[np.ndarray, "state time"]:
-        """Amount by which values exceed the limit; 0 where they are permitted."""
+        """Amount by which values violate the limit; 0 for permitted values."""
         over = self.values - self.bound
         return np.asarray(np.maximum(over if self.side == "below" else -over, 0))
 
 
 def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
-    """Most open state within all limits; where there is none, the smallest excess.
+    """Most open state within all limits, or else the state of smallest excess.
 
-    With one limit on DGP this is glare control.
+    A single limit on DGP gives glare control.
 
     >>> dgp = np.array([[0.5, 0.3, 0.6], [0.38, 0.2, 0.5], [0.2, 0.2, 0.45]])
     >>> least_closed([Limit(dgp, 0.40)]).tolist()
@@ -58,8 +58,8 @@ def best_states(
 ) -> Int[np.ndarray, " time"]:
     """State of the highest score within all limits.
 
-    Where there is none, that of the smallest excess; of equal scores, the more open
-    one.
+    If no state is within the limits, the state of smallest excess; among equal scores,
+    the most open state.
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def best_states(
     excess = _worst(limits)
     if excess.shape != score.shape:
         raise InputError(
-            f"scores of shape {score.shape} and limits of {excess.shape}; equal ones"
-            " expected"
+            f"scores of shape {score.shape} and limits of shape {excess.shape}; equal"
+            " shapes expected"
         )
     good = excess <= 0
     best = np.where(good, score, -np.inf).argmax(axis=0)
@@ -90,7 +90,7 @@ def when_occupied(
     *,
     otherwise: int,
 ) -> Int[np.ndarray, " time"]:
-    """States in occupied steps, and one state for all others.
+    """States in occupied steps; the state `otherwise` in unoccupied steps.
 
     >>> when_occupied(np.array([1, 1]), np.array([True, False]), otherwise=0).tolist()
     [1, 0]
@@ -103,6 +103,6 @@ def _worst(limits: Sequence[Limit]) -> Float[np.ndarray, "state time"]:
     if not limits:
         raise InputError("no limits; at least one expected")
     if len({limit.values.shape for limit in limits}) > 1:
-        raise InputError("limits of different shapes; (state, time) alike expected")
+        raise InputError("limits of different shapes; equal (state, time) expected")
     shares = [limit.excess() / max(abs(limit.bound), 1e-12) for limit in limits]
     return np.asarray(np.max(shares, axis=0))

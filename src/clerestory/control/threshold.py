@@ -1,8 +1,8 @@
 """Threshold control of shades with hysteresis and delay.
 
 A shade closes when the quantity has been above the upper threshold for a number of
-steps, and opens when it has been below the lower one. Delays limit the movements under
-broken clouds.
+steps, and opens when it has been below the lower threshold. Delays limit the number of
+movements under broken clouds.
 """
 
 import numpy as np
@@ -26,8 +26,9 @@ def threshold_states(
     ----------
     quantity : irradiance [W/m²], illuminance [lux] or another quantity; NaN keeps the
         state
-    close_above, open_below : thresholds; one for both if the lower is not given
-    close_after, open_after : consecutive steps beyond the threshold before a movement
+    close_above, open_below : thresholds; `open_below` defaults to `close_above`
+    close_after, open_after : number of consecutive steps beyond the threshold before a
+        movement
     start : state before the first step
 
     >>> lux = np.array([10.0, 60.0, 45.0, 60.0, 20.0, 20.0])
@@ -39,8 +40,8 @@ def threshold_states(
     low = close_above if open_below is None else open_below
     if low > close_above:
         raise InputError(
-            f"thresholds {low:g} (open below) and {close_above:g} (close above); the"
-            " first at most as large as the second expected"
+            f"threshold {low:g} to open and {close_above:g} to close; the threshold to"
+            " open at or below the threshold to close expected"
         )
     if min(close_after, open_after) < 1 or start not in (0, 1):
         raise InputError(
@@ -67,7 +68,7 @@ def staged_states(
     close_after: int = 1,
     open_after: int = 1,
 ) -> Int[np.ndarray, " time"]:
-    """Return state 0 … n of a shade that closes in n stages.
+    """Return the state 0 … n of a shade with n stages.
 
     Each stage has its own thresholds, in increasing order; the state is the number of
     closed stages.

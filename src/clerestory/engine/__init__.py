@@ -1,5 +1,5 @@
 """Light transport on Mitsuba 3 and Dr.Jit, the only package that imports them.
 
-Nothing here is imported before `device.load` has chosen a compute device and
-the compiler behind it: see `device`.
+Import these modules through `device.load`, which first chooses a compute device and its
+compiler.
 """

@@ -1,7 +1,7 @@
-"""Spheres and cylinders as Mitsuba's own shapes, with their true normals.
+"""Spheres and cylinders as Mitsuba's analytic shapes, with exact normals.
 
-Highlights and refraction follow the normal, so facets would be visible. Emitters and
-proxies stay tessellated: their tables are made of triangles.
+Highlights and refraction depend on the normal, so facets would be visible. Emitters
+and proxies stay tessellated: their tables consist of triangles.
 """
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ from clerestory.scene.model import (
 
 
 def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
-    """Return the scene without its spheres and cylinders, and these."""
+    """Split off the analytic shapes: return the remaining scene and the shapes."""
     exact = [
         s
         for s in scene.surfaces
@@ -37,7 +37,7 @@ def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
 def analytic_shape(
     surface: Sphere | Cone, bsdf: mi.BSDF, origin: Float[np.ndarray, "3"]
 ) -> mi.Shape:
-    """Return the shape of a sphere or cylinder.
+    """Return the Mitsuba shape of a sphere or cylinder.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def analytic_shape(
         "p1": _point(surface.top - origin),
         "radius": float(surface.base_radius),
     }
-    # Mitsuba mistakes the rounding of long slanting tubes for shear, with a warning
+    # Mitsuba warns of shear where there is only rounding, in long oblique tubes
     level = mi.log_level()
     mi.set_log_level(mi.LogLevel.Error)
     try:

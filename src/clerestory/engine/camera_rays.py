@@ -1,7 +1,7 @@
 """Camera rays through the pixels of a view.
 
-Rays come from the middles of pixels and how they change across them, so that every view
-is traced alike.
+A ray is interpolated from the ray at the pixel centre and its derivatives across the
+pixel, in the same way for all view types.
 """
 
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from clerestory.scene.view import View
 
 @dataclass
 class CameraRays:
-    """Rays through the middles of pixels, and how they change across a pixel.
+    """Rays through pixel centres, and their derivatives across a pixel.
 
-    The view's position is the origin of the device's frame.
+    The position of the view is the origin of device coordinates.
     """
 
     origin: mi.Point3f

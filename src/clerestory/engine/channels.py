@@ -1,8 +1,8 @@
 """Channels of the engine: a scene's bands, traced three at a time.
 
-The engine traces three values per path. A scene in more bands is traced once for each
-group of three, by the same paths: the seed is the same. One channel is enough for a
-scene whose materials are grey.
+The engine traces three values per path. A scene with more bands is traced once per
+group of three bands, along the same paths (same seed). One channel is enough for a
+scene of grey materials.
 """
 
 from dataclasses import replace
@@ -24,32 +24,34 @@ from clerestory.scene.material import (
 )
 from clerestory.scene.model import BsdfSurface, Illum, Patterned, Scene
 
-# Channels of a group
+# Number of channels in a group
 GROUP = 3
 
 
 def channels_of(scene: Scene) -> int:
-    """Return the channels of a scene's matrices: one per band, or one for all."""
+    """Return the number of channels of a scene's matrices: one per band, or one for
+    all.
+    """
     grey = all(is_grey(m) for m in scene.materials.values())
     return 1 if grey else len(scene.bands)
 
 
 def band_groups(scene: Scene) -> tuple[Scene, ...]:
-    """Return scenes of three channels each that together hold all bands of a scene.
+    """Return scenes of three channels each that together contain all bands of a scene.
 
     The last group repeats the last band if fewer than three remain. A scene in RGB is
-    its own group.
+    returned unchanged.
 
     Raises
     ------
-    InputError : a pattern or BSDF is in RGB, and the scene in other bands
+    InputError : a pattern or BSDF is in RGB, but the scene has other bands
     """
     return (scene,) if scene.bands == RGB else _groups(scene)
 
 
 @lru_cache(maxsize=1)
 def _groups(scene: Scene) -> tuple[Scene, ...]:
-    # The last scene is kept: jobs in the same scene share what is built for it
+    # Cache the groups of the last scene, so that its jobs share one device scene
     for material in scene.materials.values():
         _refuse_rgb(material)
     count = len(scene.bands)
@@ -72,7 +74,9 @@ def _groups(scene: Scene) -> tuple[Scene, ...]:
 
 
 def is_grey(material: Material) -> bool:
-    """Whether a material is the same in all bands, whatever it emits."""
+    """Whether a material reflects and transmits equally in all bands; emission is
+    ignored.
+    """
     if isinstance(material, Emitter):
         return not isinstance(material, Illum) or is_grey(material.alternate)
     return (
@@ -93,7 +97,7 @@ def _refuse_rgb(material: Material) -> None:
 
 
 def _has_rgb(material: Material) -> bool:
-    # Whether a pattern or a BSDF of a material is in colour, and so in RGB
+    # Whether a pattern or BSDF of a material is coloured, and hence in RGB
     if isinstance(material, BsdfSurface):
         bsdf = material.bsdf
         return any(bsdf.in_colour(name) for name in FUNCTIONS if bsdf.has(name))

@@ -1,12 +1,12 @@
 """Control of Monte Carlo estimates: batches, work units, standard error, progress.
 
-Every row is estimated by independent batches. A batch follows its own scrambled
-low-discrepancy sequence; more accuracy means longer batches, not more of them. The
-spread of the batches is the standard error.
+Every row is estimated by independent batches. Each batch has its own scrambled
+low-discrepancy sequence; accuracy is increased by longer batches, not by more batches.
+The standard error is computed from the variance of the batch means.
 
-A job gives its rows, its empty sums, and the relative error of sums. The controller
-lengthens the batches until the samples are spent or the error is reached, cuts the work
-into units, adds their sums in order, and reports progress.
+A job defines its rows, its empty sums, and the relative error of sums. The controller
+lengthens the batches until the samples are used up or the error is reached, divides
+the work into units, adds their sums in order, and reports progress.
 """
 
 import time
@@ -23,30 +23,31 @@ from clerestory.engine.sums import Estimate, Sums, estimated
 from clerestory.engine.work_units import Job, Unit, UnitSize, evenly_spaced
 from clerestory.progress import share_of_progress
 
-# Longest range of the sequence in one unit
+# Largest number of sequence points in one unit
 _LONGEST_RANGE = 1 << 16
 
-# Exponent of convergence: the error falls nearly like n^(-1/1.6) with the points of a
-# batch
+# Exponent of convergence: the error decreases approximately as n^(-1/1.6) for n points
+# per batch
 CONVERGENCE = 1.6
 
-# Bytes of sums held at a time. Rows are judged block by block, so that this number is
-# part of the result: it must not depend on the machine
+# Largest size of sums in memory [bytes]. Convergence is tested per block of rows, so
+# this number affects the result and must not depend on the machine
 _SUMS = 1 << 29
 
-# Rows of a pilot unit, unless all rows are judged as one
+# Rows of a pilot unit, unless convergence is tested for all rows together
 _PILOT_ROWS = 64
 
 
 @dataclass(frozen=True)
 class Growth:
-    """How batches grow while an error is aimed at.
+    """Growth of the batches towards a target error.
 
     Attributes
     ----------
     pilot : sample points of a batch in the pilot run
-    longest : most sample points of a batch: an error that needs more is out of reach
-    most : largest factor of one step
+    longest : largest number of sample points in a batch; smaller errors cannot be
+        reached
+    most : largest growth factor per step
     """
 
     pilot: int
@@ -56,14 +57,14 @@ class Growth:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EstimatedJob(Job):
-    """A job whose batches are lengthened, with sums in fixed point by default.
+    """A job with batches of increasing length, by default with fixed-point sums.
 
     Attributes
     ----------
-    together : whether all rows are judged as one
-    growth : of the batches. A sum of 2^22 weights of π fits into its fixed-point number
-    cut : size of units; None: the executor's, as sums in fixed point do not depend on
-        how the work is cut
+    together : whether convergence is tested for all rows together
+    growth : growth of the batches; a fixed-point sum can hold 2^22 weights of π
+    cut : size of units; default: chosen by the executor, since fixed-point sums do not
+        depend on the division into units
     """
 
     together: ClassVar[bool]
@@ -72,14 +73,14 @@ class EstimatedJob(Job):
 
     @abstractmethod
     def error(self, sums: Sums) -> float | Float[np.ndarray, " row"]:
-        """Return the relative error of each row, or one for all of them."""
+        """Return the relative error of each row, or a single error of all rows."""
 
     def empty_sums(self, rows: int) -> Sums:
-        """Return sums of so many rows that nothing was added to."""
+        """Return zero sums for a number of rows."""
         return Sums.fixed_point((rows, *self.shape[1:]))
 
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of rows spread over the matrix."""
+        """Return a unit of rows distributed over the matrix."""
         rows, batches, _, _ = self.shape
         few = np.arange(rows) if self.together else evenly_spaced(rows, _PILOT_ROWS)
         count = int(np.clip(paths // (len(few) * batches), 1, _LONGEST_RANGE))
@@ -88,9 +89,10 @@ class EstimatedJob(Job):
     def units(
         self, rows: Int[np.ndarray, " row"], first: int, end: int, size: UnitSize
     ) -> Iterator[Unit]:
-        """Cut rows and a range of the sequence into units of at most a size."""
-        # Sums in fixed point leave the device once for a long range of the sequence; in
-        # floating point, the sums of all rows are best added for a short one
+        """Divide rows and a range of the sequence into units of limited size."""
+        # Fixed-point units have few rows and a long range of the sequence, since each
+        # unit transfers its sums once; floating-point units have all rows and a short
+        # range
         together = 1 if self.cut is None else len(rows)
         points = size.paths // (self.batches * together)
         points = min(_LONGEST_RANGE, max(self.growth.pilot, points))
@@ -104,7 +106,7 @@ class EstimatedJob(Job):
 
 
 def estimate(job: EstimatedJob, effort: Effort) -> Estimate:
-    """Estimate a matrix, block after block of rows."""
+    """Estimate a matrix, one block of rows after another."""
     if not effort.executor.accepts(job, effort.goal):
         return _blank(job, effort)
     whole = job.shape[0]
@@ -122,7 +124,7 @@ def estimate(job: EstimatedJob, effort: Effort) -> Estimate:
 
 
 def row_blocks(job: EstimatedJob) -> list[slice]:
-    """Return the blocks of rows that are traced and judged together, in order."""
+    """Return the blocks of rows that are traced and tested for convergence together."""
     rows = job.shape[0]
     most = max(1, min(rows, _SUMS // row_bytes(job)))
     block = rows if job.together else most
@@ -142,7 +144,7 @@ def estimate_rows(job: EstimatedJob, rows: slice, effort: Effort) -> Estimate:
 
 
 def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool]:
-    """Lengthen the batches until the samples are spent or the error is reached.
+    """Lengthen the batches until the samples are used up or the error is reached.
 
     Returns
     -------
@@ -155,8 +157,8 @@ def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool
         _lengthen(job, numbers, sums, active, length, effort)
         return sums, True
 
-    # The pilot run takes a little of the progress bar, the rest is shared by expected
-    # work
+    # Report a small fraction of progress for the pilot run; divide the remainder by
+    # expected work
     growth, aim = job.growth, effort.relative_error or 1.0
     length, spent, share = min(growth.pilot, growth.longest), 0.0, 0.02
     while True:
@@ -184,7 +186,7 @@ def _lengthen(
     length: int,
     effort: Effort,
 ) -> None:
-    # Bring the batches of the active rows to `length` points, unit by unit
+    # Extend the batches of the active rows to `length` points, unit by unit
     todo = np.flatnonzero(active)
     size = job.cut or effort.executor.unit_size(job.device)
     units = list(job.units(numbers[todo], int(sums.count[todo[0]]), length, size))
@@ -203,7 +205,9 @@ def trace_units(
     add: Callable[[Unit, np.ndarray], None],
     note: str,
 ) -> None:
-    """Trace units, hand over the sums of each in order, and report progress."""
+    """Trace units, pass the sums of each unit to `add` in order, and report
+    progress.
+    """
     columns, begin, done = job.shape[2], time.perf_counter(), 0.0
     paths = [
         job.batches * len(unit.rows) * unit.count * _share(unit, columns)
@@ -230,7 +234,7 @@ def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
 
 
 def _blank(job: EstimatedJob, effort: Effort) -> Estimate:
-    # The right shape, without any memory
+    # Estimate of the right shape that occupies no memory
     rows, batches, columns, channels = job.shape
     values = np.broadcast_to(0.0, (channels, rows, columns))
     none = np.float32(0)

@@ -1,10 +1,10 @@
 """Cost estimates of planned jobs from pilot runs.
 
-A plan is an executor that records the jobs it is given and traces none. One job of each
-kind is then traced for about a second, which gives the time of preparation, the rate of
-paths, and the number of paths that the relative error aimed at needs. A pilot run does
-what the run will do: as many paths a row where their number is given, means and
-deviations of its sums, and another job of the kind in the same scene.
+A plan is an executor that records jobs without tracing them. One job of each kind is
+then traced for about a second, to measure the time of preparation, the rate of paths,
+and the number of paths required for the target error. A pilot run includes all steps of
+the actual run: the given number of paths per row, means and deviations of the sums, and
+a second job of the kind in the same scene.
 """
 
 import time
@@ -26,13 +26,13 @@ from clerestory.engine.work_units import (
     evenly_spaced,
 )
 
-# Paths of a pilot run on each worker, and most bytes of its sums
+# Paths of a pilot run per worker, and largest size of its sums [bytes]
 _PILOT_PATHS, _PILOT_BYTES = 1 << 19, 1 << 27
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedJob:
-    """A job and when it is done."""
+    """A job and its goal."""
 
     job: Job
     goal: Goal
@@ -44,8 +44,8 @@ class JobCost:
 
     Attributes
     ----------
-    paths : in all
-    seconds : of wall time
+    paths : total number of paths
+    seconds : wall time [s]
     """
 
     paths: int
@@ -54,9 +54,9 @@ class JobCost:
 
 @dataclass(frozen=True)
 class _Rates:
-    # Time to prepare the first job of a kind and the next ones in its scene [s], paths
-    # a second, time of a receiver beside its paths [s], and points of a batch at which
-    # the relative error would be 1
+    # Time to prepare the first job of a kind and further jobs in its scene [s], paths
+    # per second, time per receiver in addition to its paths [s], and points per batch
+    # for a relative error of 1
     preparation: float
     next_preparation: float
     paths: float
@@ -65,11 +65,11 @@ class _Rates:
 
 
 class Plan:
-    """An executor that records jobs and traces none.
+    """An executor that records jobs without tracing them.
 
     Parameters
     ----------
-    place : where the work is to be done
+    place : executor of the actual run
     """
 
     def __init__(self, place: Executor):
@@ -77,7 +77,7 @@ class Plan:
         self.planned: list[PlannedJob] = []
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
-        """Return the device that the work is to be done on."""
+        """Return the device of the actual run."""
         return self.place.resolve(device)
 
     def accepts(self, job: Job, goal: Goal) -> bool:
@@ -90,7 +90,7 @@ class Plan:
         return self.place.unit_size(device)
 
     def workers(self) -> int:
-        """Return how many units will be traced at once."""
+        """Return the number of units traced in parallel."""
         return self.place.workers()
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
@@ -101,9 +101,9 @@ class Plan:
 def estimate_costs(plan: Plan) -> list[JobCost]:
     """Return the cost of each planned job, after a pilot run of each kind of job.
 
-    The largest job of a kind is run, and the start of the next one in its scene. Jobs
-    of one kind are assumed to take as long to prepare, to trace as many paths a second,
-    and to need as many paths for each row.
+    The pilot run traces the largest job of a kind, and the start of the next job in its
+    scene. Jobs of one kind are assumed to have equal times of preparation, equal rates
+    of paths, and equal numbers of paths per row.
     """
     kinds: dict[type, list[PlannedJob]] = {}
     for planned in sorted(plan.planned, key=lambda each: -each.job.receivers):
@@ -134,12 +134,12 @@ def _cost(planned: PlannedJob, rates: _Rates | None, *, again: bool) -> JobCost:
 
 
 def _length(planned: PlannedJob) -> int:
-    # Points of a batch, where samples are given
+    # Points per batch, if samples are given
     return max(1, -(-(planned.goal.samples or 1) // planned.job.batches))
 
 
 def _pilot_run(kind: Sequence[PlannedJob], place: Executor) -> _Rates:
-    # Twice the same: the first time builds the scene and compiles its kernels
+    # Run twice: the first run builds the scene and compiles its kernels
     planned, workers = kind[0], place.workers()
     job, unit = planned.job, _pilot_unit(planned)
     units = [unit] * workers
@@ -164,7 +164,7 @@ def _timed(
 
 
 def _pilot_unit(planned: PlannedJob) -> Unit:
-    # A unit of as many paths a row as the run will trace, where that is known
+    # Unit with the number of paths per row of the actual run, if known
     job, unit = planned.job, planned.job.pilot_unit(_PILOT_PATHS)
     if not isinstance(job, EstimatedJob) or unit.columns is not None:
         return unit
@@ -178,8 +178,8 @@ def _pilot_unit(planned: PlannedJob) -> Unit:
 
 
 def _summed(job: Job, unit: Unit, part: np.ndarray) -> tuple[float, float]:
-    # Time that a row takes beside its paths, to be added and for its mean and
-    # deviations [s], and points of a batch at which the relative error would be 1
+    # Time per row in addition to its paths, for addition, mean and deviations [s], and
+    # points per batch for a relative error of 1
     if not isinstance(job, EstimatedJob) or unit.columns is not None:
         return 0.0, 0.0
     start = time.perf_counter()

@@ -1,9 +1,9 @@
-"""Choice of the compute device, and of the LLVM library behind the CPU.
+"""Choice of the compute device, and of the LLVM library for the CPU.
 
-Dr.Jit compiles its kernels with an LLVM library that it loads at run time. Some
-versions are refused, others *abort the process* while they compile (Debian's
-LLVM 15 does). So a library that did not come with this package is first tried
-in a child process, and Mitsuba is imported only after one was found good.
+Dr.Jit compiles its kernels with an LLVM library loaded at run time. Some versions are
+rejected, others *abort the process* during compilation (Debian's LLVM 15). A library
+not installed with this package is therefore tested in a child process before Mitsuba is
+imported.
 """
 
 import ctypes
@@ -45,16 +45,16 @@ class Finding:
 
 
 def load(device: Device = "auto", module: str = "controller") -> ModuleType:
-    """Start the device and return a module of tracing functions that run on it.
+    """Start the device and return a module of tracing functions.
 
     Parameters
     ----------
-    module : of this package
+    module : name of a module of this package
 
     Raises
     ------
-    InputError : not one of auto, cpu, cuda
-    DeviceError : the device, or an LLVM library that works, is not there
+    InputError : the device is not one of auto, cpu, cuda
+        DeviceError : there is no such device, or no working LLVM library
     """
     chosen = resolve(device)
     mitsuba = importlib.import_module("mitsuba")
@@ -65,12 +65,12 @@ def load(device: Device = "auto", module: str = "controller") -> ModuleType:
 
 @cache
 def resolve(device: Device) -> Literal["cpu", "cuda"]:
-    """Return the device that a request leads to: a GPU if there is one that works.
+    """Return the device for a request; "auto" selects a GPU if one works.
 
     Raises
     ------
-    InputError : not one of auto, cpu, cuda
-    DeviceError : what was asked for by name, or any device, does not work
+    InputError : the device is not one of auto, cpu, cuda
+    DeviceError : the requested device does not work, or none does
     """
     if device not in get_args(Device):
         raise InputError(f"unknown device {device!r}; one of auto, cpu, cuda expected")
@@ -92,9 +92,9 @@ def resolve(device: Device) -> Literal["cpu", "cuda"]:
 
 
 def free_memory() -> int | None:
-    """Return the free memory of the GPU [bytes]; None if its driver does not tell.
+    """Return the free memory of the GPU [bytes]; None if unknown.
 
-    The driver is asked directly: Dr.Jit knows only what it holds itself.
+    The driver is queried directly: Dr.Jit reports only its own allocations.
     """
     name = _cuda_driver()
     if name is None:
@@ -117,11 +117,11 @@ def free_memory() -> int | None:
 
 
 def _start_llvm() -> None:
-    # Point Dr.Jit to a library that is known, or was seen, to work
+    # Set the library of Dr.Jit to one that is known or tested to work
     if os.environ.get(_LIBRARY):
         library = os.environ[_LIBRARY]
     elif "drjit" in sys.modules:
-        # Too late to choose: find out whether the one that Dr.Jit chose works
+        # Too late to choose: test the library chosen by Dr.Jit
         error = _probe(_VARIANT["cpu"], {})
         if error is not None:
             raise DeviceError(
@@ -157,7 +157,7 @@ def _bundled_llvm() -> Path | None:
 
 
 def _system_llvm() -> str | None:
-    # Newest first; Homebrew does not link its library where loaders look
+    # Newest first; Homebrew's library is outside the loader's search path
     for version in ("", *(f"-{n}" for n in range(30, 15, -1))):
         found = ctypes.util.find_library(f"LLVM{version}")
         if found:
@@ -176,7 +176,7 @@ def _cuda_driver() -> str | None:
 
 
 def _probe(variant: str, environment: dict[str, str]) -> str | None:
-    # None when a kernel compiles and runs in a child process, else why not
+    # None if a kernel compiles and runs in a child process, else the reason of failure
     script = Path(__file__).with_name("probe.py")
     try:
         child = subprocess.run(
@@ -198,7 +198,7 @@ def _probe(variant: str, environment: dict[str, str]) -> str | None:
 
 
 def describe() -> list[Finding]:
-    """Findings about the devices and libraries, for `clerestory doctor`."""
+    """Return findings about devices and libraries, for `clerestory doctor`."""
     findings = [
         Finding("platform", f"{platform.system()} {platform.machine()}", True),
         Finding("python", platform.python_version(), sys.version_info >= (3, 11)),

@@ -1,7 +1,7 @@
-"""Jobs of direct light: of suns through a window, and of what glass transmits.
+"""Jobs of direct light: suns through a window, and light transmitted by glass.
 
-Coefficients are floating-point; every unit has rows and columns of its own, so that the
-order of units changes nothing.
+Coefficients are floating-point numbers; units have disjoint rows and columns, so the
+result does not depend on the order of units.
 """
 
 from abc import abstractmethod
@@ -22,28 +22,28 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Most lanes in one unit
+# Largest number of lanes in one unit
 _LANES = 1 << 21
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _DirectJob(Job):
-    # A given number of paths per receiver and column, `samples`
+    # `samples` paths per receiver and column
 
     samples: int
 
     @property
     def points(self) -> int:
-        """Sample points of a batch."""
+        """Number of sample points of a batch."""
         return -(-self.samples // self.batches)
 
     @property
     def receivers(self) -> int:
-        """Pairs of a row and a column."""
+        """Number of pairs of a row and a column."""
         return self.shape[0] * self.shape[2]
 
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of consecutive rows and some columns spread over all."""
+        """Return a unit of consecutive rows and evenly spaced columns."""
         rows, _, columns, _ = self.shape
         pairs = max(1, paths // (self.batches * self.points))
         few = evenly_spaced(columns, max(1, min(8, pairs)))
@@ -61,20 +61,20 @@ class _DirectSensorJob(_DirectJob, EstimatedJob):
     @property
     @abstractmethod
     def lanes(self) -> int:
-        """Lanes of a sensor and a column."""
+        """Number of lanes per sensor and column."""
 
     def empty_sums(self, rows: int) -> Sums:
         """Return sums of batch means."""
         return Sums.floating((rows, *self.shape[1:]), 1 / self.points)
 
     def error(self, sums: Sums) -> float:
-        """Zero: the number of paths is given."""
+        """Return zero: the number of paths is given."""
         return 0.0
 
     def units(
         self, rows: Int[np.ndarray, " row"], first: int, end: int, size: UnitSize
     ) -> Iterator[Unit]:
-        """Cut rows and columns into units."""
+        """Divide rows and columns into units."""
         del size
         columns = np.arange(self.shape[2])
         block = max(1, min(len(rows), _LANES // self.lanes))
@@ -89,9 +89,8 @@ class SunJob(_DirectSensorJob):
 
     Attributes
     ----------
-    number : of the window that light comes through, among all
-    peak : whether light that its BSDF transmits without scattering stays as sharp as
-        the sun
+    number : index of the transmitting window among all windows
+        peak : whether unscattered light keeps the angular diameter of the sun
     samples : paths per sensor and sun
     """
 
@@ -105,24 +104,25 @@ class SunJob(_DirectSensorJob):
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Sensors, batches, suns and channels: one for a grey BSDF."""
+        """Numbers of sensors, batches, suns and channels (one for a grey BSDF)."""
         colour = self.bsdf.in_colour("transmission_front")
         channels = len(self.scene.bands) if colour else 1
         return len(self.sensors), self.batches, len(self.suns), channels
 
     @property
     def lanes(self) -> int:
-        """One for each batch, which takes all of its points."""
+        """One lane per batch, for all its points."""
         return self.batches
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class UnscatteredJob(_DirectSensorJob):
-    """Irradiance of sensors from far away that at most glass transmits.
+    """Irradiance of sensors from distant sources, unobstructed or through glass.
 
     Attributes
     ----------
-    directions : sample points of each column, batch by batch, towards the source
+    directions : unit vectors to the sample points of each column's source, batch by
+        batch
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
@@ -137,7 +137,7 @@ class UnscatteredJob(_DirectSensorJob):
 
     @property
     def lanes(self) -> int:
-        """One for each ray."""
+        """One lane per ray."""
         return self.samples
 
 
@@ -147,7 +147,7 @@ class PixelSunJob(_DirectJob):
 
     Attributes
     ----------
-    number : of the window that light comes through, among all
+    number : index of the transmitting window among all windows
     columns, rows : size of the picture
     peak : see `SunJob`
     samples : paths per pixel and sun
@@ -177,9 +177,9 @@ def trace_pixel_sun(
 
     Parameters
     ----------
-    numbers : of suns of the job, which their random numbers depend on
-    effort : with the same executor for all calls with one job, so that its scene is
-        built once
+    numbers : indices of the suns of the job, which seed their random numbers
+    effort : effort with the same executor for all calls with one job, so that the scene
+        is built once
     """
     pixels, _, _, bands = job.shape
     count = len(numbers)
@@ -204,7 +204,7 @@ def trace_pixel_sun(
 def _places(
     rows: int, columns: int, block: int, every: int
 ) -> list[tuple[slice, slice]]:
-    # Some rows and some columns each, all together the whole
+    # Divide the matrix into blocks of rows and columns
     return [
         (slice(at, min(at + block, rows)), slice(first, min(first + every, columns)))
         for first in range(0, columns, every)

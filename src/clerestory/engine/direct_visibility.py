@@ -1,4 +1,6 @@
-"""How much of a distant light reaches points straight, through clear glass at most."""
+"""Direct transmittance from distant sources to points, unobstructed or through
+glass.
+"""
 
 import drjit as dr
 import mitsuba as mi
@@ -18,12 +20,12 @@ def direct_transmittance(
     points: Float[np.ndarray, "point 3"],
     directions: Float[np.ndarray, "sun 3"],
 ) -> Float[np.ndarray, "point sun"]:
-    """Return the share of light from far away that comes straight to each point.
+    """Return the unscattered transmittance from distant sources to each point.
 
     Parameters
     ----------
-    points : [m]
-    directions : unit vectors to where the light comes from
+    points : points of the scene [m]
+    directions : unit vectors to the sources
     """
     origin = points.mean(axis=0)
     count = len(directions)
@@ -39,7 +41,7 @@ def direct_transmittance(
 
 
 def prepare_unscattered(job: UnscatteredJob) -> Tracer:
-    """Return what traces light that glass at most passes, to sensors."""
+    """Return the tracer of unscattered light to sensors."""
     origin = job.sensors.position.mean(axis=0)
     model = lower(job.scene, origin=origin)
 

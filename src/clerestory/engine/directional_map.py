@@ -1,9 +1,9 @@
 """Radiance over all directions as a table: two squares, above and below the horizon.
 
-A hemisphere becomes a disc by r² = 1 − |z|, which keeps shares of solid angle, and the
-disc a square by Shirley and Chiu's map. Cells are equal in solid angle; with 512 of
-them along an edge they are 0.3° wide. Between their middles values are interpolated,
-never across the horizon.
+A hemisphere is mapped to a disc by r² = 1 − |z|, which preserves relative solid angle,
+and the disc to a square by Shirley and Chiu's map. All cells have equal solid angle;
+512 cells per edge are 0.3° wide. Values are interpolated between cell centres, never
+across the horizon.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ Radiance = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, "n 3"]]
 
 
 def map_directions(edge: int) -> Float[np.ndarray, "n 3"]:
-    """Unit vectors through the middles of the cells, in the order of the tables."""
+    """Unit vectors through the cell centres, in the order of the tables."""
     middle = (np.arange(edge) + 0.5) / edge
     a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
     x, y = disc_from_square(a, b)
@@ -36,8 +36,8 @@ class DirectionalMap:
 
     Parameters
     ----------
-    values : of each table, RGB for each of `map_directions(edge)`
-    edge : cells along the edge of a square
+    values : RGB radiance of each table, for each of `map_directions(edge)`
+    edge : number of cells along the edge of a square
     """
 
     def __init__(self, values: Float[np.ndarray, "table n 3"], edge: int):

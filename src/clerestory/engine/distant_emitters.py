@@ -12,29 +12,29 @@ from clerestory.engine.sampler import choose, probability
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
-# Sources that subtend less than this are discs with sharp edges, sampled directly.
+# Sources of a smaller angle are sampled directly, as discs with sharp edges.
 _DISC_DEG = 12.0
 
-# Cells along the edge of the sky's table, and points of a cell that are averaged.
+# Cells along the edge of the sky's table, and sample points averaged per cell.
 _EDGE = 512
 
 
 def is_sun(source: DistantSource) -> bool:
-    """Whether a distant source is narrow, and sampled directly."""
+    """Whether a distant source has a small angle, and is sampled directly."""
     return source.angle_deg <= _DISC_DEG
 
 
 @dataclass
 class DistantEmitters:
-    """Everything at infinity, for kernels.
+    """All distant sources, for kernels.
 
     Attributes
     ----------
-    dome : radiance of all wide sources
-    suns : how many narrow sources there are
-    direction, radiance : of each narrow source
-    one_minus_cos : of half the angle that each subtends
-    cumulative : share of the irradiance up to and with each
+    dome : radiance of all distant sources with a large solid angle
+    suns : number of narrow sources
+    direction, radiance : direction and radiance of each narrow source
+    one_minus_cos : 1 − cos of the angular radius of each narrow source
+    cumulative : cumulative fraction of the irradiance of the narrow sources
     """
 
     dome: DirectionalMap | None
@@ -49,7 +49,7 @@ class DistantEmitters:
         """Return the tables of a scene's distant sources."""
         wide = [s for s in scene.distant if not is_sun(s)]
         narrow = [s for s in scene.distant if is_sun(s)]
-        # Kernels take no empty tables: without suns, one that is never used
+        # Kernels need non-empty tables: add an unused entry if there are no suns
         direction = np.array([s.direction for s in narrow] or [[0.0, 0.0, 1.0]])
         radiance = np.array([_at_centre(scene, s) for s in narrow] or [np.zeros(3)])
         half = np.radians([s.angle_deg / 2 for s in narrow] or [0.5])
@@ -73,7 +73,9 @@ class DistantEmitters:
         return light
 
     def environment_radiance(self, direction):
-        """Return the radiance of the wide sources in a direction."""
+        """Return the radiance of the sources with a large solid angle in a
+        direction.
+        """
         if self.dome is None:
             return mi.Color3f(0)
         return self.dome.look_up(direction)

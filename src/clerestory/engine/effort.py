@@ -1,8 +1,8 @@
 """Effort of a Monte Carlo estimate: samples or error, path depth, seed, device.
 
-One value, passed from the study file, the command line and Python down to the engine.
-The public functions take it as `effort`, its fields as keywords, or both: keywords
-replace fields.
+An `Effort` is passed from the study file, the command line or Python to the engine.
+Public functions accept `effort`, its fields as keywords, or both; keywords override
+fields.
 """
 
 import difflib
@@ -31,25 +31,26 @@ class JobOptions(TypedDict):
 
 @dataclass(frozen=True, kw_only=True)
 class Effort:
-    """How long to trace, where, and with which random numbers.
+    """Amount of tracing, executor and random seed.
 
     Attributes
     ----------
-    samples : paths per row; None to aim at an error
-    relative_error : standard error to reach, relative; see the tracing functions
-    bounces : most diffuse reflections or gathers, as Radiance's -ab; None: no limit
-    seed : whole number ≥ 0; the same seed on the same device gives bitwise the same
-        result
-    device : "auto" takes a GPU if there is one
-    executor : where the work is done, such as a `Cluster`; this process by default.
-        It changes no bit of the result
-    progress : called with the share done, 0…1, and a note
-    batches : independent estimates of each row; None: as many as the quantity needs
-    components : whether the batches' deviations are kept, as error components
+    samples : paths per row; None if a relative error is given
+    relative_error : target relative standard error, defined by the tracing functions
+    bounces : largest number of diffuse reflections, as Radiance's -ab; None: no limit
+    seed : whole number ≥ 0; equal seeds on the same device give bitwise identical
+        results
+    device : "auto" selects a GPU if there is one
+    executor : executor of the work, such as a `Cluster`; default: this process. Results
+        are bitwise identical for all executors
+    progress : callback that receives the fraction done, 0…1, and a note
+    batches : number of independent estimates of each row; None: the default of the
+        quantity
+    components : whether the deviations of the batches are kept as error components
 
     Raises
     ------
-    InputError : samples and relative_error both given, or a number out of range
+    InputError : both samples and relative_error are given, or a number is out of range
     """
 
     samples: int | None = None
@@ -83,7 +84,7 @@ class Effort:
 
     @property
     def goal(self) -> Goal:
-        """When the work is done."""
+        """Stopping criterion."""
         return Goal(self.samples, self.relative_error)
 
     def job_options(self, batches: int = BATCHES) -> JobOptions:
@@ -91,7 +92,7 @@ class Effort:
 
         Parameters
         ----------
-        batches : used where the effort asks for none
+        batches : default number of batches
         """
         return JobOptions(
             bounces=self.bounces,
@@ -105,7 +106,9 @@ _PLAIN = Effort()
 
 
 class EffortKeywords(TypedDict, total=False):
-    """Keywords of all functions that trace: an effort, and fields that replace its."""
+    """Keywords of all tracing functions: an effort, and fields that override the
+    effort's.
+    """
 
     effort: Effort
     samples: int | None
@@ -128,20 +131,20 @@ def effort_of(
     most_error: float = 1.0,
     without: Collection[str] = (),
 ) -> Effort:
-    """Return the effort that the keywords of a public function ask for.
+    """Return the effort given by the keywords of a public function.
 
     Parameters
     ----------
-    function : that was called, for messages
+    function : called function, for messages
     keywords : `effort` or fields of `Effort`
-    default : used when neither samples nor an error is asked for
-    most_samples, most_error : limits of the function
-    without : fields that have no meaning for the function
+    default : effort if neither samples nor an error is given
+    most_samples, most_error : largest permitted values
+    without : fields that do not apply to the function
 
     Raises
     ------
-    InputError : an unknown keyword, samples and relative_error both given, or a number
-        out of range
+    InputError : a keyword is unknown, both samples and relative_error are given, or a
+        number is out of range
     """
     given: Mapping[str, object] = {**keywords}
     names = [each.name for each in fields(Effort) if each.name not in without]
@@ -151,7 +154,7 @@ def effort_of(
     changed = {name: value for name, value in given.items() if name != "effort"}
     if changed.get("executor", True) is None:
         del changed["executor"]
-    # An executor of its own for each call, unless the caller keeps one
+    # Use a new executor for each call, unless the caller passes one
     base = keywords.get("effort") or Effort()
     effort = replace(base, **changed)  # type: ignore[arg-type]
     for name in without:

@@ -1,4 +1,4 @@
-"""Surfaces that emit light, and the sky, as sources of radiance."""
+"""Emitting surfaces and the sky as sources of radiance."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -40,7 +40,9 @@ class SurfaceEmitters(Source):
     model: LoweredScene
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
-        """Return the radiance of an emitter's front; camera rays pass illums."""
+        """Return the radiance of an emitter's front; camera rays pass through
+        illums.
+        """
         emitters = self.model.emitters
         role = dr.gather(mi.UInt32, self.model.emitter_of_shape, shape, active)
         ended = active & (role > 0)

@@ -1,7 +1,7 @@
 """Emitting surfaces: radiance by direction, and sampling by area and power.
 
-Every emitting shape is one emitter. A pattern that varies its radiance by direction is
-tabulated over all directions; one that varies with position is taken at the middle of
+Every emitting shape is one emitter. A pattern that varies with direction is tabulated
+over all directions; a pattern that varies with position is evaluated at the centre of
 the surface.
 """
 
@@ -24,7 +24,9 @@ _EDGE = 256
 
 
 def split_by_surface(mesh: Mesh) -> list[Mesh]:
-    """Return the mesh, by surface if its pattern needs normals or points."""
+    """Return the mesh, split into its surfaces if its pattern needs normals or
+    points.
+    """
     pattern = getattr(mesh.material, "pattern", None)
     if pattern is None or not (pattern.needs_normal or pattern.needs_point):
         return [mesh]
@@ -35,7 +37,9 @@ def split_by_surface(mesh: Mesh) -> list[Mesh]:
 
 
 def is_sampled(material: Emitter) -> bool:
-    """Whether it is sampled; paths find the others by themselves."""
+    """Whether an emitter is sampled by next-event estimation, not only by BSDF
+    sampling.
+    """
     return not (isinstance(material, Glow) and material.radius <= 0)
 
 
@@ -45,18 +49,18 @@ class Emitters:
 
     Attributes
     ----------
-    count : of sampled triangles
-    radiance : of each emitter
-    table : of each emitter: 1 + number of its pattern, or 0
-    view_only : whether an emitter is seen and does not illuminate (glow of negative
+    count : number of sampled triangles
+    radiance : radiance of each emitter
+    table : 1 + index of the pattern of each emitter, or 0
+    view_only : whether an emitter is visible but does not illuminate (glow of negative
         radius)
-    illum : whether camera rays see another material in its place (illum)
-    patterns : tables of all patterns
-    corner, edge_u, edge_v, normal : of the sampled triangles [m]
-    emitter : of each triangle
-    chance : of each triangle over its area [1/m²]
-    cumulative : chances up to and with each triangle
-    density : of each emitter, its probability over area [1/m²]; 0 if it is not sampled
+    illum : whether camera rays see the alternate material of an illum instead
+    patterns : directional tables of all patterns
+    corner, edge_u, edge_v, normal : geometry of the sampled triangles [m]
+    emitter : emitter of each triangle
+    chance : probability of each triangle divided by its area [1/m²]
+    cumulative : cumulative probability of the triangles
+    density : probability of each emitter divided by its area [1/m²]; 0 if not sampled
     """
 
     count: int
@@ -119,7 +123,7 @@ class Emitters:
         return made
 
     def emitted(self, emitter, direction, active):
-        """Return the radiance that a emitter sends along a direction."""
+        """Return the radiance emitted by an emitter along a direction."""
         found = dr.gather(mi.Color3f, self.radiance, emitter, active)
         if self.patterns is None:
             return found
@@ -128,7 +132,7 @@ class Emitters:
         return dr.select(table > 0, found * varied, found)
 
     def pdf(self, emitter, distance2, cosine, active):
-        """Return the density of aiming at a point of a emitter [1/sr]."""
+        """Return the density of sampling a point of an emitter [1/sr]."""
         chance = dr.gather(mi.Float, self.density, emitter, active)
         return chance * distance2 / dr.maximum(cosine, 1e-6)
 

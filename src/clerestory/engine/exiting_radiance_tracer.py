@@ -1,8 +1,8 @@
 """Tracer of the radiance that patches emit into a room, by direction.
 
 Rays start just before a patch, in the room, and meet it against the direction of the
-light. Suns that they would meet straight through are left out: pictures sample suns
-through illums.
+light. Suns seen straight through the patch are excluded: pictures sample suns through
+illums.
 """
 
 import drjit as dr
@@ -19,15 +19,15 @@ from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.work_units import Tracer
 
-# How far before the patch rays start [m]
+# Distance of ray origins from the patch [m]
 _BEFORE = 1e-3
 
-# Hashed numbers of the point in a patch
+# Dimensions of the hashed random numbers for the point in a patch
 _POINT = 0x40000
 
 
 def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
-    """Return what traces the radiance of directions of patches."""
+    """Return the tracer of the radiance of patches by direction."""
     patches = job.patches
     origin = patches.corner.reshape(-1, 3).mean(axis=0)
     portals = Portals.uniform(window_rectangles(job.scene, origin))
@@ -38,7 +38,7 @@ def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
     edge_v = vectors(mi.Vector3f, patches.corner[:, 2] - patches.corner[:, 0])
     axes = [vectors(mi.Vector3f, patches.frame[:, i]) for i in range(3)]
     first = on_device(mi.UInt32, patches.first)
-    # The number of the patch and the share of its area, growing over all triangles
+    # Patch index plus cumulative area fraction, increasing over all triangles
     number = np.repeat(np.arange(len(patches.frame)), np.diff(patches.first))
     cumulative = on_device(mi.Float, number + patches.cumulative)
     count = len(patches.corner)
@@ -50,7 +50,7 @@ def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
         patch = row // (sectors * rings)
         u, v, pick = (numbers.hashed(_POINT + n) for n in range(3))
 
-        # A point of the patch, by area
+        # Sample a point of the patch by area
         low = dr.gather(mi.UInt32, first, patch)
         high = dr.gather(mi.UInt32, first, patch + 1)
         place = mi.Float(patch) + pick
@@ -64,7 +64,7 @@ def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
         point += dr.gather(mi.Vector3f, edge_u, triangle) * u
         point += dr.gather(mi.Vector3f, edge_v, triangle) * v
 
-        # A direction of the ring and sector, by projected solid angle
+        # Sample a direction of the ring and sector by projected solid angle
         step = 0.5 * dr.pi / mi.Float(rings)
         inner = dr.square(dr.sin(mi.Float(ring) * step))
         outer = dr.square(dr.sin((mi.Float(ring) + 1) * step))

@@ -1,6 +1,6 @@
 """First opaque surface along camera rays, where a pixel's irradiance is measured.
 
-Clear panes, solids that refract and proxies are passed straight, as `rpict -i` does.
+Rays pass straight through clear panes, refracting solids and proxies, as in `rpict -i`.
 Emitters have no irradiance here.
 """
 
@@ -17,9 +17,9 @@ def first_hit(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
 
     Returns
     -------
-    point : a little off the surface, on the side of the eye
-    normal : towards the eye
-    found : whether there is one
+    point : point offset from the surface towards the eye
+    normal : surface normal towards the eye
+    found : whether a surface was found
     """
     point, normal = mi.Point3f(0), mi.Vector3f(0, 0, 1)
     found = mi.Bool(False)

@@ -40,26 +40,26 @@ def annual_glare(
     coefficients: DgpCoefficients = EVALGLARE,
     progress: Callable[[int], None] | None = None,
 ) -> "xr.Dataset":
-    """Return all indices of glare for a sequence of pictures.
+    """Return all glare indices for a sequence of pictures.
 
     Parameters
     ----------
-    luminance : of the pixels [cd/m²]: an array (step, row, column), or an iterable of
-        pictures, such as a generator over the products of a five-phase study
-    view : of all pictures
-    times : of the steps, which name the axis "time"; without them it is "step"
-    illuminance : vertical illuminance of each step in place of the pictures' own [lux]
-    rules, background, low_light, coefficients : as for `evaluate_glare`
-    progress : called with the number of steps done
+    luminance : luminance of the pixels [cd/m²]: an array (step, row, column), or an
+        iterable of pictures, such as a generator over the results of a five-phase study
+    view : common view of all pictures
+    times : times of the steps, on the dimension "time"; default: a dimension "step"
+    illuminance : vertical illuminance of each step [lux]; default: from the pictures
+    rules, background, low_light, coefficients : see `evaluate_glare`
+    progress : callback that receives the number of completed steps
 
     Returns
     -------
-    dataset of one variable per index over the steps
+    dataset with one variable per index, over the steps
 
     Raises
     ------
-    InputError : pictures of different sizes, different numbers of steps, a pixel that
-        is negative or not finite
+    InputError : pictures differ in size, numbers of steps differ, or a luminance is
+        negative or not finite
 
     Examples
     --------
@@ -93,7 +93,7 @@ def annual_glare(
 def _checked(
     luminance: Iterable[np.ndarray], view: View
 ) -> Iterator[tuple[np.ndarray, GlareView]]:
-    # Pictures with the pixels of their common view
+    # Yield the checked pictures with the pixels of their common view
     eye = None
     for step, picture in enumerate(luminance):
         if eye is None:
@@ -102,13 +102,14 @@ def _checked(
         if picture.shape != eye.shape:
             raise InputError(
                 f"picture {step} has {picture.shape[1]} × {picture.shape[0]} pixels;"
-                f" {eye.shape[1]} × {eye.shape[0]} as the first expected"
+                f" {eye.shape[1]} × {eye.shape[0]} expected, as in the first picture"
             )
         lowest = float(picture.min())
         if not (lowest >= 0 and np.isfinite(picture.max())):
             raise InputError(
-                f"picture {step} has negative or infinite luminances; finite ones of 0"
-                " or more expected"
+                f"picture {step} has negative or non-finite luminances; finite"
+                " numbers of"
+                " 0 or more expected"
             )
         yield picture, eye
 
@@ -116,7 +117,8 @@ def _checked(
 def _at(illuminance: np.ndarray, step: int) -> float:
     if step >= len(illuminance):
         raise InputError(
-            f"{len(illuminance)} illuminances for more pictures; one for each expected"
+            f"{len(illuminance)} illuminances for more pictures; one per picture"
+            " expected"
         )
     return float(illuminance[step])
 
@@ -130,7 +132,7 @@ def _dataset(
     for name, given in (("times", times), ("illuminances", illuminance)):
         if given is not None and len(given) != count:
             raise InputError(
-                f"{len(given)} {name} for {count} pictures; as many expected"
+                f"{len(given)} {name} for {count} pictures; one per picture expected"
             )
     if not results:
         raise InputError("no pictures; at least one expected")

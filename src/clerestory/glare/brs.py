@@ -9,7 +9,7 @@ from clerestory.glare.source_table import GlareSources
 def brs_glare_index(sources: GlareSources, *, background: float) -> float:
     """BRS glare index: 10 just imperceptible, 16 acceptable, 22 uncomfortable.
 
-    Derived for small luminaires. 0 without sources, NaN without a background.
+    Derived for small luminaires. 0 without sources, NaN for a dark background.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
     Parameters
     ----------
     illuminance : vertical illuminance at the eye [lux]
-    direct : its part from the sources [lux]
+    direct : vertical illuminance at the eye from the glare sources [lux]
 
     Reference: Einhorn, H. D. (1979): Discomfort glare: a formula to bridge differences.
     Lighting Research and Technology 11(2).

@@ -1,4 +1,4 @@
-"""Check picture: a picture with its glare sources coloured, as evalglare -c.
+"""Check picture: grey picture with coloured glare sources, as in evalglare -c.
 
 Luminances are preserved.
 """
@@ -16,7 +16,7 @@ from clerestory.image.picture import Picture
 
 Colour = tuple[float, float, float]
 
-# Fractions of red, green and blue in the luminance of successive sources
+# Weights of red, green and blue in the luminance of successive sources
 PALETTE: tuple[Colour, ...] = (
     (0.1, 0.85, 0.05),
     (0.15, 0.15, 0.7),
@@ -55,9 +55,9 @@ def check_picture(
 
 
 def _primaries(colour: Colour) -> Float[np.ndarray, "3"]:
-    # Radiances of red, green and blue with a luminance of one
+    # Radiance of red, green and blue with a luminance of one
     shares = np.asarray(colour, dtype=float)
     if not (shares.min() >= 0 and 0 < shares.sum() < np.inf):
-        raise InputError(f"colour {colour}; shares of 0 or more expected, not all 0")
+        raise InputError(f"colour {colour}; numbers of 0 or more, not all 0, expected")
     primaries: np.ndarray = shares / shares.sum() / RGB.shares
     return primaries

@@ -1,4 +1,4 @@
-"""Annual figures of glare, and glare classes of EN 17037 and EN 14501."""
+"""Annual glare metrics, and glare classes of EN 17037 and EN 14501."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ from clerestory.glare.dgp import DGP
 # DGP at which glare becomes perceptible, disturbing and intolerable
 LIMITS = DGP.thresholds
 
-# Fraction of the time of use in which a limit may be exceeded
+# Largest permitted fraction of the occupied time above a limit
 EXCEEDANCE = 0.05
 
 Protection = Literal["high", "medium", "minimum", "none"]
@@ -26,7 +26,7 @@ _DIFFUSE = (0.02, 0.04, 0.08)
 def exceeded_dgp(
     dgp: Float[np.ndarray, "*shape time"], share: float = EXCEEDANCE
 ) -> Float[np.ndarray, "*shape"]:
-    """DGP that is exceeded in at most a given fraction of the steps.
+    """DGP exceeded in at most a given fraction of the steps.
 
     >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
     0.95
@@ -35,7 +35,7 @@ def exceeded_dgp(
     if not steps:
         raise InputError("no occupied steps; at least one expected")
     if not 0 <= share < 1:
-        raise InputError(f"share {share:g}; 0 to 1 expected")
+        raise InputError(f"fraction {share:g}; 0 to 1 expected")
     above = int(np.floor(share * steps + 1e-9))
     return np.asarray(np.sort(dgp, axis=-1)[..., steps - 1 - above])
 
@@ -45,7 +45,7 @@ def protection_level(exceeded: float) -> Protection:
 
     Parameters
     ----------
-    exceeded : DGP exceeded in no more than 5 % of the time of use
+    exceeded : DGP exceeded in at most 5 % of the occupied time
 
     >>> protection_level(0.38), protection_level(0.5)
     ('medium', 'none')
@@ -68,10 +68,10 @@ def glare_autonomy(
 
 
 def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
-    """Class of glare control of a shading fabric after EN 14501:2005, 0 to 4.
+    """Glare control class of a shading fabric after EN 14501:2005, 0 to 4.
 
-    The table is that printed by manufacturers of fabrics; it was not compared with the
-    standard. The finer table of the edition of 2021 is not implemented.
+    The table is from publications of fabric manufacturers and was not compared with the
+    standard. The finer table of the 2021 edition is not implemented.
 
     >>> glare_control_class(normal_normal=0.03, normal_diffuse=0.05)
     1

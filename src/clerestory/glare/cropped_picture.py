@@ -1,4 +1,4 @@
-"""Cropped pictures, extrapolated from their first and last rows as by evalglare -I."""
+"""Cropped pictures, extrapolated from their first and last rows as in evalglare -I."""
 
 from dataclasses import dataclass
 
@@ -11,11 +11,11 @@ from clerestory.glare.glare_view import GlareView
 
 @dataclass(frozen=True)
 class SeenRows:
-    """Rows of a picture that were captured.
+    """Captured rows of a cropped picture.
 
     Attributes
     ----------
-    first, last : numbers of the rows, counted from the top
+    first, last : indices of the first and last row, counted from the top
     """
 
     first: int
@@ -24,17 +24,18 @@ class SeenRows:
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
             raise InputError(
-                f"rows {self.first} to {self.last} seen; increasing numbers expected"
+                f"captured rows {self.first} to {self.last}; increasing numbers"
+                " expected"
             )
 
 
 def fill_cut(
     luminance: Float[np.ndarray, "row column"], eye: GlareView, seen: SeenRows
 ) -> Float[np.ndarray, "row column"]:
-    """Return luminances with the other rows equal to the nearest captured row.
+    """Return luminances with missing rows set to the nearest captured row.
 
-    As by option -I of evalglare, columns are extrapolated upwards only where the first
-    captured row lies within the field of view.
+    As in evalglare -I, columns are extrapolated upwards only where the first captured
+    row is within the field of view.
 
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View
@@ -47,7 +48,8 @@ def fill_cut(
     rows = len(luminance)
     if seen.last >= rows:
         raise InputError(
-            f"row {seen.last} seen of a picture of {rows} rows; a row in it expected"
+            f"last captured row {seen.last} in a picture of {rows} rows; a"
+            " smaller number expected"
         )
     filled = luminance.copy()
     filled[: seen.first] = luminance[seen.first] * eye.valid[seen.first]

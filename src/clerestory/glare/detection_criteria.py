@@ -1,4 +1,4 @@
-"""Criteria of glare source detection, in the terms of evalglare."""
+"""Criteria of glare source detection, as in evalglare."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from clerestory.glare.field_of_view import FieldOfView
 
 Threshold = Literal["luminance", "times_mean", "times_task"]
 
-# Largest threshold that evalglare takes for a multiple, not a luminance
+# Largest threshold interpreted by evalglare as a multiple, not a luminance
 LARGEST_FACTOR = 100.0
 
 
@@ -38,16 +38,16 @@ class SourceRules:
 
     Attributes
     ----------
-    threshold : glare pixels are brighter than this; a luminance [cd/m²], or a multiple
+    threshold : lower limit of glare pixels; a luminance [cd/m²], or a multiple
     threshold_kind : "luminance", or a multiple of the mean luminance of the picture
         ("times_mean") or of the task ("times_task")
     task : task zone
     merge_angle : sources within half this opening angle are merged [rad]
-    peak_luminance : brighter pixels are extracted as sources of their own [cd/m²]; None
-        for no peak extraction
-    smooth : add dark pixels within a source to it
-    smallest : sources of a smaller solid angle are ignored [sr]
-    field_of_view : ignore sources outside of Guth's field of view
+    peak_luminance : pixels of higher luminance are extracted as separate sources
+        [cd/m²]; None for no peak extraction
+    smooth : whether dark pixels within a source are added to the source
+    smallest : smallest solid angle of a source [sr]; smaller sources are ignored
+    field_of_view : Guth's field of view, outside of which sources are ignored
 
     >>> SourceRules(threshold=5, threshold_kind="times_task", task=Zone(400, 400, 0.6))
     ... # doctest: +ELLIPSIS
@@ -75,5 +75,6 @@ class SourceRules:
             raise InputError(f"smallest source {self.smallest} sr; 0 or more expected")
         if self.threshold_kind == "times_task" and self.task is None:
             raise InputError(
-                "a threshold relative to the task without a task zone; one expected"
+                "a threshold relative to the task without a task zone; a task"
+                " zone expected"
             )

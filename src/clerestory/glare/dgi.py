@@ -22,8 +22,7 @@ def dgi(
     Parameters
     ----------
     background : mean luminance outside of the sources [cd/m²]
-    weighted : solid angle of each source weighted by position over its extent [sr];
-        ω/P² if not given
+    weighted : position-weighted solid angle of each source [sr]; default: ω/P²
 
     Reference: Hopkinson, R. G. (1972): Glare from daylighting in buildings. Applied
     Ergonomics 3(4). Chauvel, P. et al. (1982): Glare from windows: current views of

@@ -19,7 +19,7 @@ class DgpCoefficients:
     """Coefficients of the equation of DGP.
 
     DGP = c1·Ev^a5 + c2·log10(1 + Σ L^a1·ω^a2 / (Ev^a3·P^a4)) + c3. The defaults are
-    those of evalglare, rounded from the 5.87e-5, 0.0918 and 0.16 of the publication.
+    those of evalglare; the published values are 5.87e-5, 0.0918 and 0.16.
     """
 
     c1: float = 5.87e-5
@@ -44,8 +44,8 @@ def dgp(
 ) -> float:
     """Daylight glare probability: probability that a person is disturbed, at most 1.
 
-    Valid for vertical illuminances above 380 lux and values above 0.2. With the
-    sources of a picture of the direct sun alone it is the enhanced simplified DGP.
+    Valid for vertical illuminances above 380 lux and values above 0.2. With sources
+    from a picture of the direct sun alone, the result is the enhanced simplified DGP.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def simplified_dgp(illuminance: _Values) -> _Values:
 
 
 def low_light_correction(illuminance: _Values) -> _Values:
-    """Factor on DGP at low vertical illuminance, 1 from 1000 lux.
+    """Correction factor of DGP at low vertical illuminance; 1 above 1000 lux.
 
     Reference: Wienold, J. (2012): New features of evalglare. 11th International
     Radiance Workshop, Copenhagen.
@@ -103,7 +103,7 @@ def low_light_correction(illuminance: _Values) -> _Values:
 
 
 def age_correction(age: float) -> float:
-    """Factor on DGP for the age of the observer [years], 1 at 20.
+    """Correction factor of DGP for the age of the observer [years]; 1 at 20.
 
     Later studies found the effect not significant; evalglare no longer applies it.
 

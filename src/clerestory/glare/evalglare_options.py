@@ -1,4 +1,4 @@
-"""Options of a glare evaluation, as those of evalglare.
+"""Options of a glare evaluation, following evalglare.
 
 Pixels are counted as in Radiance: columns from the left, rows from below.
 """

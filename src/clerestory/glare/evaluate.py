@@ -1,4 +1,4 @@
-"""Glare evaluation of a picture, as by evalglare."""
+"""Glare evaluation of a picture, as in evalglare."""
 
 import numpy as np
 from jaxtyping import Float
@@ -40,23 +40,24 @@ def evaluate_glare(
     seen: SeenRows | None = None,
     trust: bool = False,
 ) -> Glare:
-    """Return the glare of a picture as evalglare 3.06 would.
+    """Return the glare of a picture, as in evalglare 3.06.
 
     Parameters
     ----------
     rules : criteria of source detection
-    view : in place of the picture's own
+    view : view of the picture; default: from the picture's header
     given_illuminance : measured vertical illuminance, used for DGP [lux]
     background : kind of background luminance, see `EyePhotometry`
-    zones : zones along whose borders sources are divided
-    low_light, age, coefficients : of DGP, see `Glare`
-    position_model : of the position index
-    seen : captured rows of a cropped picture; the others are extrapolated
-    trust : omit the checks of projection and scale
+    zones : zones at whose borders sources are divided
+    low_light, age, coefficients : corrections and coefficients of DGP, see `Glare`
+    position_model : model of the position index
+    seen : captured rows of a cropped picture; the missing rows are extrapolated
+    trust : whether the checks of projection and scale are omitted
 
     Raises
     ------
-    InputError : no view, a wrong projection, pixels that are not luminances
+    InputError : the picture has no view, a wrong projection or pixels that are not
+        luminances
 
     Examples
     --------
@@ -94,7 +95,7 @@ def eye_of(
     position_model: PositionModel = "guth",
     trust: bool = False,
 ) -> GlareView:
-    """Return the pixels of a picture's view, after a check of the picture."""
+    """Check a picture and return the pixels of its view."""
     seen = view or picture.view
     if seen is None:
         raise InputError(
@@ -119,7 +120,7 @@ def summarise(
     age: float | None = None,
     coefficients: DgpCoefficients = EVALGLARE,
 ) -> Glare:
-    """Return the glare of the sources found in a picture."""
+    """Return the glare of a picture from its glare sources."""
     zone_of = None
     if zones is not None:
         members, zone_of = cut_along(members, zones.of_pixels(eye))

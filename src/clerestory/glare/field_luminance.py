@@ -13,9 +13,10 @@ class FieldLuminances(NamedTuple):
 
     Attributes
     ----------
-    average_by_position, average_by_square : means by solid angle of luminance over
-        position index, and over its square
-    median, median_by_position, median_by_square : medians over pixels, likewise
+    average_by_position, average_by_square : means, weighted by solid angle, of
+        luminance divided by the position index and by its square
+    median, median_by_position, median_by_square : medians over pixels of luminance, and
+        of luminance divided by the position index and by its square
     """
 
     average_by_position: float
@@ -30,7 +31,7 @@ def field_luminances(
 ) -> FieldLuminances:
     """Return means and medians of the pixels in view.
 
-    evalglare divides av_lum_pos2 twice by the solid angle of the view, this once.
+    Unlike evalglare, which divides av_lum_pos2 twice by the solid angle of the view.
 
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View

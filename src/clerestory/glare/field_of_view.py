@@ -1,6 +1,6 @@
 """Guth's field of view, total and binocular.
 
-The limits are curves of the angle from the line of sight over the angle around it.
+The limits are curves of the angle from the line of sight versus the azimuth around it.
 """
 
 from typing import Literal
@@ -61,7 +61,7 @@ def _upper_total(tau: np.ndarray) -> np.ndarray:
 
 
 def _lower_total(tau: np.ndarray) -> np.ndarray:
-    # Valid for τ up to 45° from below, where it has no pole
+    # Valid for τ up to 45° from below, where the fit has no pole
     tau = np.minimum(tau, 45)
     inverse = np.polyval([5.1539687e-8, -4.6898068e-6, 1.5541106e-5, 0.014699242], tau)
     result: np.ndarray = 1 / inverse

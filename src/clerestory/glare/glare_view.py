@@ -1,7 +1,7 @@
 """Pixels of a view: direction, solid angle, cosine, position index.
 
-They are computed once for all pictures of a view. Only pixels in the hemisphere in
-front of the eye count.
+These quantities are computed once for all pictures of a view. Only pixels in the
+hemisphere in front of the eye are valid.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from clerestory.glare.row_blocks import by_rows
 from clerestory.scene.projection import Kind
 from clerestory.scene.view import View
 
-# Smallest side of a picture for the angle per pixel
+# Smallest side of a picture, for the angle per pixel
 _SMALLEST = 21
 
 
@@ -37,11 +37,11 @@ class GlareView:
 
     Attributes
     ----------
-    view : the camera
+    view : view of the picture
     direction : unit vectors of the pixel centres
-    solid_angle : of the pixels that count, else zero [sr]
-    cosine : to the line of sight, at least zero
-    position_index : 1 on the line of sight, up to 16
+    solid_angle : solid angle of valid pixels, else zero [sr]
+    cosine : cosine of the angle to the line of sight, at least zero
+    position_index : position index; 1 on the line of sight, at most 16
     sigma, tau : angles from the line of sight and from the vertical around it [rad]
     """
 
@@ -55,18 +55,18 @@ class GlareView:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
+        """Numbers of rows and columns."""
         rows, columns = self.solid_angle.shape
         return rows, columns
 
     @cached_property
     def valid(self) -> Bool[np.ndarray, "row column"]:
-        """Whether a pixel counts."""
+        """Whether a pixel is in the hemisphere in front of the eye."""
         return self.solid_angle > 0
 
     @cached_property
     def total_solid_angle(self) -> float:
-        """Solid angle of all pixels that count [sr]."""
+        """Solid angle of all valid pixels [sr]."""
         return float(self.solid_angle.sum())
 
     @cached_property
@@ -81,7 +81,7 @@ class GlareView:
         return in_field(self.sigma, self.tau, self.direction @ up < 0, field=field)
 
     def angle_from(self, row: int, column: int) -> Float[np.ndarray, "row column"]:
-        """Angles of all pixels from one of them [rad]."""
+        """Angle of every pixel from the given pixel [rad]."""
         cosine = self.direction @ self.direction[row, column]
         angle: np.ndarray = np.arccos(np.clip(cosine, -1, 1))
         angle[row, column] = 0
@@ -93,26 +93,28 @@ class GlareView:
 
     @cached_property
     def _least_pitch(self) -> float:
-        # Over all pixels that count [rad]
+        # Smallest pitch over all valid pixels [rad]
         least = self._pitch.least[self.valid]
         return float(least[least > 0].min(initial=np.inf))
 
     def farthest_within(self, angle: float) -> int:
-        """Largest number of rows or columns between pixels at most an angle apart."""
+        """Upper limit of the rows or columns between pixels within an angle."""
         # The pitch varies within the angle
         reach = 1.25 * angle / self._least_pitch
         return int(min(np.ceil(reach) + 1, max(self.shape)))
 
     def surely_within(self, angle: float) -> Float[np.ndarray, "row column"]:
-        """Number of pixels from each pixel, in any direction, within an angle."""
+        """Distance in pixels that is within an angle in any direction, for each
+        pixel.
+        """
         with np.errstate(divide="ignore"):
             reach: np.ndarray = angle / self._pitch.most
         return reach
 
     def pixel_angle(self) -> float:
-        """A tenth of the angle of ten pixels along the diagonal from the centre [rad].
+        """Angle per pixel [rad], averaged over ten pixels along the central diagonal.
 
-        evalglare compares it with the merging angle.
+        evalglare compares this angle with the merging angle.
         """
         rows, columns = self.shape
         # The central pixel of evalglare, rows counted from below
@@ -135,7 +137,7 @@ def glare_view(
     Parameters
     ----------
     columns, rows : size of the pictures
-    model : of the position index
+    model : model of the position index
 
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
     >>> round(float(eye.eye_weight.sum() / np.pi), 3)
@@ -148,7 +150,7 @@ def glare_view(
         )
     if min(columns, rows) < _SMALLEST:
         raise InputError(
-            f"a picture of {columns} × {rows} pixels; at least {_SMALLEST} pixels a"
+            f"a picture of {columns} × {rows} pixels; at least {_SMALLEST} pixels per"
             " side expected"
         )
     key = _Key(
@@ -220,7 +222,7 @@ def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:
     pitch = Pitch(np.empty((rows, columns)), np.empty((rows, columns)))
 
     def fill(some: slice) -> None:
-        # With one row more on either side, for the gradient
+        # Include one more row on either side, for the gradient
         wide = slice(max(some.start - 1, 0), min(some.stop + 1, rows))
         inner = slice(some.start - wide.start, some.stop - wide.start)
         part = direction[wide]

@@ -2,7 +2,7 @@
 
 glarendx evaluates the weight 1/P² at the centre of a source and at six points on the
 rim of a disc of the same solid angle. The result is close to the integral for small
-sources off the line of sight; on it, for 0.5 sr, it is twice too large.
+sources off the line of sight; for 0.5 sr on the line of sight it is twice the integral.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from clerestory.glare.imageless import position_of
 from clerestory.glare.position_index import PositionModel
 from clerestory.scene.view import View
 
-# Points on the rim, from the right
+# Angles of the points on the rim, from the right
 _RIM = np.radians([0, 60, 180, 240, 300, 120])
 
 
@@ -29,9 +29,9 @@ def weighted_solid_angle(
     Parameters
     ----------
     direction : unit vectors to the centres of the sources
-    solid_angle : of the sources, less than a hemisphere [sr]
-    view : its direction and up vector are perpendicular
-    model : of the position index
+    solid_angle : solid angle of the sources [sr], less than a hemisphere
+    view : view with perpendicular direction and up vector
+    model : model of the position index
 
     >>> eye = View(direction=np.array([0.0, 1.0, 0.0]))
     >>> ahead = np.array([[0.0, 1.0, 0.0]])

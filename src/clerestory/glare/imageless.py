@@ -1,9 +1,9 @@
 """Imageless daylight glare probability.
 
-DGP is computed from the vertical illuminance and the luminance of a set of directions,
-such as the sky patches seen through the windows, and the sun. Each direction above the
-threshold is a source of its own. The shape of sources, their merging and reflections in
-the room are neglected.
+DGP is computed from the vertical illuminance and the luminance of a set of directions:
+the sky patches seen through the windows, and the sun. Each direction above the
+threshold is a separate source. The shape and merging of sources, and reflections in the
+room, are neglected.
 """
 
 import numpy as np
@@ -29,11 +29,12 @@ def imageless_dgp(
     Parameters
     ----------
     illuminance : vertical illuminance at the eye [lux]
-    luminance : of each direction [cd/m²]; rows of the sun are its luminance through the
-        window, 0 where it is not visible
-    solid_angle : of each direction as seen through the windows [sr]; one column, or
+    luminance : luminance of each direction [cd/m²]; for the sun, as seen through the
+        window, 0 if it is not visible
+    solid_angle : solid angle of each direction as seen through the windows [sr]; one
+        column, or one per step
+    index : position index of each direction; infinite behind the eye; one column, or
         one per step
-    index : position index of each direction, likewise; infinite behind the eye
     threshold : smallest luminance of a glare source [cd/m²]
 
     Reference: Jones, N. L. (2019): Fast climate-based glare analysis and spatial
@@ -52,8 +53,8 @@ def imageless_dgp(
     """
     if luminance.shape != (len(solid_angle), len(illuminance)):
         raise InputError(
-            f"luminances {luminance.shape} for {len(solid_angle)} directions and"
-            f" {len(illuminance)} steps; as many rows and columns expected"
+            f"luminances of shape {luminance.shape}; ({len(solid_angle)} directions,"
+            f" {len(illuminance)} steps) expected"
         )
     k = coefficients
     weight = solid_angle**k.a2 / index**k.a4
@@ -72,7 +73,7 @@ def position_of(
     *,
     model: PositionModel = "guth",
 ) -> Float[np.ndarray, "*shape"]:
-    """Position index of unit vectors from the eye, infinite behind it.
+    """Position index of unit vectors from the eye; infinite behind the eye.
 
     The vertical is the view's up vector projected to the plane across the line of
     sight.

@@ -1,7 +1,7 @@
 """Glare index: formula, reference, thresholds and scale.
 
 Every index is a module with its formula and a `GlareIndex`. Results, annual tables,
-printed lines and comparisons read the list of them in `indices`.
+printed lines and comparisons use the list in `indices`.
 """
 
 import math
@@ -22,7 +22,7 @@ CATEGORIES = ("imperceptible", "perceptible", "disturbing", "intolerable")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EyePhotometry:
-    """Photometric quantities of a field of view, from which indices are computed.
+    """Photometric quantities of a field of view: the inputs of the glare indices.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class EyePhotometry:
     average : mean luminance of the picture, weighted by solid angle [cd/m²]
     reference : mean luminance of the task, or of the picture without a task [cd/m²]
     brightest : largest luminance of a pixel [cd/m²]
-    solid_angle : of all pixels in view [sr]
+    solid_angle : solid angle of all pixels in view [sr]
     background_kind : "cie": (Ev − Edir)/π; "average": mean luminance outside of the
         sources; "illuminance": Ev/π
     """
@@ -58,7 +58,7 @@ class EyePhotometry:
 
     @cached_property
     def background(self) -> float:
-        """Background luminance, as `background_kind` defines it [cd/m²]."""
+        """Background luminance defined by `background_kind` [cd/m²]."""
         if self.background_kind == "cie":
             return self.cie_background
         if self.background_kind == "illuminance":
@@ -70,23 +70,24 @@ class EyePhotometry:
 
     @cached_property
     def eye_illuminance(self) -> float:
-        """Vertical illuminance at the eye: measured, else from the picture [lux]."""
+        """Vertical illuminance at the eye: measured, or else from the picture [lux]."""
         given = self.given_illuminance
         return self.illuminance if given is None else given
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that is reported of every picture.
+    """A quantity reported for every picture.
 
     Attributes
     ----------
-    name : in results, and `VIEW.name` in comparisons
+    name : name in results; `VIEW.name` in comparisons
     title : full name
     formula : value from the photometric quantities of a field of view
-    unit : of the value
-    column : its name in the lines that evalglare prints, None if it has none
-    in_short_line : whether evalglare prints it without option -d, too
+    unit : unit of the value
+    column : name in the output of evalglare; None if evalglare does not print the
+        quantity
+    in_short_line : whether evalglare also prints the quantity without option -d
     """
 
     name: str
@@ -103,9 +104,9 @@ class GlareIndex(Quantity):
 
     Attributes
     ----------
-    reference : publication of the formula, and of the thresholds
+    reference : publications of the formula and of the thresholds
     thresholds : values at which glare becomes perceptible, disturbing and intolerable;
-        empty where none are published
+        empty if none are published
     glare_increases : whether glare increases with the value; False for indices of
         comfort, whose thresholds decrease
     """
@@ -117,16 +118,18 @@ class GlareIndex(Quantity):
     def category(
         self, values: Float[np.ndarray, "*shape"]
     ) -> Int[np.ndarray, "*shape"]:
-        """Category of glare, 0 imperceptible to 3 intolerable (see `CATEGORIES`)."""
+        """Glare category, from 0 (imperceptible) to 3 (intolerable); see
+        `CATEGORIES`.
+        """
         sign = 1 if self.glare_increases else -1
         limits = sign * np.asarray(self.thresholds)
         return np.searchsorted(limits, sign * values, side="left")
 
 
 def without_logarithm(sources: GlareSources, adaptation: float) -> float | None:
-    """Value of a logarithmic index that has no logarithm, None if it has one.
+    """Value of a logarithmic index where its logarithm is undefined, otherwise None.
 
-    It is 0 without sources, and NaN without a positive adaptation luminance.
+    0 without sources, and NaN without a positive adaptation luminance.
     """
     if not sources.count:
         return 0.0

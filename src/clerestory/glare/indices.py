@@ -1,6 +1,6 @@
-"""List of the glare indices and photometric quantities that are reported of a picture.
+"""List of the glare indices and photometric quantities reported for a picture.
 
-A further index is one line here and the module of its formula.
+To add an index, write the module of its formula and add a line here.
 """
 
 from clerestory.glare.cgi import CGI

@@ -1,9 +1,9 @@
 """Search for a glare source around a pixel, in the order of evalglare.
 
-The source found, and so the number of sources, depends on the order of the search: row
-by row downwards from the pixel, then upwards; in each row to the left and then to the
-right of the middle of the previous row, up to the first pixel beyond the angle. A few
-pixels below and above the first one are never visited.
+The source found, and hence the number of sources, depends on the search order: row by
+row downwards from the central pixel, then upwards; in each row to the left and then to
+the right of the middle of the previous row, up to the first pixel beyond the angle. A
+few pixels below and above the central pixel are never visited.
 """
 
 from collections.abc import Iterable
@@ -22,7 +22,7 @@ class Window(NamedTuple):
 
     Attributes
     ----------
-    top, left : row and column of the window's first pixel in the picture
+    top, left : picture row and column of the window's first pixel
     near : whether a pixel is within the angle
     blind : whether rounding excludes the row of the central pixel
     """
@@ -41,8 +41,10 @@ class Neighbourhood:
     direction : unit vectors of all pixels
     angle : largest angle [rad]
     chord : distance of unit vectors at this angle
-    reach : largest number of rows or columns between two pixels within the angle
-    sure_reach : number of pixels from each pixel, in any direction, within the angle
+    reach : search radius: upper limit of the rows or columns between two pixels within
+        the angle
+    sure_reach : for each pixel, distance in pixels that is within the angle in any
+        direction
     """
 
     def __init__(self, eye: GlareView, angle: float) -> None:
@@ -68,9 +70,9 @@ class Neighbourhood:
     def blind(
         self, row: Int[np.ndarray, "*shape"], column: Int[np.ndarray, "*shape"]
     ) -> Bool[np.ndarray, "*shape"]:
-        """Whether the cosine of a pixel with itself exceeds one by rounding.
+        """Whether a direction's product with itself exceeds one by rounding.
 
-        Its angle is then NaN in evalglare, which does not search the row of the pixel.
+        The angle is then NaN in evalglare, which does not search the row of the pixel.
         """
         x, y, z = np.moveaxis(self.direction[row, column], -1, 0)
         over: np.ndarray = x * x + y * y + z * z > 1
@@ -87,14 +89,15 @@ def first_found(
     upwards: bool,
     last_column: int,
 ) -> int:
-    """Return the first wanted label in half of the search, 0 if there is none.
+    """Return the first wanted label in one half of the search; 0 if there is none.
 
     Parameters
     ----------
     labels : label of each pixel of the picture, 0 for none
-    wanted : whether a label ends the search, by label
-    row, column : first pixel
-    upwards : search the rows above, else this row and those below
+    wanted : for each label, whether it ends the search
+    row, column : central pixel
+    upwards : search the rows above the central pixel; otherwise its row and the rows
+        below
     last_column : limit of the search
     """
     top, left, near, blind = window
@@ -117,7 +120,7 @@ def first_found(
             break
         begin, end = begins[step], begins[step] + counts[step] - 1
 
-        # To the left, from the middle of the previous row
+        # Search to the left, from the middle of the previous row
         start = (west + east) // 2
         if begin <= start <= end:
             if hits[step]:
@@ -128,7 +131,7 @@ def first_found(
         else:
             west = start + 1
 
-        # To the right, from the middle with the new left end
+        # Search to the right, from the middle updated with the new left end
         start = (west + east) // 2
         if start > last_column:
             continue

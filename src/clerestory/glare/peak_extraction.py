@@ -1,6 +1,7 @@
-"""Peak extraction: sources of their own for the brightest pixels of a glare source.
+"""Peak extraction: separate sources for the brightest pixels of a glare source.
 
-Without it, the sun or its specular reflection would be averaged with a bright sky.
+Without peak extraction, the sun or its specular reflection would be averaged with a
+bright sky.
 """
 
 import numpy as np
@@ -10,7 +11,7 @@ from clerestory.glare.neighbour_search import Neighbourhood
 from clerestory.glare.pixel_scan import ScannedPixels, islands
 from clerestory.glare.source_merging import merge_sources
 
-# Offsets of the neighbours scanned before
+# Offsets of the previously scanned neighbours
 _BEFORE = ((1, 0), (1, -1), (0, -1), (-1, -1))
 
 
@@ -20,7 +21,9 @@ def split_peaks(
     near: Neighbourhood,
     nearer: Neighbourhood,
 ) -> Int[np.ndarray, " pixel"]:
-    """Group the peak pixels of one source, labels from 1 in the order of creation."""
+    """Label the groups of peak pixels of one source, from 1 in the order of
+    creation.
+    """
     place = np.full(solid_angle.shape, -1, dtype=np.int64)
     row, column = peaks.row, peaks.column
     place[row, column] = np.arange(row.size)
@@ -47,7 +50,7 @@ def split_peaks(
 def _is_alone(
     row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
 ) -> np.ndarray:
-    # Whether no earlier peak is a neighbour that the search always finds
+    # Whether no previous peak is an adjacent pixel, which the search always finds
     rows, _ = place.shape
     alone = np.ones(row.size, dtype=bool)
     close = nearer.sure_reach[row, column] >= np.sqrt(2)
@@ -63,7 +66,8 @@ def _is_alone(
 def _last_found(
     picture: np.ndarray, row: int, column: int, nearer: Neighbourhood
 ) -> int:
-    # The last label in rows downwards, then upwards, each to its ends
+    # Last label found in the rows searched downwards, then upwards, over their full
+    # width
     window = nearer.window(row, column)
     height, width = window.near.shape
     part = picture[window.top : window.top + height, window.left : window.left + width]

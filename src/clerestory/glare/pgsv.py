@@ -1,4 +1,4 @@
-"""Predicted glare sensation vote (PGSV), for a window as a whole."""
+"""Predicted glare sensation vote (PGSV) of a window."""
 
 import math
 
@@ -6,12 +6,12 @@ from clerestory.errors import InputError
 
 
 def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -> float:
-    """PGSV by the contrast of a window to its surround.
+    """PGSV from the contrast between a window and its surround.
 
     Parameters
     ----------
     window : average luminance of the window [cd/m²]
-    window_solid_angle : [sr]
+    window_solid_angle : solid angle of the window [sr]
     average : luminance of the whole field of view of 2π sr [cd/m²]
 
     Reference: Tokura, M., Iwata, T. and Shukuya, M. (1996): Experimental study on
@@ -52,7 +52,7 @@ def surround_luminance(
 
 
 def saturation_pgsv(illuminance: float) -> float:
-    """PGSV by saturation: a window that fills the view, at an illuminance [lux].
+    """PGSV from saturation, for a window that fills the view, at an illuminance [lux].
 
     >>> round(saturation_pgsv(5000.0), 2)
     1.76
@@ -68,7 +68,8 @@ def pgsv(
     illuminance: float,
     task: float,
 ) -> float:
-    """PGSV by contrast if that of the window exceeds that of the task, else saturation.
+    """PGSV from contrast if the window's contrast exceeds the task's, else from
+    saturation.
 
     Parameters
     ----------

@@ -7,25 +7,27 @@ from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
-# Corners darker than this are black [cd/m²]; a fisheye picture has at least this
-# fraction of black corners (evalglare)
+# Limit of black corner pixels [cd/m²], and smallest black fraction of the corners of a
+# fisheye picture (evalglare)
 _BLACK, _BLACK_CORNERS = 7.0, 0.70
 
 # Tolerance of the aspect ratio of a picture
 _ASPECT = 0.02
 
-# Largest radiance that can be summed [W/(m²·sr)]; the sun has 10⁷
+# Largest radiance without overflow of sums [W/(m²·sr)]; the sun has 10⁷
 _LARGEST = 1e30
 
-# A photograph without photometric scale has at least this fraction of pixels at its
-# largest value, and that within this relative distance of a radiance of one
+# Criteria of a photograph without photometric scale: smallest fraction of pixels at the
+# largest value, and largest relative deviation of that value from a radiance of one
 _CLIPPED, _WHITE = 1e-3, 5e-3
 
 
 def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
     """Raise `InputError` for pictures that cannot be evaluated."""
     if picture.quantity != "radiance":
-        raise InputError(f"a picture of {picture.quantity}; radiances expected")
+        raise InputError(
+            f"a picture of {picture.quantity}; a picture of radiance expected"
+        )
     lowest = float(picture.radiance.min())
     if lowest < 0:
         row, column = np.argwhere(picture.radiance == lowest)[0][:2]
@@ -51,7 +53,7 @@ def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
 def _check_shape(picture: Picture, view: View) -> None:
     if abs(picture.pixel_aspect - 1) > _ASPECT:
         raise InputError(
-            f"pixels {picture.pixel_aspect:g} times as high as wide; square ones"
+            f"pixels {picture.pixel_aspect:g} times as high as wide; square pixels"
             " expected"
         )
     expected = view.aspect() * picture.columns
@@ -64,7 +66,7 @@ def _check_shape(picture: Picture, view: View) -> None:
 
 
 def _check_corners(luminance: np.ndarray, view: View) -> None:
-    # A fisheye picture is black around its circle
+    # A fisheye picture is black outside its circle
     if view.kind != "perspective":
         return
     rows, columns = luminance.shape
@@ -79,7 +81,7 @@ def _check_corners(luminance: np.ndarray, view: View) -> None:
 
 
 def _check_scale(luminance: np.ndarray) -> None:
-    # White of a photograph without photometric scale is a radiance of one
+    # In a photograph without photometric scale, white is a radiance of one
     top = float(luminance.max())
     clipped = float((luminance >= top * (1 - 1e-6)).mean())
     white = abs(top / LUMINOUS_EFFICACY - 1) < _WHITE

@@ -1,4 +1,4 @@
-"""Glare evaluation of picture files by the options of evalglare."""
+"""Glare evaluation of picture files with the options of evalglare."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ from clerestory.scene.view import View
 if TYPE_CHECKING:
     import xarray as xr
 
-# Threshold in task luminances, and without a task [cd/m²] (evalglare)
+# Default thresholds of evalglare: multiple of the task luminance, and luminance [cd/m²]
 _TASK_FACTOR, _LUMINANCE = 5.0, 2000.0
 
 _FIELDS: dict[str | None, FieldOfView | None] = {
@@ -63,10 +63,10 @@ class Evaluation:
 
     Attributes
     ----------
-    picture, luminance, eye : the picture, its luminances [cd/m²] and its view
+    picture, luminance, eye : picture, its luminance [cd/m²] and the pixels of its view
     members : pixels of the glare sources
     result : glare indices
-    regions : statistics of the regions asked for, by name
+    regions : statistics of the requested regions, by name
     task : task zone
     """
 
@@ -81,12 +81,16 @@ class Evaluation:
     def check_picture(
         self, *, colour: Colour | None = None, show_task: bool = False
     ) -> Picture:
-        """Return the picture with coloured sources; the task zone in blue if wanted."""
+        """Return the picture with coloured sources and, on request, a blue task
+        zone.
+        """
         blue = in_zone(self.eye, self.task) if show_task and self.task else None
         return check_picture(self.picture, self.members, colour=colour, task=blue)
 
     def window_votes(self) -> dict[str, float]:
-        """Return the predicted glare sensation votes of the window in the mask."""
+        """Return the predicted glare sensation votes of the window given by the
+        mask.
+        """
         if "mask" not in self.regions:
             return {}
         window = self.regions["mask"]
@@ -144,13 +148,15 @@ def annual_glare_of_files(
 
     Raises
     ------
-    InputError : options for single pictures, pictures that differ in size
+    InputError : an option is for single pictures only, or pictures differ in size
     """
     options = options or EvalglareOptions()
     keywords = _index_keywords(options.indices)
     given, age = keywords.pop("given_illuminance"), keywords.pop("age")
     if age is not None or given is not None:
-        raise InputError("--age and --illuminance are for single pictures")
+        raise InputError(
+            "--age or --illuminance with several pictures; a single picture expected"
+        )
     first = read_picture(files[0])
     view = eye_of(first, view=_view(options), trust=options.trust).view
 
@@ -186,7 +192,7 @@ def _rules(options: SourceOptions, rows: int) -> SourceRules:
 
 
 def _threshold(options: SourceOptions) -> tuple[float, Threshold]:
-    # Numbers up to 100 are multiples
+    # Numbers up to 100 are multiples of a mean luminance
     value = options.threshold
     if value is None:
         value = _LUMINANCE if options.task is None else _TASK_FACTOR
@@ -196,14 +202,14 @@ def _threshold(options: SourceOptions) -> tuple[float, Threshold]:
 
 
 def _rows_in_picture(options: IndexOptions, rows: int) -> SeenRows | None:
-    # Rows with measured luminance where the others are to be filled
+    # Captured rows, if the missing rows are to be extrapolated
     if options.fill is None:
         return None
     _, above, below = options.fill
     if not -1 < below < above - 1 < rows:
         raise InputError(
-            f"filled from row {above} up and from row {below} down, of {rows};"
-            " rows between them expected"
+            f"extrapolated above row {above} and below row {below}, of {rows} rows;"
+            " captured rows between them expected"
         )
     return SeenRows(first=rows - above, last=rows - 2 - below)
 
@@ -263,8 +269,8 @@ def _mask(file: Path, eye: GlareView) -> np.ndarray:
     bright = read_picture(file).luminance()
     if bright.shape != eye.shape:
         raise InputError(
-            f"a mask of {bright.shape[1]} × {bright.shape[0]} pixels for a picture of"
-            f" {eye.shape[1]} × {eye.shape[0]}; the same size expected",
+            f"a mask of {bright.shape[1]} × {bright.shape[0]} pixels; the size of the"
+            f" picture, {eye.shape[1]} × {eye.shape[0]}, expected",
             file=file,
         )
     marked: np.ndarray = bright > MASK_LUMINANCE

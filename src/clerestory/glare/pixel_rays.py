@@ -1,9 +1,9 @@
-"""Pixel directions with the rounding of Radiance.
+"""Pixel directions, rounded as in Radiance.
 
-`View.rays` gives the same directions except for rounding. By rounding, the cosine of a
-pixel with itself may exceed one, in which case evalglare does not search the row of the
-pixel. Projections are those of image.c, the order of operations that of the distributed
-programs.
+`View.rays` gives the same directions except for rounding. By rounding, the scalar
+product of a direction with itself may exceed one, in which case evalglare does not
+search the row of the pixel. Projections follow image.c; the order of operations follows
+the compiled Radiance programs.
 """
 
 import math
@@ -23,7 +23,7 @@ class PixelRays(NamedTuple):
     ----------
     direction : unit vectors; zero outside of the projection
     covered : whether pixels lie within the projection
-    up : positive for pixels above the line of sight
+    up : value that is positive for pixels above the line of sight
     """
 
     direction: Float[np.ndarray, "row column 3"]
@@ -39,7 +39,7 @@ def pixel_rays(
     Parameters
     ----------
     columns, rows : size of the picture
-    some : rows wanted, counted from the top; all if not given
+    some : slice of rows, counted from the top; default: all rows
 
     >>> rays = pixel_rays(View(kind="angular", horizontal=180, vertical=180), 3, 3)
     >>> rays.direction[1, 1].tolist()
@@ -57,7 +57,7 @@ def directions(
 
     Parameters
     ----------
-    x, y : to the right and upwards, 0 to 1 over the picture
+    x, y : coordinates to the right and upwards, 0 to 1 over the picture
     """
     across, high = np.meshgrid(x - 0.5 + view.shift, y - 0.5 + view.lift)
     right, up = _screen(view)
@@ -84,7 +84,7 @@ def _square(direction: np.ndarray) -> np.ndarray:
 
 
 def _inverse_length(square: np.ndarray) -> np.ndarray:
-    # To first order where the length is almost one
+    # First-order expansion if the length is almost one
     near = np.abs(square - 1) <= TINY
     return np.where(near, 2 - (0.5 + 0.5 * square), 1 / np.sqrt(square))
 
@@ -120,7 +120,7 @@ def _sizes(kind: Kind, horizontal: float, vertical: float) -> tuple[float, float
 
 
 def _sine(angle: float) -> float:
-    # The vectorised sine of Radiance's compiler is below 1 by the last bit
+    # The vectorised sine in the Radiance programs is one bit below 1 here
     return min(math.sin(angle), math.nextafter(1.0, 0.0))
 
 

@@ -1,8 +1,8 @@
 """First scan of glare source detection: grouping of bright pixels.
 
-The picture is scanned column by column from the left, each from the bottom up. A run of
-bright pixels in a column belongs to one source; from its first pixel, a source within
-the merging angle is searched for among the pixels scanned before.
+The picture is scanned column by column from the left, each column from the bottom up. A
+run of bright pixels in a column belongs to one source; from the first pixel of the run,
+the previously scanned pixels within the merging angle are searched for a source.
 """
 
 from typing import NamedTuple
@@ -13,13 +13,13 @@ from scipy import ndimage
 
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
 
-# Fraction of the merging angle within which an earlier pixel is always found
+# Fraction of the merging angle within which a previous pixel is always found
 _SURE = 0.6
 
 
 _AROUND = np.ones((3, 3), dtype=bool)
 
-# Cells of the coarse grid of islands per reach of a search
+# Cells of the coarse grid of islands per search radius
 _CELLS = 4
 
 
@@ -28,8 +28,8 @@ class ScannedPixels(NamedTuple):
 
     Attributes
     ----------
-    row, column : of each pixel
-    island : number of its island, see `islands`
+    row, column : row and column of each pixel
+    island : index of the pixel's island, see `islands`
     """
 
     row: Int[np.ndarray, " pixel"]
@@ -37,13 +37,13 @@ class ScannedPixels(NamedTuple):
     island: Int[np.ndarray, " pixel"]
 
     def take(self, index: np.ndarray) -> "ScannedPixels":
-        """Return some of the pixels."""
+        """Return the pixels of the given indices."""
         return ScannedPixels(*(part[index] for part in self))
 
 
 def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixels:
     """Return the pixels of a mask column by column, each column from the bottom up."""
-    # Restrict the work to the part of the picture with bright pixels
+    # Restrict the scan to the bounding box of the mask
     used_rows = np.flatnonzero(mask.any(axis=1))
     if not used_rows.size:
         none = np.zeros(0, dtype=np.int64)
@@ -59,10 +59,10 @@ def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixel
 def islands(
     mask: Bool[np.ndarray, "row column"], reach: int
 ) -> Int[np.ndarray, " pixel"]:
-    """Island of each pixel of the mask in row-major order, from 0.
+    """Island index of each pixel of the mask, in row-major order, from 0.
 
     Pixels of different islands are more than `reach` apart in row or column. Islands
-    are separated on a coarse grid, on which close ones may be joined.
+    are separated on a coarse grid, which may join close islands.
 
     >>> mask = np.zeros((40, 40), bool)
     >>> mask[2, [2, 5, 38]] = True
@@ -74,7 +74,7 @@ def islands(
     row, column = row // size, column // size
     cells = np.zeros((row.max(initial=0) + 1, column.max(initial=0) + 1), dtype=bool)
     cells[row, column] = True
-    # Dilate cells by half of the distance at which pixels may be within reach
+    # Dilate cells by half the largest distance of pixels within the search radius
     grow = (reach // size + 2) // 2
     grown = np.pad(cells, grow)
     grown = ndimage.maximum_filter(grown, size=2 * grow + 1)
@@ -99,10 +99,10 @@ def first_scan(
     start = np.flatnonzero(begins)
     alone = _may_be_first(row[start], column[start], mask, near)
 
-    # An island with at most one pixel that begins a source is one source
+    # An island in which at most one pixel can begin a source is one source
     labels = np.zeros((mask.shape[0], mask.shape[1]), dtype=np.int64)
     tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
-    birth = np.zeros(start.size, dtype=np.int64)  # run at which each run's source began
+    birth = np.zeros(start.size, dtype=np.int64)  # first run of the source of each run
     for here in np.flatnonzero(tips > 1):
         members = np.flatnonzero(island[start] == here)
         birth[members] = _scan_runs(
@@ -121,8 +121,8 @@ def first_scan(
 def _may_be_first(
     row: np.ndarray, column: np.ndarray, mask: np.ndarray, near: Neighbourhood
 ) -> np.ndarray:
-    # Whether no earlier pixel lies where the search always finds it: in a rectangle to
-    # the left without the pixel's own row, and below in its own column
+    # Whether no previous pixel lies where the search always finds it: in a rectangle to
+    # the left, except the pixel's row, and below in the pixel's column
     side = np.floor(_SURE * near.sure_reach[row, column]).astype(np.int64)
     total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int32)
     np.cumsum(mask, axis=0, out=total[1:, 1:])
@@ -130,7 +130,7 @@ def _may_be_first(
     last = mask.shape[0]
 
     def count(top: np.ndarray, bottom: np.ndarray, right: np.ndarray) -> np.ndarray:
-        # Rows top…bottom − 1 and columns left…right − 1
+        # Count pixels in rows top…bottom − 1 and columns left…right − 1
         inside: np.ndarray = (
             total[bottom, right]
             - total[top, right]
@@ -155,7 +155,7 @@ def _scan_runs(
     labels: np.ndarray,
     alone: np.ndarray,
 ) -> np.ndarray:
-    # The run at which the source of each run began, by the search of evalglare
+    # First run of the source of each run, by the search of evalglare
     only = 0  # the only label so far, −1 if there are several
     ends = np.append(np.flatnonzero(begins)[1:], begins.size)
     birth = np.zeros(members.size, dtype=np.int64)
@@ -190,7 +190,7 @@ def _find(
         label = int(labels[row - 1, column - 1])
         if label:
             return label
-    # Where all labels around are equal, this label is always found
+    # If all labels in the window are equal, this label is always found
     if not alone:
         reach = near.reach
         around = labels[

@@ -1,8 +1,8 @@
 """Solid angles of pixels as spherical quadrilaterals, as in evalglare.
 
 Corners are joined by great circles, and a pixel with a corner outside of the projection
-has no solid angle; `scene.view.solid_angles` is exact. The order of operations is that
-of evalglare, whose merging of sources compares solid angles to the last bit.
+has zero solid angle; `scene.view.solid_angles` is exact. The order of operations
+follows evalglare, since the merging of sources compares solid angles to the last bit.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ def quadrilaterals(
     """
     left, right = _sides(columns)
     under, over = _sides(rows)
-    # evalglare mirrors the picture here, which changes rounding only
+    # evalglare mirrors the picture here, which affects only rounding
     mirrored = view.lift == 0
     low, high = (under, over) if mirrored else (under[::-1], over[::-1])
     some = some or slice(None)
@@ -54,7 +54,7 @@ def _angles(grid: PixelRays, rows_of: np.ndarray, columns_of: np.ndarray) -> np.
 
 
 def _sides(count: int) -> tuple[np.ndarray, np.ndarray]:
-    # Where each pixel begins and ends, 0 to 1 over the picture
+    # Lower and upper edge of each pixel, 0 to 1 over the picture
     half = 0.5 / count
     begin = (np.arange(count) + 0.5) / count - half
     return begin, begin + 2 * half
@@ -68,7 +68,7 @@ def _plane(a: _Vectors, b: _Vectors) -> _Vectors:
     with np.errstate(divide="ignore"):
         scale = 1 / np.sqrt(square)
 
-    # To first order where the length is almost one; corners may coincide
+    # First-order expansion if the length is almost one; corners may coincide
     near = np.abs(square - 1) <= TINY
     if near.any():
         scale[near] = 2 - (0.5 + 0.5 * square[near])

@@ -1,8 +1,8 @@
 """Position index of glare sources after Guth, Iwata and Kim.
 
-Above the line of sight it is Guth's index in Levin's fit, below it that of Iwata and
-Osterhaus. Kim's index applies everywhere. Older programs use Levin's fit alone,
-mirrored below the line of sight and without a largest value.
+The default is Levin's fit of Guth's index above the line of sight and the index of
+Iwata and Osterhaus below. Kim's index applies everywhere. Older programs use Levin's
+fit alone, mirrored below the line of sight and without an upper limit.
 """
 
 from typing import Literal
@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float
 
 PositionModel = Literal["guth", "kim", "levin"]
 
-# Largest index (evalglare)
+# Upper limit of the index (evalglare)
 LARGEST = 16.0
 
 _Angles = Float[np.ndarray, "*shape"]
@@ -30,9 +30,9 @@ def position_index(
     Parameters
     ----------
     sigma : angle between the line of sight and the source [rad]
-    tau : angle of the plane through both from the vertical [rad]
+    tau : angle from the vertical to the plane through line of sight and source [rad]
     below : whether the source lies below the line of sight
-    model : "guth" as evalglare takes it, "kim", or "levin" as Radiance's glarendx
+    model : "guth" as in evalglare, "kim", or "levin" as in Radiance's glarendx
 
     Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
     Illuminating Engineering 57. Levin, R. E. (1975): Position index in VCP

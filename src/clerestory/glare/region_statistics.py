@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from clerestory.errors import InputError
 from clerestory.glare.glare_view import GlareView
 
-# Luminance above which a pixel of a mask picture counts (evalglare) [cd/m²]
+# Luminance above which a pixel of a mask picture is in the region [cd/m²] (evalglare)
 MASK_LUMINANCE = 0.1
 
 
@@ -18,10 +18,11 @@ class RegionStatistics:
 
     Attributes
     ----------
-    pixels : their number
-    solid_angle : [sr]
-    average : by solid angle [cd/m²]
-    median, deviation, percentile_75, percentile_95, least, most : over pixels [cd/m²]
+    pixels : number of pixels
+    solid_angle : solid angle of the region [sr]
+    average : mean luminance weighted by solid angle [cd/m²]
+    median, deviation, percentile_75, percentile_95, least, most : luminance statistics
+        over pixels [cd/m²]
     illuminance : vertical illuminance at the eye from the region [lux]
     """
 
@@ -54,7 +55,7 @@ def region_statistics(
     inside = region & eye.valid
     values = np.sort(luminance[inside].astype(float))
     if not values.size:
-        raise InputError("the region has no pixel in view; a larger one expected")
+        raise InputError("the region has no pixel in view; a larger region expected")
     omega = eye.solid_angle[inside]
     flux = luminance[inside] * omega
     return RegionStatistics(
@@ -72,7 +73,7 @@ def region_statistics(
 
 
 def _percentile(values: np.ndarray, share: float) -> float:
-    # The mean of the two values at the share, as evalglare takes it
+    # Mean of the two values at the percentile, as in evalglare
     at = int(values.size * share)
     return float((values[at] + values[max(at - 1, 0)]) / 2)
 

@@ -1,4 +1,4 @@
-"""Glare of one picture: its sources, photometric quantities and indices."""
+"""Glare of one picture: sources, photometric quantities and indices."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,9 +22,9 @@ class Glare(EyePhotometry):
 
     Attributes
     ----------
-    low_light : correct DGP for low vertical illuminance
-    age : correct DGP for the age of the observer [years]; None for no correction
-    coefficients : of DGP
+    low_light : whether DGP is corrected for low vertical illuminance
+    age : age of the observer [years] for the correction of DGP; None for no correction
+    coefficients : coefficients of DGP
     """
 
     low_light: bool = False

@@ -1,10 +1,10 @@
-"""Smoothing of glare sources: addition of the dark pixels that they surround."""
+"""Smoothing of glare sources: addition of surrounded dark pixels."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import fft
 
-# Fraction of the solid angle around a pixel that must belong to a source
+# Smallest fraction of the solid angle around a pixel that belongs to a source
 _SHARE = 0.2
 
 
@@ -15,7 +15,7 @@ def surrounded(
 ) -> Bool[np.ndarray, "row column"]:
     """Whether more than a fifth of a disc around each pixel belongs to a source.
 
-    Discs are weighted by solid angle. Those beyond the right or upper edge of the
+    Discs are weighted by solid angle. Discs that cross the right or upper edge of the
     picture omit its last column or row, as in evalglare.
     """
     rows, columns = mine.shape
@@ -25,7 +25,7 @@ def surrounded(
     wide_left, wide_right = max(left - reach, 0), min(right + reach, columns)
     wide = np.s_[wide_top:wide_bottom, wide_left:wide_right]
 
-    # Discs beyond an edge omit its last line of pixels
+    # Discs that cross an edge omit the outermost line of pixels
     over_right = np.arange(columns) + np.floor(radius) > columns - 1
     over_top = np.arange(rows) - np.floor(radius) < 0
     inside = np.zeros(mine.shape, dtype=bool)
@@ -47,7 +47,7 @@ def surrounded(
 
 
 def _around(weight: np.ndarray, disc: np.ndarray) -> np.ndarray:
-    # Convolution with the disc; scipy.signal has it, but takes a second to import
+    # Convolve with the disc; without scipy.signal, which takes a second to import
     rows, columns = weight.shape
     reach = disc.shape[0] // 2
     size = [fft.next_fast_len(n + 2 * reach, real=True) for n in weight.shape]
@@ -57,7 +57,7 @@ def _around(weight: np.ndarray, disc: np.ndarray) -> np.ndarray:
 
 
 def _box(mine: np.ndarray, reach: int) -> tuple[int, int, int, int]:
-    # Rows and columns within reach of any pixel
+    # Rows and columns within the search radius of any pixel
     rows, columns = np.flatnonzero(mine.any(axis=1)), np.flatnonzero(mine.any(axis=0))
     return (
         max(int(rows[0]) - reach, 0),

@@ -1,8 +1,8 @@
 """Second scan of glare source detection: merging of sources.
 
 Pixels are visited as in the first scan. If a source of larger solid angle is within the
-merging angle of a pixel, the source of the pixel is merged into it. Scans are repeated
-until there is no change; sources of equal solid angle are not merged.
+merging angle of a pixel, the pixel's source is merged into the larger source. Scans are
+repeated until there is no change; sources of equal solid angle are not merged.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from clerestory.glare.pixel_scan import ScannedPixels
 
 _EIGHT = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
 
-# Distance from the picture's edge within which no pixel is an inner one
+# Distance from the picture's edge within which all pixels are outer pixels
 _EDGE = 2
 
 
@@ -28,10 +28,10 @@ def merge_sources(
     *,
     skip_inner: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Label of each pixel after the merging of sources."""
+    """Label of each pixel after merging."""
     merged = labels.copy()
     picture = np.zeros(solid_angle.shape, dtype=np.int64)
-    # Only islands of several sources are merged
+    # Only islands with several sources are processed
     lowest = np.full(pixels.island.max(initial=-1) + 1, labels.max(initial=0) + 1)
     highest = np.zeros(lowest.size, dtype=np.int64)
     np.minimum.at(lowest, pixels.island, labels)
@@ -59,14 +59,14 @@ class _Merging:
     def __post_init__(self) -> None:
         row, column, _ = self.pixels
         self.omega = self.solid_angle[row, column]
-        # Summed in the order of the scan: comparisons depend on the last bit
+        # Sum in the order of the scan: comparisons depend on the last bit
         self.size = np.bincount(self.labels, weights=self.omega)
         self.pixel, self.neighbour = self._meetings()
-        # The label that each first label has become
+        # Current label of each initial label
         self.current = np.arange(self.size.size)
 
     def _meetings(self) -> tuple[np.ndarray, np.ndarray]:
-        # Pixels that have a pixel of another source within the angle, and its label
+        # Pixels with a pixel of another source within the angle, and the other label
         outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
         row, column = self.pixels.row[outer], self.pixels.column[outer]
         direction = self.near.direction[row, column]
@@ -85,7 +85,8 @@ class _Merging:
     def _in_box(
         self, row: np.ndarray, column: np.ndarray, rows: np.ndarray, columns: np.ndarray
     ) -> np.ndarray:
-        # Whether pixels lie within reach of the rows and columns of others
+        # Whether pixels are within the search radius, in rows and columns, of other
+        # pixels
         reach = self.near.reach
         inside: np.ndarray = (row >= rows.min() - reach) & (row <= rows.max() + reach)
         inside &= (column >= columns.min() - reach) & (column <= columns.max() + reach)

@@ -1,4 +1,4 @@
-"""Table of glare sources: the quantities from which indices are computed."""
+"""Table of glare sources: input of the glare indices."""
 
 from dataclasses import dataclass, fields
 
@@ -15,15 +15,15 @@ class GlareSources:
 
     Attributes
     ----------
-    luminance : mean over the source [cd/m²]
-    solid_angle : [sr]
-    position_index : of the source's centre
+    luminance : mean luminance of the source [cd/m²]
+    solid_angle : solid angle of the source [sr]
+    position_index : position index of the source's centre
     sigma : angle of the source's centre from the line of sight [rad]
-    direction : of the source's centre, unit vectors
-    illuminance : vertical illuminance at the eye [lux]
+    direction : unit vector to the source's centre
+    illuminance : vertical illuminance at the eye from the source [lux]
     pixels : number of pixels
-    row, column : of the source's centre, weighted by luminance
-    zone : 0 outside of all zones, 1 in the inner zone, 2 in the outer
+    row, column : position of the source's centre, weighted by luminance
+    zone : 0 outside of all zones, 1 in the inner zone, 2 in the outer zone
 
     >>> lamp = GlareSources.of(luminance=[5000], solid_angle=[0.01], position_index=[2])
     >>> lamp.count
@@ -45,7 +45,8 @@ class GlareSources:
         lengths = {len(getattr(self, field.name)) for field in fields(self)}
         if len(lengths) > 1:
             raise InputError(
-                f"glare sources with {sorted(lengths)} values; equal numbers expected"
+                f"columns of glare sources with {sorted(lengths)} values; equal"
+                " numbers expected"
             )
 
     @classmethod
@@ -57,10 +58,10 @@ class GlareSources:
         position_index: ArrayLike,
         sigma: ArrayLike | None = None,
     ) -> "GlareSources":
-        """Return sources of given luminance, such as luminaires of a plan.
+        """Return sources of given luminance, such as planned luminaires.
 
-        The illuminance of each is that of a small source at its angle `sigma`, by
-        default on the line of sight.
+        The illuminance is computed for small sources at the angle `sigma`, which is
+        zero by default.
         """
         bright, omega, index = (
             np.asarray(values, dtype=float)
@@ -99,7 +100,9 @@ class GlareSources:
         return angle
 
     def average_luminance(self) -> float:
-        """Mean luminance of all sources by solid angle, 0 without any [cd/m²]."""
+        """Mean luminance of all sources, weighted by solid angle [cd/m²]; 0 without
+        sources.
+        """
         if not self.count:
             return 0.0
         return float(self.luminance @ self.solid_angle / self.solid_angle.sum())

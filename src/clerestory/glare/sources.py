@@ -1,7 +1,7 @@
 """Glare source detection, as in evalglare.
 
-Pixels above a threshold are scanned for sources, close sources are merged, dark pixels
-optionally smoothed over, peaks extracted. The sources are then summed up in a table.
+Pixels above a threshold are grouped into sources, close sources are merged, surrounded
+dark pixels optionally added, and peaks extracted. The sources are tabulated.
 """
 
 import warnings
@@ -22,22 +22,22 @@ from clerestory.glare.source_table import GlareSources
 
 _Luminance = Float[np.ndarray, "row column"]
 
-# Search radii per smoothing radius (evalglare)
+# Ratio of search radius to smoothing radius (evalglare)
 _SMOOTHING = 1.75
 
-# Pixels in a merging angle below which evalglare warns
+# Smallest merging angle in pixels without a warning (evalglare)
 _FEW_PIXELS = 3.0
 
 
 class Members(NamedTuple):
     """Pixels of glare sources.
 
-    A pixel that smoothing adds to several sources appears once for each.
+    A pixel added to several sources by smoothing appears once per source.
 
     Attributes
     ----------
-    label : of the source, from 1 in the order of creation, with gaps
-    row, column : of the pixel
+    label : label of the source, from 1 in the order of creation, with gaps
+    row, column : row and column of the pixel
     """
 
     label: Int[np.ndarray, " member"]
@@ -45,7 +45,7 @@ class Members(NamedTuple):
     column: Int[np.ndarray, " member"]
 
     def __add__(self, other: "Members") -> "Members":  # type: ignore[override]
-        """Members of both."""
+        """Concatenate the members."""
         return Members(*(np.concatenate(p) for p in zip(self, other, strict=True)))
 
 
@@ -76,7 +76,7 @@ def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
     rows, columns = eye.shape
     if not (0 <= zone.row < rows and 0 <= zone.column < columns):
         raise InputError(
-            f"a zone around row {zone.row}, column {zone.column} of a picture of"
+            f"zone centre at row {zone.row}, column {zone.column} of a picture of"
             f" {columns} × {rows} pixels; a pixel of the picture expected"
         )
     inside: np.ndarray = 2 * eye.angle_from(zone.row, zone.column) <= zone.opening
@@ -104,7 +104,7 @@ def find_sources(
     coarse = scale < 1
     if scale < _FEW_PIXELS:
         warnings.warn(
-            f"{scale:.1f} pixels in the merging angle; {_FEW_PIXELS:g} or more"
+            f"merging angle of {scale:.1f} pixels; {_FEW_PIXELS:g} or more pixels"
             " expected",
             ClerestoryWarning,
             stacklevel=2,
@@ -150,7 +150,7 @@ def _split(
     limit: float,
     near: Neighbourhood,
 ) -> Members:
-    # Peaks of each source become sources after all others
+    # Labels of peaks follow the labels of all other sources
     peak = luminance[members.row, members.column] >= limit
     if not peak.any():
         return members
@@ -189,8 +189,8 @@ def tabulate(
         return sums
 
     solid_angle, power = total(omega), total(flux)
-    # The centre is weighted by luminance; its index and direction are those of its
-    # pixel. evalglare counts rows from below, and truncates coordinates
+    # Centre weighted by luminance; index and direction are taken at its pixel.
+    # evalglare counts rows from below and truncates coordinates
     rows, _ = eye.shape
     up = total(flux * (rows - 1 - row)) / power
     across = total(flux * column) / power

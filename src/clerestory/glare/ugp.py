@@ -7,7 +7,7 @@ from clerestory.glare.source_table import GlareSources
 
 
 def ugp(sources: GlareSources, *, background: float) -> float:
-    """Unified glare probability: share of disturbed occupants, 0 without sources.
+    """Unified glare probability: fraction of disturbed occupants, 0 without sources.
 
     Parameters
     ----------

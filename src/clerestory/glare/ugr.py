@@ -9,7 +9,7 @@ from clerestory.glare.source_table import GlareSources
 def ugr(sources: GlareSources, *, background: float) -> float:
     """Unified glare rating: 10 imperceptible, 19 the limit in offices, 28 intolerable.
 
-    0 without sources, NaN without a background.
+    0 without sources, NaN for a dark background.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def ugr(sources: GlareSources, *, background: float) -> float:
 def experimental_ugr(
     sources: GlareSources, *, average: float, background: float
 ) -> float:
-    """UGR with one luminance of each source replaced by that of the field of view.
+    """UGR with L² of each source replaced by L times the mean luminance of the view.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ import math
 from clerestory.glare.index import GlareIndex, without_logarithm
 from clerestory.glare.source_table import GlareSources
 
-# Ratings above and below which VCP is 0 % and 100 % (evalglare)
+# Ratings at which VCP reaches 0 % and 100 % (evalglare)
 _LARGEST_RATING, _SMALLEST_RATING = 750.0, 20.0
 
 

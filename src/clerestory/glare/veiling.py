@@ -6,7 +6,7 @@ from jaxtyping import Float
 from clerestory.glare.index import Quantity
 from clerestory.glare.source_table import GlareSources
 
-# Keeps a source on the line of sight finite, as evalglare does
+# Lower limit of the angle, for sources on the line of sight, as in evalglare
 _TINY = 1e-16
 
 

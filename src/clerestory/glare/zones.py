@@ -1,4 +1,4 @@
-"""Zones of a picture, along whose borders glare sources are divided."""
+"""Zones of a picture, at whose borders glare sources are divided."""
 
 from dataclasses import dataclass
 
@@ -17,8 +17,9 @@ class Zones:
 
     Attributes
     ----------
-    inner : zone 1
-    outer_opening : opening angle of zone 2, a ring around zone 1 [rad]; None for none
+    inner : inner circle, zone 1
+    outer_opening : opening angle of zone 2 [rad], a ring around zone 1; None for a
+        single circle
     """
 
     inner: Zone
@@ -28,7 +29,8 @@ class Zones:
         outer = self.outer_opening
         if outer is not None and not outer > self.inner.opening:
             raise InputError(
-                f"an outer zone of {outer:g} rad; more than the inner zone's"
+                f"outer opening angle {outer:g} rad; more than the inner opening"
+                " angle of"
                 f" {self.inner.opening:g} rad expected"
             )
 
@@ -47,11 +49,12 @@ def cut_along(
 ) -> tuple[Members, Int[np.ndarray, " label"]]:
     """Divide sources along the borders of zones.
 
-    Parts within a zone become sources after all others, in the order of the scan.
+    Parts within a zone become new sources with labels after all existing labels, in the
+    order of the scan.
 
     Returns
     -------
-    members with new labels, and the zone of each label
+    members with new labels, and zone of each label
     """
     label, row, column = members
     where = zone[row, column]

@@ -1,7 +1,7 @@
-"""Axes of transfer matrices: what their rows and columns stand for.
+"""Axes of transfer matrices: the meaning of their rows and columns.
 
 Rows receive, columns send. Two matrices can be multiplied if the columns of the left
-one stand for the same as the rows of the right one.
+matrix and the rows of the right matrix have the same meaning.
 """
 
 from dataclasses import dataclass, replace
@@ -34,10 +34,10 @@ class Axis:
 
     Attributes
     ----------
-    kind : what they stand for; "unknown" for files without labels
+    kind : kind of receiver or sender; "unknown" for files without labels
     size : number of rows or columns
-    partition : patches of a window or sky
-    window : name of the window group; None fits every window
+    partition : partition of the window hemisphere or sky into patches
+    window : name of the window group; None is compatible with every window
     times : time steps (local standard time)
     names : names of the sensors
     """
@@ -50,14 +50,14 @@ class Axis:
     names: tuple[str, ...] | None = None
 
     def describe(self) -> str:
-        """Describe the axis, for messages: "145 window patches on the room side"."""
+        """Return a text for messages: "145 window patches on the room side"."""
         text = f"{self.size} {_MEANING[self.kind]}"
         if self.partition is not None:
             text += f" ({self.partition.name})"
         return text + (f" of window {self.window!r}" if self.window else "")
 
     def fits(self, other: "Axis") -> bool:
-        """Whether the columns `self` and the rows `other` stand for the same thing."""
+        """Whether the columns `self` and the rows `other` have the same meaning."""
         if self.size != other.size:
             return False
         if "unknown" in (self.kind, other.kind):
@@ -74,7 +74,7 @@ class Axis:
         return True
 
     def at_window(self, window: str | None) -> "Axis":
-        """Return this axis as one of the named window, if it has no name yet."""
+        """Return this axis with the name of a window, if it has none."""
         if self.window is None and window and self.kind in ("interior", "exterior"):
             return replace(self, window=window)
         return self

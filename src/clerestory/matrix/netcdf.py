@@ -1,14 +1,14 @@
 """NetCDF files of transfer matrices: values, standard errors, bands and axes.
 
-NetCDF-4 for xarray, Panoply or ncdump: a variable `values` (channel, row, column), a
-variable `components` (component, channel, row, column) if there is a statistical
-error, and a variable `rows` and `columns` whose attributes say what the axis stands
-for. Attributes of `values` name the spectral bands; files without them are in RGB or
-grey. The same matrix always gives the same bytes.
+NetCDF-4 files, readable by xarray, Panoply or ncdump, with a variable `values`
+(channel, row, column), a variable `components` (component, channel, row, column) if
+there is a statistical error, and variables `rows` and `columns` whose attributes label
+the axes. Attributes of `values` name the spectral bands; files without these attributes
+are in RGB or grey. Equal matrices are written as identical bytes.
 
-A SHA-256 sum follows the NetCDF data. It is checked before the file is opened, since
-libhdf5 may hang on a damaged one. h5netcdf writes, for the conventions of NetCDF;
-h5py reads.
+A SHA-256 checksum follows the NetCDF data. It is checked before the file is opened,
+since libhdf5 may hang on a damaged file. Files are written with h5netcdf, which follows
+the NetCDF conventions, and read with h5py.
 """
 
 import hashlib
@@ -31,10 +31,10 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 
 _FORMAT = "Clerestory transfer matrix 1"
 
-# Line end, name and hexadecimal digits of the sum at the end of a file.
+# Length of the checksum line: line feed, name, hexadecimal digits.
 SEAL_LENGTH = 1 + len("sha256 ") + 64
 
-# Times are kept as whole nanoseconds since 1970, as NumPy does.
+# Times are stored as whole nanoseconds since 1970, as in NumPy.
 _TIME = "datetime64[ns]"
 
 
@@ -74,11 +74,11 @@ def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
 
 
 def read_netcdf(path: str | Path) -> TransferMatrix:
-    """Return the matrix that `write_netcdf` wrote.
+    """Return the matrix of a file written by `write_netcdf`.
 
     Raises
     ------
-    InputError : not such a file, or damaged
+    InputError : the file is damaged or has another format
     """
     data = read_bytes(path)
     with located(file=path):
@@ -100,7 +100,7 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
 def _read(data: bytes) -> TransferMatrix:
     with h5py.File(io.BytesIO(data), "r") as file:
         if file.attrs.get("format") != _FORMAT:
-            raise InputError(f"not a file of the format {_FORMAT!r}")
+            raise InputError(f"file format unknown; {_FORMAT!r} expected")
         values = _read_floats(file, "values", len(data))
         components = (
             _read_floats(file, "components", len(data))
@@ -121,7 +121,7 @@ def seal(data: memoryview) -> bytes:
 def _add(
     file: h5netcdf.File, name: str, dimensions: tuple[str, ...], data: np.ndarray
 ) -> Any:
-    # Checksums detect bits that flipped on disk
+    # The checksum of HDF5 detects bits that flipped on disk
     check = {"fletcher32": True} if data.size else {}
     return file.create_variable(
         name, dimensions, data=np.ascontiguousarray(data), **check
@@ -152,7 +152,7 @@ def _read_bands(variable: h5py.Dataset) -> Bands:
 
 
 def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
-    # A variable of patch, sensor or step numbers with the labels as attributes
+    # Indices of patches, sensors or time steps, with the labels as attributes
     variable = _add(file, f"{side}s", (side,), np.arange(axis.size))
     variable.attrs["kind"] = axis.kind
     if axis.window is not None:

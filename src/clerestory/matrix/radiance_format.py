@@ -1,9 +1,9 @@
-"""Radiance's matrix files, as rfluxmtx, gendaymtx, rmtxop and dctimestep write them.
+"""Radiance matrix files, as written by rfluxmtx, gendaymtx, rmtxop and dctimestep.
 
 A text header names the size (NROWS, NCOLS, NCOMP), the encoding (FORMAT) and the
-byte order (BigEndian, absent in ASCII); after an empty line follow the values,
-row by row, the components (bands) of an entry side by side. The file does not say
-what its rows, columns and components stand for; the caller does.
+byte order (BigEndian, absent in ASCII); after an empty line follow the values, row by
+row, with the components (bands) of an entry interleaved. The file does not label its
+rows, columns and components; the caller passes their labels.
 """
 
 import re
@@ -32,15 +32,15 @@ _LONGEST_HEADER = 1 << 20
 @dataclass(frozen=True)
 class _Header:
     # Variables of the text header
-    rows: int | None  # None: as many as there are values for
+    rows: int | None  # None if NROWS is absent: all complete rows
     columns: int
     channels: int
     encoding: Encoding
     big_endian: bool
-    length: int  # of the header with its empty line, in bytes
+    length: int  # bytes of the header with its empty line
 
     def require(self, found: int, what: str, size: int) -> None:
-        # Values of the size that the header states, or of whole rows
+        # Compare the data with the size in the header, or with whole rows
         row = self.columns * self.channels * size
         expected = (self.rows or found // row or 1) * row
         if found != expected:
@@ -64,14 +64,14 @@ def read_matrix(
 
     Parameters
     ----------
-    rows, columns : what they stand for; unlabelled when not given
-    bands : of the components; when not given, one or three are RGB, and any other
-        number unnamed
+    rows, columns : axes of the matrix; default: unlabelled
+    bands : bands of the components; default: RGB for one or three components, otherwise
+        unnamed bands
 
     Raises
     ------
-    InputError : not such a file, damaged, not finite, or of another size than
-        `rows`, `columns` and `bands`
+    InputError : the file is damaged, has another format or values that are not finite,
+        or its size differs from `rows`, `columns` and `bands`
 
     Examples
     --------
@@ -114,12 +114,12 @@ def write_matrix(
 ) -> None:
     """Write the values of a matrix in Radiance's format.
 
-    ASCII files have as many digits as the values. Statistical errors and labels of
-    the axes are not written; `matrix.netcdf` keeps them.
+    ASCII numbers have all significant digits. Statistical errors and axis labels are
+    not written; use `matrix.netcdf` to store them.
 
     Parameters
     ----------
-    command : line of the header: the command that made the matrix
+    command : command line recorded in the header
 
     Raises
     ------
@@ -144,14 +144,14 @@ def write_rows(
     encoding: Encoding = "float",
     command: str = "",
 ) -> None:
-    """Write a matrix given as blocks of rows, without holding all of it in memory.
+    """Write a matrix given as blocks of rows, with one block in memory at a time.
 
     Parameters
     ----------
     blocks : successive rows
-    shape : rows, columns and channels of the whole matrix
+    shape : numbers of rows, columns and channels of the matrix
 
-    The other parameters and errors are those of `write_matrix`.
+    See `write_matrix` for the remaining parameters and the errors.
     """
     if encoding not in ("ascii", *_ITEM):
         raise InputError(
@@ -173,7 +173,7 @@ def write_rows(
 
 
 def _format_row(row: Float[np.ndarray, "column channel"]) -> str:
-    # A row as text from which the same floating-point numbers are read
+    # Enough digits to read the same floating-point numbers back
     digits = 9 if row.dtype == np.float32 else 17
     entry = " ".join([f"%.{digits}g"] * row.shape[1])
     return "\t".join([entry] * row.shape[0]) % tuple(row.ravel().tolist()) + "\n"
@@ -219,14 +219,14 @@ def _read_header(data: bytes) -> _Header:
 
 
 def _read_binary(body: memoryview, header: _Header) -> np.ndarray:
-    # Compare the sizes before memory is allocated
+    # Check the size before memory is allocated
     item = np.dtype((">" if header.big_endian else "<") + _ITEM[header.encoding])
     header.require(len(body), "bytes of data", item.itemsize)
     return np.frombuffer(body, item).astype(item.newbyteorder("="), copy=False)
 
 
 def _read_ascii(body: memoryview, header: _Header) -> np.ndarray:
-    # Memory is bounded by the size of the text, not by the header
+    # Parse without preallocation: the size in the header may be wrong
     text = str(body, "latin-1")
     try:
         with warnings.catch_warnings():
@@ -244,7 +244,9 @@ def _bad_number(text: str) -> InputError:
             float(word)
         except ValueError:
             return InputError(f"{word[:40]!r} among the values; a number expected")
-    return InputError("the values are not numbers separated by spaces")
+    return InputError(
+        "the values are not separated by spaces; numbers separated by spaces expected"
+    )
 
 
 def _require_finite(table: Float[np.ndarray, "row column channel"]) -> None:
@@ -256,6 +258,6 @@ def _require_finite(table: Float[np.ndarray, "row column channel"]) -> None:
     if len(bad):
         row, column, channel = bad[0]
         raise InputError(
-            f"row {row + 1}, column {column + 1} holds {table[row, column, channel]};"
-            f" a number expected ({len(bad)} such values)"
+            f"row {row + 1}, column {column + 1} holds {table[row, column, channel]}"
+            f" ({len(bad)} such values); finite numbers expected"
         )

@@ -26,18 +26,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class TransferMatrix:
-    """What each row receives per unit of what each column sends.
+    """Transfer coefficients: quantity received by each row per unit sent by each
+    column.
 
     Attributes
     ----------
-    values : coefficients in one channel per band, or in one for all bands alike
+    values : coefficients, with one channel per band or one channel for all bands
     rows, columns : receivers and senders
     components : error components; None for a matrix without statistical error
     bands : spectral bands of the channels
 
     Raises
     ------
-    MatrixError : the shape does not fit axes or bands, or a value is not finite
+    MatrixError : the shape differs from axes or bands, or a value is not finite
     """
 
     values: Float[np.ndarray, "channel row column"]
@@ -84,7 +85,7 @@ class TransferMatrix:
 
         Raises
         ------
-        MatrixError : columns and rows, or the bands, do not fit
+        MatrixError : the inner axes or the bands are incompatible
         """
         if not isinstance(other, TransferMatrix):
             return NotImplemented
@@ -93,7 +94,7 @@ class TransferMatrix:
         left, right = self.values, other.values
         values = left @ right
 
-        # Propagate the error of each factor through the other
+        # Propagate the error of each factor through the product
         parts = []
         if self.components is not None:
             parts.append(self.components @ right.astype(self.components.dtype))
@@ -136,10 +137,9 @@ class TransferMatrix:
     def weighted(
         self, weights: Sequence[float] | Float[np.ndarray, " band"]
     ) -> "TransferMatrix":
-        """Return one channel, the sum of all bands under `weights`.
+        """Return one channel: the sum of the bands weighted by `weights`.
 
-        A matrix of one channel has the same value in all bands: the sum of the
-        weights multiplies it.
+        A matrix with one channel is multiplied by the sum of the weights.
         """
         factor = np.asarray(weights, dtype=float)
         components = self.components
@@ -149,7 +149,7 @@ class TransferMatrix:
         return replace(self, values=values, components=components, bands=GREY)
 
     def illuminance(self) -> "xr.Dataset":
-        """Illuminance [lux] of sensors per time step, with its standard error.
+        """Illuminance [lux] of the sensors at each time step, with its standard error.
 
         The matrix must hold irradiance [W/m²] in bands of known luminous efficacy; in
         RGB illuminance is 179 lm/W times 0.265 R + 0.670 G + 0.065 B.
@@ -157,7 +157,7 @@ class TransferMatrix:
         Raises
         ------
         MatrixError : columns are not time steps
-        InputError : the luminous efficacy of the bands is not known
+        InputError : the luminous efficacy of the bands is unknown
         """
         if self.columns.kind not in ("time", "unknown"):
             raise MatrixError(
@@ -177,11 +177,11 @@ def _concatenated(
 
 
 def require_fit(columns: Axis, rows: Axis) -> None:
-    """Require that the inner axes of a product stand for the same.
+    """Require that the inner axes of a product have the same meaning.
 
     Raises
     ------
-    MatrixError : they do not
+    MatrixError : the inner axes are incompatible
     """
     if columns.fits(rows):
         return
@@ -189,8 +189,8 @@ def require_fit(columns: Axis, rows: Axis) -> None:
     if (columns.kind, rows.kind) == ("interior", "exterior"):
         hint = "; put the transmission matrix of a BSDF between them"
     raise MatrixError(
-        f"the left matrix sends from {columns.describe()}, the right one receives on"
-        f" {rows.describe()}; the same expected on both sides{hint}"
+        f"the left matrix has columns of {columns.describe()}, the right matrix has"
+        f" rows of {rows.describe()}; equal axes expected{hint}"
     )
 
 
@@ -205,7 +205,7 @@ def illuminance_dataset(
     names = list(sensors.names) if sensors.names else np.arange(sensors.size)
     moments = times.times if times.times is not None else np.arange(times.size)
 
-    # xarray takes longer to load than most matrices to make
+    # Import here: loading xarray takes longer than most products
     labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
         {
             "illuminance": (("sensor", "time"), illuminance, {"units": "lux"}),

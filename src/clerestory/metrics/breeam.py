@@ -1,7 +1,8 @@
 """BREEAM Hea 01, visual comfort: daylighting criteria.
 
-By illuminance: the mean of the room and the illuminance at its darkest point for a
-number of hours a year. By daylight factor: the mean, with a uniformity or a minimum.
+Illuminance criterion: the mean illuminance of the room and the illuminance at its
+darkest point reach limits for a number of hours a year. Daylight factor criterion: the
+mean daylight factor reaches a limit, and the uniformity or the minimum another.
 
 Reference: BRE Global, BREEAM UK New Construction 2018 (SD5078), Hea 01, tables 5.1
 and 5.2. Limits differ by building type; those of offices are the defaults.
@@ -21,9 +22,9 @@ class IlluminanceCriterion(NamedTuple):
 
     Attributes
     ----------
-    mean_hours, worst_hours : hours in which the mean of the room and its darkest point
+    mean_hours, worst_hours : hours in which the mean and the darkest point of the room
         reach their limits [h]
-    passed : whether both do in enough hours
+    passed : whether both are reached in enough hours
     """
 
     mean_hours: float
@@ -43,7 +44,7 @@ def illuminance_criterion(
 
     Parameters
     ----------
-    illuminance : [lux], over (sensor, time), of one room and all hours
+    illuminance : illuminance of one room at all hours [lux], over (sensor, time)
     mean_lux, worst_lux, hours : limits of the criterion
     step_hours : length of a time step [h]
 
@@ -70,9 +71,9 @@ def factor_criterion(
 
     Parameters
     ----------
-    factor : of each sensor, 0…1
-    minimum : at the darkest point, alternative to the uniformity; 0.3 of the mean if
-        None
+    factor : daylight factor of each sensor, 0…1
+    minimum : limit at the darkest point, alternative to the uniformity; default: 0.3 of
+        the mean
 
     >>> factor_criterion(np.array([0.01, 0.03, 0.05]))
     True

@@ -27,7 +27,7 @@ EXPOSURE_LIMITS = {"high": 15_000.0, "medium": 150_000.0, "low": 600_000.0}
 
 
 def annual_mean(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    """Mean of each sensor over the hours that count, in the unit of the data.
+    """Mean of each sensor over the selected hours, in the unit of the data.
 
     The mean of the hourly standard errors is an upper limit of the standard error of
     the mean: all hours share the traced matrices, so their errors are correlated.
@@ -40,14 +40,14 @@ def annual_mean(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.Data
 
 
 def annual_median(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    """Median of each sensor over the hours that count, in the unit of the data."""
+    """Median of each sensor over the selected hours, in the unit of the data."""
     return within_hours(data, hours).astype(float).median("time", keep_attrs=True)
 
 
 def annual_maximum(
     data: xr.DataArray, hours: Bool[np.ndarray, " time"]
 ) -> xr.DataArray:
-    """Maximum of each sensor over the hours that count, in the unit of the data."""
+    """Maximum of each sensor over the selected hours, in the unit of the data."""
     return within_hours(data, hours).astype(float).max("time", keep_attrs=True)
 
 
@@ -81,7 +81,7 @@ def continuous_autonomy(
     """
     counted = within_hours(illuminance, hours).astype(float)
 
-    # Negative noise of differences of traced matrices is kept: it averages out
+    # Keep negative values (noise of matrix differences): clipping would bias the mean
     return (counted / target_lux).clip(max=1).mean("time").assign_attrs(units="1")
 
 
@@ -93,12 +93,12 @@ def useful_illuminance(
 ) -> xr.DataArray:
     """Fraction of the hours of each sensor in each range of UDI, 0…1.
 
-    A range includes its lower limit and not its upper one; the four fractions sum to 1.
+    A range includes its lower but not its upper limit; the four fractions sum to 1.
     The useful range of most standards is the sum of the two middle ranges.
 
     Returns
     -------
-    fractions over (band, sensor)
+    fractions over (range, sensor), on the dimensions `band` and `sensor`
 
     >>> lux = xr.DataArray([[50.0, 100.0, 300.0, 4000.0]], dims=("sensor", "time"))
     >>> useful_illuminance(lux, np.ones(4, bool)).sel(sensor=0).values.tolist()
@@ -119,7 +119,7 @@ def light_exposure(
     *,
     step_hours: float = 1.0,
 ) -> xr.DataArray:
-    """Annual light exposure of each sensor over the hours that count [lux h].
+    """Annual light exposure of each sensor over the selected hours [lux h].
 
     >>> lux = xr.DataArray([[100.0, 50.0]], dims=("sensor", "time"))
     >>> float(light_exposure(lux, np.ones(2, bool))[0])

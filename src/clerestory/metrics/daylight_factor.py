@@ -1,4 +1,6 @@
-"""Daylight factor: internal over external illuminance under the CIE overcast sky."""
+"""Daylight factor: ratio of internal to external illuminance under the CIE overcast
+sky.
+"""
 
 from typing import NamedTuple
 
@@ -13,8 +15,9 @@ class DaylightFactors(NamedTuple):
 
     Attributes
     ----------
-    mean, median, minimum : of the sensors, as fractions (0.02 is 2 %)
-    uniformity : minimum over mean; 0 in a dark room
+    mean, median, minimum : daylight factor over the sensors, as a fraction (0.02 is 2
+        %)
+    uniformity : ratio of minimum to mean; 0 in a dark room
     """
 
     mean: float
@@ -30,14 +33,16 @@ def daylight_factor(
 
     Parameters
     ----------
-    illuminance : under an overcast sky [lux]
+    illuminance : illuminance of the sensors under an overcast sky [lux]
     outdoor_lux : unobstructed external horizontal illuminance under the same sky
 
     >>> daylight_factor(np.array([200.0]), outdoor_lux=10_000.0).tolist()
     [0.02]
     """
     if not outdoor_lux > 0:
-        raise InputError(f"{outdoor_lux:g} lux outdoors; more than 0 expected")
+        raise InputError(
+            f"outdoor illuminance {outdoor_lux:g} lux; more than 0 expected"
+        )
     return np.asarray(illuminance / outdoor_lux)
 
 

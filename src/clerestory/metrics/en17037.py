@@ -1,11 +1,11 @@
 """EN 17037:2018, Daylight in buildings: provision, exposure to sunlight, glare.
 
 Daylight provision by method 2: during half of the daylight hours, the target
-illuminance on half of the area and the minimum illuminance on 95 % of it; by method 1,
-equivalent daylight factors. Exposure to sunlight: hours of sun under a cloudless sky on
-a day between 1 February and 21 March, above the least solar altitude of the country, at
-a point on the inner face of the wall in the middle of the opening's width. Levels are 0
-(none), 1 minimum, 2 medium, 3 high.
+illuminance on half of the area and the minimum illuminance on 95 % of the area; by
+method 1: equivalent daylight factors. Exposure to sunlight: hours of sun under a
+cloudless sky on a day between 1 February and 21 March, above the minimum solar altitude
+of the country, at a point on the inner face of the wall, at half the width of the
+opening. Levels are 0 (none), 1 (minimum), 2 (medium) and 3 (high).
 """
 
 from functools import partial
@@ -27,18 +27,18 @@ MINIMUM_LUX = (100.0, 300.0, 500.0)
 TARGET_AREA, MINIMUM_AREA = 0.50, 0.95
 SHARE_OF_HOURS = 0.5
 
-# Table A.6: hours of sun on the chosen day; table A.7: DGP not exceeded in 5 %
+# Table A.6: hours of sun on the chosen day; table A.7: DGP exceeded in at most 5 %
 SUN_HOURS = (1.5, 3.0, 4.0)
 GLARE_LIMITS = (0.45, 0.40, 0.35)
 GLARE_SHARE = 0.05
 
-# Exposure to sunlight: first and last day that may be chosen
+# Exposure to sunlight: first and last permitted day
 FIRST_DAY, LAST_DAY = "02-01", "03-21"
 
-# Height of its reference point above the floor and above the sill [m]
+# Height of the reference point above the floor and above the sill [m]
 _ABOVE_FLOOR, _ABOVE_SILL = 1.2, 0.3
 
-# Openings with a smaller tilt have their reference point at their centre
+# Below this tilt the reference point is the centre of the opening
 _FLAT_DEG = 15.0
 
 
@@ -58,14 +58,14 @@ class DaylightProvision(NamedTuple):
 
     @property
     def level(self) -> int:
-        """Level of the room, the lower of both."""
+        """Level of the room: the lower of the target and minimum levels."""
         return min(self.target_level, self.minimum_level)
 
 
 def daylight_hours(
     diffuse_horizontal: Float[np.ndarray, " time"],
 ) -> Bool[np.ndarray, " time"]:
-    """Daylight hours: the half of the year with the most diffuse light.
+    """Daylight hours: the half of the year's hours with the highest diffuse irradiance.
 
     >>> daylight_hours(np.array([0.0, 5.0, 9.0, 0.0])).tolist()
     [False, True, True, False]
@@ -88,10 +88,12 @@ def daylight_provision(
 
     Parameters
     ----------
-    illuminance, standard_error : [lux], over (sensor, time)
-    hours : `daylight_hours`
-    area : represented by each sensor [m²]
-    roof : horizontal daylight openings, which need the target on 95 % of the area
+    illuminance, standard_error : illuminance and its standard error [lux], over
+        (sensor, time)
+    hours : daylight hours, from `daylight_hours`
+    area : area represented by each sensor [m²]; default: equal areas
+    roof : whether the openings are horizontal, with the target required on 95 % of the
+        area
 
     >>> lux = xr.DataArray([[600.0], [350.0]], dims=("sensor", "time"))
     >>> provision = daylight_provision(lux, np.ones(1, bool))
@@ -100,8 +102,9 @@ def daylight_provision(
     """
     if len(hours) != illuminance.sizes["time"] or not np.any(hours):
         raise InputError(
-            f"{len(hours)} hours for {illuminance.sizes['time']} steps; one per step,"
-            " some of them chosen, expected"
+            f"a mask of {len(hours)} hours for {illuminance.sizes['time']} steps;"
+            " one value per"
+            " step, at least one of them true, expected"
         )
     chosen = np.flatnonzero(hours)
     data = illuminance.isel(time=chosen)
@@ -122,7 +125,7 @@ def daylight_provision(
 
 
 def sunlight_level(sun_hours: float) -> int:
-    """Level of exposure to sunlight of a room with so many hours of sun on the day.
+    """Level of exposure to sunlight for the given hours of sun on the chosen day.
 
     >>> [sunlight_level(hours) for hours in (1.0, 1.5, 3.9, 4.0)]
     [0, 1, 2, 3]
@@ -139,15 +142,15 @@ def reference_point(
 ) -> Float[np.ndarray, "3"]:
     """Return the reference point of an opening for exposure to sunlight [m].
 
-    It is 1.2 m above the floor and at least 0.3 m above the sill, or at half height in
-    openings too low for that, and at the centre of roof windows.
+    The point is 1.2 m above the floor and at least 0.3 m above the sill, at half height
+    in lower openings, and at the centre of roof windows.
 
     Parameters
     ----------
-    corners : of the opening
+    corners : corners of the opening [m]
     normal : unit vector into the room
     floor : height of the floor [m]
-    depth : from the opening's plane to the inner face of the wall [m]
+    depth : distance from the plane of the opening to the inner face of the wall [m]
 
     >>> window = np.array([[1.0, 0, 0.8], [3, 0, 0.8], [3, 0, 2.2], [1, 0, 2.2]])
     >>> inwards = np.array([0.0, 1, 0])
@@ -174,9 +177,9 @@ def reference_point(
 def hours_of_sun(
     reached: Bool[np.ndarray, "opening step"], *, step_minutes: float = 1.0
 ) -> tuple[Float[np.ndarray, " opening"], float]:
-    """Return the hours of sun of every opening, and of a room with all openings.
+    """Return the hours of sun at every opening, and in a room with all these openings.
 
-    Minutes with sun at several openings count once.
+    Steps with sun at several openings count once for the room.
 
     >>> morning, noon = [True] * 90 + [False] * 90, [False] * 60 + [True] * 120
     >>> each, room = hours_of_sun(np.array([morning, noon]))
@@ -192,7 +195,7 @@ def hours_of_sun(
 def glare_level(
     dgp: Float[np.ndarray, " time"], occupied: Bool[np.ndarray, " time"]
 ) -> int:
-    """Level of protection from glare: DGP may exceed the limit in 5 % of the time.
+    """Level of protection from glare: DGP exceeds its limit in at most 5 % of the time.
 
     >>> dgp = np.array([0.36] * 6 + [0.2] * 94)
     >>> glare_level(dgp, np.ones(100, bool))
@@ -207,7 +210,7 @@ def glare_level(
 def target_factors(
     median_diffuse_lux: float,
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Daylight factors of method 1, target and minimum, per level.
+    """Target and minimum daylight factors of method 1, per level.
 
     >>> [round(100 * d, 2) for d in target_factors(14_900.0)[0]]
     [2.01, 3.36, 5.03]
@@ -227,7 +230,7 @@ def _share(
 
 
 def _level(shares: tuple[RoomShare, ...], wanted: float) -> int:
-    # The highest level that is reached together with those below it
+    # Return the highest level reached together with all levels below it
     level = 0
     for share in shares:
         if share.value < wanted - 1e-12:

@@ -34,10 +34,10 @@ class HoneybeeFolder:
     Attributes
     ----------
     folder : path of the folder
-    paths : light paths of each grid
-    states : folders of the states of each dynamic light path
+    paths : light paths (window groups) of each grid
+    states : folder names of the states of each dynamic light path
     sun_up_hours : hours of the year with results, such as 7.5
-    counts : sensors of each grid
+    counts : number of sensors of each grid
     """
 
     folder: Path
@@ -58,7 +58,7 @@ class HoneybeeFolder:
         Parameters
         ----------
         states : per dynamic light path, one state or one per hour of the year; −1
-            contributes no light. Paths that are not named are in state 0.
+            contributes no light. Paths not listed are in state 0.
         light : "total", or "direct" from the sun alone
         """
         if grid not in self.paths:
@@ -111,7 +111,9 @@ class HoneybeeFolder:
         names = ("default",) if path == STATIC else self.states.get(path, ())
         if state >= len(names):
             raise InputError(
-                f"{path} has {len(names)} states; {state} asked for", file=self.folder
+                f"light path {path} has {len(names)} states; state 0 to"
+                f" {len(names) - 1} expected, not {state}",
+                file=self.folder,
             )
         file = self.folder / path / names[state] / light / f"{grid}.npy"
         try:
@@ -161,10 +163,12 @@ def read_honeybee(folder: str | Path) -> HoneybeeFolder:
     except ValueError as error:
         raise InputError("hours of the year expected", file=hours_file) from error
     if len(hours) and not (hours.min() >= 0 and hours.max() < _HOURS_A_YEAR):
-        raise InputError("an hour outside 0 to 8760", file=hours_file)
+        raise InputError(
+            "an hour outside the year; 0 to 8760 expected", file=hours_file
+        )
     if len(np.unique(hours.astype(int))) < len(hours):
         raise InputError(
-            "steps shorter than an hour; one an hour expected", file=hours_file
+            "several steps in an hour; one step per hour expected", file=hours_file
         )
     return HoneybeeFolder(folder, paths, states, hours, counts)
 
@@ -183,12 +187,12 @@ def write_honeybee(
     total : per grid, total illuminance [lux]
     times : centres of hourly steps of one year; hours in which all grids are dark are
         left out
-    direct : per grid, illuminance from the sun alone [lux]; zero if not given
+    direct : per grid, illuminance from the sun alone [lux]; default: zero
     """
     moments = times.astype("datetime64[s]")
     hours = (moments - moments.astype("datetime64[Y]")) / np.timedelta64(3600, "s")
     if len(np.unique(hours.astype(int))) < len(hours) or np.any(hours >= _HOURS_A_YEAR):
-        raise InputError("steps that are not hours of one year of 365 days")
+        raise InputError("steps are not hourly; hours of one year of 365 days expected")
     for name, lux in total.items():
         if lux.ndim != 2 or lux.shape[1] != len(times):
             raise InputError(

@@ -20,7 +20,7 @@ Version = Literal["v4", "v4.1"]
 LOW_LUX, HIGH_LUX = 300.0, 3000.0
 MOST_EXPOSURE = 0.10
 
-# Fractions of the area and their points
+# Thresholds of the area fraction, with their points
 _OPTION_1: dict[Version, tuple[tuple[float, int], ...]] = {
     "v4": ((0.55, 2), (0.75, 3)),
     "v4.1": ((0.40, 1), (0.55, 2), (0.75, 3)),
@@ -36,9 +36,9 @@ class Credit(NamedTuple):
 
     Attributes
     ----------
-    points : of the credit
+    points : number of points
     share : fraction of the area that meets the criterion, 0…1
-    note : further requirement of the version, empty if none
+    note : further requirement of the LEED version; empty if none
     """
 
     points: int
@@ -84,15 +84,16 @@ def clear_sky_illuminance(
 
     Parameters
     ----------
-    illuminance : at 9 h and at 15 h of a clear equinox day [lux]
-    view_preserving_blinds : automatic blinds, for which only the lower limit applies
+    illuminance : illuminance at 9 h and at 15 h of a clear equinox day [lux]
+    view_preserving_blinds : whether automatic blinds preserve the view: only the lower
+        limit applies
 
     >>> lux = np.array([200.0, 400.0, 900.0, 2000.0])
     >>> clear_sky_illuminance([lux, lux]).points  # 75 % of the sensors
     2
     """
     if not illuminance:
-        raise InputError("no moments; illuminance at 9 h and at 15 h expected")
+        raise InputError("no illuminance; values at 9 h and at 15 h expected")
     high = np.inf if view_preserving_blinds else HIGH_LUX
     good = np.all([(lux >= LOW_LUX) & (lux <= high) for lux in illuminance], axis=0)
     share = area_share(good, area)

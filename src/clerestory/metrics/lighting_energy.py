@@ -1,9 +1,9 @@
-"""Lighting energy of luminaires controlled by daylight.
+"""Lighting energy of daylight-controlled luminaires.
 
-A photosensor at the work plane controls the luminaires: they are dimmed to make up the
-setpoint, down to a minimum output, or switched on where daylight is below it. Power is
-linear between full and minimum output, as measured for dimmable drivers
-(Rubinstein, 1984).
+A photosensor at the work plane controls the luminaires: they are dimmed to supplement
+daylight up to the setpoint, down to a minimum output, or switched on when daylight is
+below the setpoint. Power is linear between full and minimum output, as measured for
+dimmable drivers (Rubinstein, 1984).
 """
 
 from dataclasses import dataclass
@@ -20,17 +20,19 @@ Control = Literal["dimming", "dimming with switch-off", "on-off", "none"]
 @final
 @dataclass(frozen=True)
 class LightingZone:
-    """Luminaires that one photosensor controls.
+    """Luminaires controlled by one photosensor.
 
     Attributes
     ----------
-    power : of the luminaires at full output [W]
-    full_lux : illuminance of the luminaires at the sensor at full output
-    setpoint_lux : illuminance to be maintained at the sensor
-    control : "dimming" keeps the minimum output on; "dimming with switch-off" does not;
-        "on-off" switches full output; "none" is full output when occupied
-    least_output, least_power : minimum of output and of power, as fractions
-    standby : power when off [W]
+    power : power of the luminaires at full output [W]
+    full_lux : illuminance at the sensor from the luminaires at full output [lux]
+    setpoint_lux : illuminance to be maintained at the sensor [lux]
+    control : "dimming" never dims below the minimum output; "dimming with switch-off"
+        switches off if daylight suffices; "on-off" switches full output; "none" is full
+        output when occupied
+    least_output, least_power : minimum output and minimum power, as fractions of full
+        output and power
+    standby : power of switched-off luminaires [W]
     """
 
     power: float
@@ -44,13 +46,13 @@ class LightingZone:
     def __post_init__(self) -> None:
         if min(self.power, self.full_lux, self.setpoint_lux) <= 0 or self.standby < 0:
             raise InputError(
-                f"luminaires of {self.power:g} W that add {self.full_lux:g} lux for"
+                f"power {self.power:g} W, illuminance {self.full_lux:g} lux, setpoint"
                 f" {self.setpoint_lux:g} lux; numbers above 0 expected"
             )
         if not (0 <= self.least_output < 1 and 0 <= self.least_power <= 1):
             raise InputError(
                 f"least output {self.least_output:g} and least power"
-                f" {self.least_power:g}; shares from 0 to 1 expected"
+                f" {self.least_power:g}; fractions from 0 to 1 expected"
             )
 
 
@@ -62,10 +64,10 @@ class LightingUse:
     Attributes
     ----------
     output : fraction of full output, over time
-    power : [W], over time
-    illuminance : of daylight and luminaires at the sensor [lux]
-    energy : over all steps [Wh]
-    error : standard error of the energy, from that of the daylight [Wh]
+    power : electric power over time [W]
+    illuminance : illuminance at the sensor from daylight and luminaires [lux]
+    energy : energy of all steps [Wh]
+    error : standard error of the energy due to the error of the daylight [Wh]
     """
 
     output: Float[np.ndarray, " time"]
@@ -87,7 +89,8 @@ def lighting_use(
 
     Parameters
     ----------
-    daylight, standard_error : at the photosensor [lux]
+    daylight, standard_error : daylight illuminance at the photosensor and its standard
+        error [lux]
     occupied : whether the zone is occupied; the luminaires are off otherwise
     step_hours : length of a time step [h]
 
@@ -114,9 +117,9 @@ def lighting_use(
 
 
 def lighting_saving(use: LightingUse, reference: LightingUse) -> float:
-    """Energy saved, as a fraction of the energy of a reference without control."""
+    """Energy saving as a fraction of the energy of a reference without control."""
     if not reference.energy > 0:
-        raise InputError("the reference uses no energy; some expected")
+        raise InputError("the reference uses no energy; more than 0 expected")
     return 1 - use.energy / reference.energy
 
 

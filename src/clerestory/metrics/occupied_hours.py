@@ -1,4 +1,4 @@
-"""Occupied hours: the time steps that metrics count."""
+"""Occupied hours: time steps over which metrics are evaluated."""
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,7 @@ def occupied_hours(
     if not 0 <= from_hour < to_hour <= 24:
         raise InputError(
             f"schedule from {from_hour:g} to {to_hour:g} h;"
-            " two hours between 0 and 24, the later one last, expected"
+            " two increasing hours between 0 and 24 expected"
         )
     moments = np.asarray(times).astype("datetime64[s]")
     hour = (moments - moments.astype("datetime64[D]")) / np.timedelta64(3600, "s")
@@ -27,7 +27,7 @@ def occupied_hours(
 
 
 def within_hours(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    """Return the time steps that count."""
+    """Return the data of the selected time steps."""
     if len(hours) != data.sizes["time"]:
         raise InputError(
             f"a mask of {len(hours)} hours for {data.sizes['time']} time steps;"

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from clerestory.metrics.climate_based_metrics import (
     TARGET_LUX,
@@ -30,18 +30,18 @@ def sensor_metrics(
     *,
     target_lux: float = TARGET_LUX,
 ) -> xr.Dataset:
-    """Return the metrics of each sensor over the hours that count.
+    """Return the metrics of each sensor over the selected hours.
 
     Parameters
     ----------
     hourly : `illuminance` and `standard_error` [lux] over (sensor, time)
-    hours : time steps that count
-    target_lux : of daylight autonomy
+    hours : mask of the selected time steps
+    target_lux : target illuminance of daylight autonomy [lux]
 
     Returns
     -------
     `mean_illuminance`, `median_illuminance`, `maximum_illuminance` [lux];
-    `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) as shares
+    `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) as fractions
     0…1; `useful_bands` over (band, sensor). Each except the median, the maximum and the
     bands has a variable `…_error`.
     """
@@ -77,8 +77,30 @@ def sensor_metrics(
     return result.assign_attrs(attrs)
 
 
+def error_of_group_mean(
+    errors: Float[np.ndarray, " sensor"],
+    components: Float[np.ndarray, "component sensor"] | None = None,
+) -> float:
+    """Standard error of the mean over a group of sensors.
+
+    Parameters
+    ----------
+    errors : standard error of each sensor
+    components : error components of each sensor; without them, the errors of all
+        sensors are taken as fully correlated, which gives an upper bound
+
+    >>> error_of_group_mean(np.array([3.0, 5.0]))
+    4.0
+    >>> error_of_group_mean(np.array([3.0, 3.0]), np.array([[3.0, 0.0], [0.0, 3.0]]))
+    2.1213203435596424
+    """
+    if components is None:
+        return float(errors.mean())
+    return float(np.linalg.norm(components.mean(axis=1)))
+
+
 def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    # From the error components of the mean; without them, fully correlated hours
+    # Use the error components of the mean; without them assume fully correlated hours
     if "mean_components" not in hourly:
         return annual_mean(hourly["standard_error"], hours)
     variance = (hourly["mean_components"].astype(float) ** 2).sum("component")
@@ -103,7 +125,7 @@ def metric_error(
 
 
 def _useful_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    # Errors at the lower and at the upper limit of the useful range
+    # Add the errors at the lower and the upper limit of the useful range
 
     def spread(limit_lux: float) -> xr.DataArray:
         return metric_error(

@@ -1,8 +1,8 @@
 """Spatial daylight autonomy (sDA) and annual sunlight exposure (ASE).
 
 sDA300,50% is the fraction of the area with 300 lux in half of the occupied hours;
-ASE1000,250h that with more than 1000 lux of direct sun in more than 250 hours a year.
-Sensors are weighted by the area they represent, or equally.
+ASE1000,250h is the fraction with more than 1000 lux of direct sun in more than 250
+hours a year. Sensors are weighted by the area they represent, or equally.
 
 The error of a fraction is half of its difference between illuminances raised and
 lowered by their standard errors: an upper limit, as in `sensor_metrics`.
@@ -35,8 +35,8 @@ class RoomShare:
 
     Attributes
     ----------
-    value : 0…1
-    error : upper limit of the standard error; 0 if it is unknown
+    value : fraction, 0…1
+    error : upper limit of the standard error; 0 if unknown
     """
 
     value: float
@@ -56,9 +56,10 @@ def spatial_autonomy(
 
     Parameters
     ----------
-    illuminance, standard_error : [lux], over (sensor, time), with operated blinds
+    illuminance, standard_error : illuminance with operated blinds and its standard
+        error [lux], over (sensor, time)
     hours : time steps that count; in LM-83, 8 to 18 h every day
-    area : represented by each sensor [m²]
+    area : area represented by each sensor [m²]; default: equal areas
 
     >>> lux = xr.DataArray([[400.0, 100.0], [100.0, 100.0]], dims=("sensor", "time"))
     >>> spatial_autonomy(lux, np.ones(2, bool)).value
@@ -127,8 +128,8 @@ def area_share(
         return float(np.mean(good))
     if area.shape != good.shape or np.any(area < 0) or not area.sum() > 0:
         raise InputError(
-            f"{len(area)} areas for {len(good)} sensors; one area of 0 m² or more for"
-            " each, with a sum above 0, expected"
+            f"{len(area)} areas for {len(good)} sensors; one area of 0 m² or more per"
+            " sensor, with a sum above 0, expected"
         )
     return float(area[good].sum() / area.sum())
 

@@ -207,7 +207,7 @@ class BlockwiseProduct:
         every = np.arange(len(inside))
         states = [np.asarray(state)[inside] for state in self.states or ()]
         if found[0].factors:
-            sky = skies.patches(term.part)
+            sky = skies.patches(term)
             light = exiting_light(found, sky, states, self.weights, errors=self.errors)
             views = [readable(chain.receiving[0]) for chain in found]
             yield _Factor((number, 0), term.sign, views, light, every)
@@ -230,7 +230,7 @@ class BlockwiseProduct:
     ) -> _Factor:
         # A matrix that leads from the receivers to the sky, or to the suns
         if term.part != "sun" or skies.suns is None:
-            sky = skies.patches(term.part).select(steps)
+            sky = skies.patches(term).select(steps)
             light = SkyLight(sky, self.weights)
             return _Factor(source, term.sign, [readable(matrix)], light, steps)
         columns, normal = shining_columns(matrix, skies.suns.direct_normal[:, steps])

@@ -147,13 +147,15 @@ class Term:
     Attributes
     ----------
     name : of its illuminance in results
-    part : which matrices of the windows it multiplies, and which sky: the whole sky,
-        the sun spread over patches, or the suns at their places
+    part : which matrices of the windows it multiplies; those of "sun" lead to the suns
+        at their places, the others to sky patches
+    sky : which light of the sky patches: the whole sky, or the sun spread over patches
     """
 
     name: str
     part: Part
     sign: Literal[1, -1] = 1
+    sky: Literal["whole", "sun"] = "whole"
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,14 +198,14 @@ class Skies:
             self.suns.select(steps) if self.suns else None,
         )
 
-    def patches(self, part: Part) -> SkyMatrix:
+    def patches(self, term: Term) -> SkyMatrix:
         """Return the sky of a term that sums over sky patches.
 
         Raises
         ------
         MatrixError : it is missing
         """
-        found = self.whole if part == "whole" else self.sun
+        found = self.whole if term.sky == "whole" else self.sun
         if found is None:
             raise MatrixError("the sun spread over sky patches is missing")
         return found
@@ -287,7 +289,7 @@ def require_columns(term: Term, chain: MatrixChain, skies: Skies) -> None:
         if not isinstance(matrix, TransferMatrix):
             continue
         if term.part != "sun":
-            require_fit(matrix.columns, skies.patches(term.part).rows)
+            require_fit(matrix.columns, skies.patches(term).rows)
         elif skies.suns is None or matrix.columns.size != len(skies.suns):
             count = "no" if skies.suns is None else len(skies.suns)
             raise MatrixError(

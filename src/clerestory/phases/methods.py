@@ -8,7 +8,7 @@
 
 The direct correction takes away what the sun, spread over patches, sends straight to
 the receivers, and adds it with the sun at its place and the window's BSDF as fine as
-it is known. The two-phase method has it as well: I = C S − C_d S_ds + C_sun S_sun.
+it is known. The two-phase method has it as well: I = C S − C_d S_ds + C_ds S_sun.
 
 References: P. R. Tregenza, I. M. Waters, Lighting Research and Technology 15 (2), 1983
 (2-phase); S. Subramaniam, Daylighting simulations with Radiance using matrix-based
@@ -65,7 +65,21 @@ class PhaseMethod:
         whole = Term(self.whole, "whole")
         if not corrected:
             return (whole,)
-        return (whole, Term(DIRECT_IN_PATCHES, "direct", -1), Term(DIRECT_SUN, "sun"))
+        spread = Term(DIRECT_IN_PATCHES, "direct", -1, sky="sun")
+        return (whole, spread, Term(DIRECT_SUN, "sun"))
+
+    def formula(self, term: Term) -> str:
+        """Return the matrices of a term.
+
+        >>> [METHODS["6-phase"].formula(term) for term in FIVE_PHASE]
+        ['V T F D S', 'V_d T F_d D_d S_ds', 'C_ds S_sun']
+        """
+        if term.part == "sun":
+            return "C_ds S_sun"
+        names = ["V", "T", *["F"] * self.facade, "D"] if self.windows else ["C"]
+        if term.part == "direct":
+            names = [name if name == "T" else f"{name}_d" for name in names]
+        return " ".join([*names, "S" if term.sky == "whole" else "S_ds"])
 
 
 METHODS: dict[MethodName, PhaseMethod] = {

@@ -1,7 +1,7 @@
 """Direct light of scenes that have their glass: sky and sun, unscattered.
 
     C_d    sensors × sky   part of the daylight coefficients that no surface scatters
-    C_sun  sensors × suns  irradiance per direct normal irradiance
+    C_ds   sensors × suns  irradiance per direct normal irradiance
 
 Both follow straight rays that clear glass attenuates and all else stops, so that the
 two-phase method can take the sun out of its sky patches and put it at its place.
@@ -59,7 +59,7 @@ def unscattered_sun(
     suns: Float[np.ndarray, "sun 3"],
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
-    """Direct-sun coefficients C_sun: irradiance per direct normal irradiance.
+    """Direct-sun coefficients C_ds: irradiance per direct normal irradiance.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ from clerestory.report.animation import Row, film_section
 from clerestory.report.class_map import DayMap
 from clerestory.report.content import ReportContent
 from clerestory.report.electric_lighting import lamp_maps, lamps_section
-from clerestory.report.five_phase_terms import equation_section
+from clerestory.report.equation_terms import equation_section
 from clerestory.report.markup import Markup, join
 from clerestory.report.method_table import methods_section
 from clerestory.report.picture_strip import pictures_section

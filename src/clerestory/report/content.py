@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 from clerestory.errors import InputError
 from clerestory.report.animation import Film
 from clerestory.report.electric_lighting import LampZone
-from clerestory.report.five_phase_terms import EquationTerms
+from clerestory.report.equation_terms import EquationTerms
 from clerestory.report.method_table import MethodComparison
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.sunlight import Sunlight
@@ -103,7 +103,7 @@ class ReportContent:
     glare : of each view
     pictures : that the run wrote
     film : of a day
-    terms : of the five-phase equation
+    terms : of the matrix equation, with the direct correction
     lamps : electric light, zone by zone
     layers : what stands in the windows
     methods : that were compared

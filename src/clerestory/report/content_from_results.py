@@ -18,6 +18,7 @@ from clerestory.metrics.climate_based_metrics import (
     daylight_autonomy,
 )
 from clerestory.metrics.sensor_metrics import metric_error, sensor_metrics
+from clerestory.phases.methods import METHODS
 from clerestory.report.animation import film
 from clerestory.report.content import (
     FactTable,
@@ -26,7 +27,7 @@ from clerestory.report.content import (
     WindowSurface,
 )
 from clerestory.report.electric_lighting import lamp_zones
-from clerestory.report.five_phase_terms import equation_terms
+from clerestory.report.equation_terms import equation_terms
 from clerestory.report.method_table import method_comparison
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.sunlight import sunlight_of
@@ -137,7 +138,10 @@ def schedule_words(schedule: Mapping[str, Any]) -> str:
 def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
     """Return the study file as tables, one for each of its own."""
     tables = []
-    unused = () if "5-phase" in study.get("method", "") else ("sun",)
+    chosen = study.get("method", "")
+    methods = chosen if isinstance(chosen, list) else [chosen]
+    never = all(METHODS[m].correction == "never" for m in methods if m in METHODS)
+    unused = ("sun",) if never else ()
     for name in sorted(set(study) - set(unused), key=_place_in_study):
         value = study[name]
         groups = value if isinstance(value, list) else [value]

@@ -18,7 +18,9 @@ Members = Int[np.ndarray, " member"]
 _METHODS = {
     "2-phase": "Two-phase method: daylight coefficients",
     "3-phase": "Three-phase method: view, transmission, daylight and sky matrices",
+    "4-phase": "Four-phase method: with façade matrices of the exterior shades",
     "5-phase": "Five-phase method: the direct sun at its true position",
+    "6-phase": "Six-phase method: façade matrices, the direct sun at its true position",
 }
 
 

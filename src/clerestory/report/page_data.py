@@ -16,7 +16,7 @@ from clerestory.report.class_map import day_map_data
 from clerestory.report.colour import illuminance_scale
 from clerestory.report.content import ReportContent
 from clerestory.report.embedded_data import code_step, illuminance_codes, packed
-from clerestory.report.five_phase_terms import equation_data
+from clerestory.report.equation_terms import equation_data
 from clerestory.report.floor_plan import PlanFrame, plan_frame
 from clerestory.report.heat_map import DARKEST_LUX, day_hour_grid
 from clerestory.report.metric_maps import metric_maps

@@ -1,8 +1,8 @@
 """Clear-sky irradiance of Ineichen and Perez.
 
 Global and direct irradiance follow from the solar altitude, the Linke turbidity and the
-elevation; diffuse is the rest. `pvlib.clearsky.ineichen` is the same model; it is not
-used because pvlib takes a second to import.
+elevation; diffuse irradiance is their difference on the horizontal. The same model as
+`pvlib.clearsky.ineichen`, without the import time of pvlib.
 
 References: P. Ineichen, R. Perez, A new airmass independent formulation for the Linke
 turbidity coefficient, Solar Energy 73 (3), 2002; F. Kasten, A. T. Young, Applied
@@ -27,12 +27,12 @@ _MINUTES_A_YEAR = 365 * 24 * 60
 def clear_sky_weather(
     site: Site, *, turbidity: float = 3.0, step_minutes: int = 60
 ) -> Weather:
-    """Return a cloudless year, 2023.
+    """Return the weather of a cloudless year (2023).
 
     Parameters
     ----------
     site : location and time zone
-    turbidity : Linke turbidity of the whole year: 2 very clear, 3 usual, 5 hazy
+    turbidity : Linke turbidity of the whole year: 2 very clear, 3 typical, 5 hazy
     step_minutes : length of a step, a divisor of an hour
 
     >>> place = Site(51.5, 0.0, 0.0, place="London")
@@ -74,10 +74,10 @@ def clear_sky_irradiance(
 
     Parameters
     ----------
-    altitude : of the sun, with refraction [rad]
-    extraterrestrial : normal irradiance outside the atmosphere [W/m²]
+    altitude : solar altitude, with refraction [rad]
+    extraterrestrial : extraterrestrial normal irradiance [W/m²]
     turbidity : Linke turbidity
-    elevation : above sea level [m]
+    elevation : elevation above sea level [m]
     """
     sine = np.maximum(np.sin(altitude), 1e-3)
     altitude_deg = np.degrees(np.maximum(altitude, 0))
@@ -102,5 +102,5 @@ def clear_sky_irradiance(
 
 
 def extraterrestrial_irradiance(times: np.ndarray) -> Float[np.ndarray, " time"]:
-    """Normal irradiance outside the atmosphere [W/m²], by Spencer's series."""
+    """Extraterrestrial normal irradiance [W/m²], by Spencer's series."""
     return np.asarray(SOLAR_CONSTANT * orbit_factor(day_of_year(times)))

@@ -1,10 +1,9 @@
-"""Measured irradiance in CSV files with columns that the user names.
+"""Measured irradiance in CSV files with user-defined columns.
 
-Times are ISO 8601 or in a given format, with or without an offset from UTC. Times with
-an offset may change it over the year (daylight saving time); times without one are
-local standard time, or the civil time of a named time zone. When
-daylight saving time ends, civil time repeats an hour: the order of the rows decides
-which of the two is meant.
+Times are ISO 8601 or in a given format, with or without an offset from UTC. The offset
+may change over the year (daylight saving time); times without an offset are local
+standard time, or the civil time of a given time zone. The hour repeated at the end of
+daylight saving time is resolved by the order of the rows.
 """
 
 import csv
@@ -30,7 +29,7 @@ from clerestory.sky.time_steps import (
 )
 from clerestory.sky.weather import Site, Weather
 
-# Values that loggers write for missing data
+# Values written by loggers for missing data
 _MISSING = (-9999.9, -9999.0, -999.0, 9999.0, 99999.0)
 
 
@@ -40,11 +39,11 @@ class Columns:
 
     Attributes
     ----------
-    time : one column, or several that together give the time
+    time : column of times, or several columns that are joined
     global_horizontal, diffuse_horizontal, direct_normal : irradiance [W/m²];
-        None where there is none
-    global_illuminance, diffuse_illuminance, direct_illuminance : [lux]
-    dew_point : [°C]
+        None if there is no such column
+    global_illuminance, diffuse_illuminance, direct_illuminance : illuminance [lux]
+    dew_point : dew point [°C]
     """
 
     time: str | tuple[str, ...]
@@ -57,7 +56,7 @@ class Columns:
     dew_point: str | None = None
 
     def series(self) -> dict[Quantity, str]:
-        """Return the names of the columns of irradiance and illuminance."""
+        """Return the column names by quantity, for irradiance and illuminance."""
         named = {q: getattr(self, q) for q in get_args(Quantity)}
         return {q: name for q, name in named.items() if name is not None}
 
@@ -74,24 +73,24 @@ def read_measured(
     skip_lines: int = 0,
     decomposition: Decomposition = "erbs",
 ) -> Weather:
-    """Return the weather in a CSV file of measured irradiance, in its own years.
+    """Return the weather in a CSV file of measured irradiance, with its actual dates.
 
     Parameters
     ----------
-    columns : their names in the header line
-    site : where the measurement was made
-    time_format : as for `datetime.strptime`, its parts separated by one space
-        where the time is in several columns; None reads ISO 8601
-    stands_for : the moment of its step that a time stands for
+    columns : names of the columns in the header line
+    site : location of the measurement
+    time_format : format for `datetime.strptime`, with one space between the parts of
+        several columns; default: ISO 8601
+    stands_for : whether times are the start, centre or end of their steps
     clock : time zone of civil time, such as "Europe/Berlin", with its daylight saving
         time; None for local standard time
-    separator : between cells
-    skip_lines : lines before the header
+    separator : separator of the cells
+    skip_lines : number of lines before the header
     decomposition : model that decomposes global irradiance if nothing else is measured
     """
     table = read_table(path, separator, skip_lines)
 
-    # Go from the stated moment of each step to its centre
+    # Convert the stated times to the centres of the steps
     times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
     require_increasing(times, rows=table)
     step = typical_step(times)
@@ -116,7 +115,7 @@ class LoggerTable(DataRows):
     Attributes
     ----------
     header_line : line number of the header
-    names : of the columns
+    names : names of the columns
     """
 
     header_line: int
@@ -133,7 +132,7 @@ class LoggerTable(DataRows):
         return self.names.index(name)
 
     def numbers(self, name: str) -> Float[np.ndarray, " time"]:
-        """Return a column of numbers; NaN where it is missing."""
+        """Return a column of numbers; NaN where a value is missing."""
         values = self.column(self.index(name), name, may_miss=True)
         return np.where(np.isin(values, _MISSING), np.nan, values)
 
@@ -197,7 +196,8 @@ def _zone(clock: str | None) -> ZoneInfo | None:
 def _civil_time(
     moment: datetime, zone: ZoneInfo, standard: timezone, before: float
 ) -> datetime:
-    # A repeated hour is its second occurrence if times would not increase otherwise
+    # Take the second occurrence of a repeated hour if times would otherwise not
+    # increase
     first = moment.replace(tzinfo=zone).astimezone(standard)
     if first.replace(tzinfo=UTC).timestamp() > before:
         return first

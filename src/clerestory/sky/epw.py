@@ -1,9 +1,9 @@
 """EnergyPlus weather files (.epw).
 
-Hours are numbered 1…24 and stand for the hour that ends then; the sun is computed at
-the centre of the step. The minute field of hourly files is 0 or 60 and has no meaning;
-the header states the records per hour. pvlib's reader is not used: it loads pandas, and
-does not name the line of an error.
+Hours are numbered 1…24 and mark the end of their step; the sun is computed at the
+centre of the step. The minute field of hourly files is 0 or 60 and is ignored; the
+header states the records per hour. pvlib's reader is not used: it loads pandas, and its
+errors do not name the line.
 
 Reference: U.S. Department of Energy, EnergyPlus, Auxiliary Programs, chapter
 "EnergyPlus Weather File (EPW) Data Dictionary".
@@ -54,7 +54,7 @@ def read_epw(path: str | Path) -> Weather:
     table = (text.split(",") if text.strip() else [] for text in lines)
     rows = DataRows.below(_HEADER_LINES, table, file=path)
 
-    # Go from the end of each step to its centre
+    # Convert the end of each step to its centre
     month, day, hour, minute = (rows.column(i, name) for name, i in _TIME.items())
     end = hour if per_hour == 1 else hour - 1 + minute / 60
     times = calendar_times(month, day, end - 0.5 / per_hour, rows=rows)

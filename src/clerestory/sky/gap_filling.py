@@ -1,10 +1,10 @@
 """Quality control and gap filling of irradiance in weather files.
 
-1. Values down to -10 W/m² are the zero offset of a pyranometer: set to 0.
+1. Negative values down to -10 W/m² (zero offset of a pyranometer) are set to 0.
 2. Lower values, values above 1500 W/m² (physically impossible) and codes for missing
-   data are gaps, filled by interpolation in time where they are at most a tenth of the
-   steps. More gaps are an error.
-3. Direct irradiance above the extraterrestrial irradiance is limited to it.
+   data are gaps, filled by interpolation in time. Gaps in more than a tenth of the
+   steps are an error.
+3. Direct irradiance is limited to the extraterrestrial irradiance.
 
 Corrections are counted; the counts are the notes of the weather and one warning.
 """
@@ -40,11 +40,11 @@ def repair_irradiance(
 
     Parameters
     ----------
-    values : irradiance; NaN where the file says it is missing
-    name : of the values, for messages
+    values : irradiance; NaN where the file marks it as missing
+    name : name of the quantity, for messages
     times : centres of the steps
     file, lines : file and line number of each value
-    scale, unit : of the values if they are not in W/m²
+    scale, unit : factor from W/m² to the unit of the values, and its symbol
     """
     notes = []
     lowest, largest = scale * _ZERO_OFFSET, scale * _LARGEST
@@ -59,8 +59,8 @@ def repair_irradiance(
         count = f"{np.count_nonzero(gap)} of {len(values)} values"
         if np.mean(gap) > _LARGEST_SHARE_OF_GAPS:
             raise InputError(
-                f"{count} of {name} are missing or impossible;"
-                f" {lowest:g} to {largest:g} {unit} in nine of ten expected",
+                f"{count} of {name} are missing or impossible; at least 90 % from"
+                f" {lowest:g} to {largest:g} {unit} expected",
                 file=file,
                 line=first,
             )
@@ -69,7 +69,7 @@ def repair_irradiance(
             f" {first}; at most {_longest(gap)} in a row)"
         )
 
-    # Fill the gaps from their neighbours in time
+    # Interpolate across the gaps in time
     moment = (times - times[0]).astype(float)
     filled = np.where(offset, 0.0, values)
     filled[gap] = np.interp(moment[gap], moment[~gap], filled[~gap])

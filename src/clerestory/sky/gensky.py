@@ -50,14 +50,14 @@ def cie_sky(
 
     Parameters
     ----------
-    kind : one of gensky's four skies, or the number of a CIE general sky, 1…15
-    sun_altitude, sun_azimuth : of the sun, azimuth clockwise from north [rad]
-    with_sun : whether the sun is part of the sky; the ground reflects its light in
-        either case, as in gensky; uniform and overcast skies have no sun
+    kind : sky type of gensky, or the number of a CIE general sky, 1…15
+    sun_altitude, sun_azimuth : solar altitude, and azimuth clockwise from north [rad]
+    with_sun : whether the sky includes the sun; the ground radiance includes reflected
+        sunlight in either case, as in gensky; uniform and overcast skies have no sun
     turbidity : Linke turbidity, for the zenith luminance of clear skies
-    diffuse_horizontal : irradiance of the sky [W/m²], required for CIE general skies;
-        None takes gensky's zenith luminance
-    direct_normal : irradiance from the sun [W/m²]; None takes gensky's
+    diffuse_horizontal : diffuse horizontal irradiance [W/m²], required for CIE general
+        skies; default: gensky's zenith luminance
+    direct_normal : direct normal irradiance [W/m²]; default: gensky's
     """
     overcast = kind in ("uniform", "overcast")
     altitude = sun_altitude if overcast else min(sun_altitude, HIGHEST_SUN)
@@ -71,14 +71,15 @@ def cie_sky(
         scale = diffuse_horizontal / total
     elif isinstance(kind, int):
         raise InputError(
-            f"CIE general sky {kind} without a diffuse irradiance; W/m² expected"
+            f"CIE general sky {kind} without diffuse irradiance; a value in W/m²"
+            " expected"
         )
     else:
         up = np.array([0.0, 0.0, 1.0])
         at_zenith = float(distribution.relative(up, sun=sun))
         scale = zenith_radiance(kind, altitude, turbidity) / at_zenith
 
-    # The ground reflects the light of sky and sun
+    # Ground radiance from sky and sun
     direct = 0.0
     if not overcast and sun[2] > 0:
         direct = sun_radiance(kind, float(sun[2])) * SUN_SOLID_ANGLE
@@ -119,6 +120,6 @@ def zenith_radiance(kind: CieSky, altitude: float, turbidity: float) -> float:
 
 
 def sun_radiance(kind: CieSky | int, height: float) -> float:
-    """Return the radiance of gensky's sun [W/(m²·sr)], by the sine of its altitude."""
+    """Return the radiance of gensky's sun [W/(m²·sr)] from the sine of its altitude."""
     radiance = 1.5e9 / _SUN_EFFICACY * (1.147 - 0.147 / max(height, 0.16))
     return radiance * (0.15 if kind == "intermediate" else 1.0)

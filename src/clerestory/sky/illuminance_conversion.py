@@ -1,9 +1,8 @@
 """Irradiance from measured illuminance, by inversion of Perez's luminous efficacy.
 
-Perez's models take irradiance. It is found by fixed-point iteration, since the luminous
-efficacy depends on it. The efficacy is discontinuous between categories of clearness:
-some illuminances have two solutions, a few none. Sky matrices are scaled to the
-measured illuminance itself.
+The luminous efficacy depends on the irradiance, which is found by fixed-point
+iteration. The efficacy is discontinuous between clearness categories: some illuminances
+have two solutions, a few none. Sky matrices are scaled to the measured illuminance.
 """
 
 import numpy as np
@@ -18,11 +17,11 @@ from clerestory.sky.sky_state import (
 from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.weather import Illuminance
 
-# Initial efficacy, that of a mean sky [lm/W]
+# Initial luminous efficacy, of an average sky [lm/W]
 _MEAN_EFFICACY = 110.0
 _ITERATIONS = 40
 
-# Bounds of the efficacy of daylight [lm/W]
+# Bounds of the luminous efficacy of daylight [lm/W]
 _EFFICACIES = (20.0, 250.0)
 
 
@@ -60,7 +59,7 @@ def irradiance_of(
             found = LUMINOUS_EFFICACY * np.stack(visible) / irradiance
         found = np.where(lux > 0, found, _MEAN_EFFICACY)
 
-        # Under-relax later iterations, so that pairs of categories do not alternate
+        # Under-relax later iterations to prevent oscillation between two categories
         share = 1.0 if iteration < _ITERATIONS / 4 else 0.5
         efficacy = np.clip(efficacy + share * (found - efficacy), *_EFFICACIES)
     direct, diffuse = lux / efficacy

@@ -1,11 +1,12 @@
-"""Decomposition of measured irradiance into direct and diffuse.
+"""Decomposition of measured irradiance into direct and diffuse components.
 
-Global, direct and diffuse irradiance obey GHI = DHI + DNI sin h, so any two give the
-third. Since the division by sin h amplifies errors near the horizon:
+Global, direct and diffuse irradiance obey GHI = DHI + DNI sin h (solar altitude h), so
+any two give the third. Since the division by sin h amplifies errors near the horizon:
 
-1. Where the direct irradiance is computed, sin h is at least sin 3°.
-2. It is at most the extraterrestrial irradiance; the rest of a computed one is diffuse.
-3. Diffuse above global irradiance is limited to it.
+1. If the direct irradiance is computed, sin h is limited to at least sin 3°.
+2. Direct irradiance is limited to the extraterrestrial irradiance; if it is computed,
+   the excess is diffuse.
+3. Diffuse irradiance is limited to the global irradiance.
 4. With the sun more than 6° below the horizon (civil twilight) irradiance is zero.
 5. Global irradiance alone is decomposed by the model of Erbs (hourly) or DIRINT.
 """
@@ -27,7 +28,7 @@ Decomposition = Literal["erbs", "dirint"]
 _LOWEST_SINE = np.sin(np.radians(3.0))
 _TWILIGHT = np.radians(-6.0)
 
-# Diffuse may exceed global by this before it counts as a correction [W/m²]
+# Excess of diffuse over global irradiance that is not reported [W/m²]
 _TOLERANCE = 5.0
 
 
@@ -37,7 +38,7 @@ class Irradiance:
 
     Attributes
     ----------
-    direct_normal, diffuse_horizontal : [W/m²]
+    direct_normal, diffuse_horizontal : irradiance [W/m²]
     notes : corrections, each with its count
     """
 
@@ -62,8 +63,8 @@ def split_irradiance(
     times : centres of the steps
     sun : solar position at the steps
     global_horizontal, diffuse_horizontal, direct_normal : measured irradiance
-        [W/m²]; global alone, or any two; with all three, global is not used
-    decomposition : model that decomposes global irradiance if nothing else is measured
+        [W/m²]; global alone, or any two; global is ignored if all three are given
+    decomposition : model for global irradiance if it alone is measured
     """
     notes: tuple[str, ...] = ()
     if direct_normal is not None:
@@ -83,7 +84,7 @@ def split_irradiance(
     else:
         split = _decompose(global_horizontal, times, sun, decomposition)
 
-    # Set irradiance to zero beyond civil twilight
+    # Set irradiance to zero with the sun below civil twilight
     dark = sun.altitude < _TWILIGHT
     stray = dark & (split.direct_normal + split.diffuse_horizontal > _TOLERANCE)
     notes += split.notes
@@ -102,7 +103,9 @@ def split_irradiance(
 def limit_to_extraterrestrial(
     direct_normal: Float[np.ndarray, " time"], times: np.ndarray
 ) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
-    """Return direct irradiance limited to the extraterrestrial [W/m²], and notes."""
+    """Return direct irradiance limited to the extraterrestrial irradiance [W/m²], and
+    notes.
+    """
     limit = SOLAR_CONSTANT * orbit_factor(day_of_year(times))
     above = direct_normal > limit + _TOLERANCE
     notes: tuple[str, ...] = ()

@@ -1,11 +1,12 @@
 """Sky luminance distributions: relative luminance as a function of direction.
 
-The Perez sky and the fifteen CIE general skies are a gradation from horizon to zenith
-times an indicatrix around the sun:
+The Perez sky and the fifteen CIE general skies are the product of a gradation from
+horizon to zenith and an indicatrix around the sun:
 
     L ∝ (1 + a exp(b / cos ζ)) (base + c exp(d γ) + e cos² γ)
 
-The traditional overcast and the intermediate sky have formulas of their own.
+with the angles ζ to the zenith and γ to the sun. The traditional overcast sky and the
+intermediate sky have separate formulas.
 """
 
 from dataclasses import dataclass
@@ -37,9 +38,9 @@ class FiveParameters:
 
     Attributes
     ----------
-    a, b : gradation from horizon to zenith
-    c, d, e : indicatrix around the sun
-    base : its constant term
+    a, b : parameters of the gradation from horizon to zenith
+    c, d, e : parameters of the indicatrix around the sun
+    base : constant term of the indicatrix
     """
 
     a: float
@@ -71,13 +72,13 @@ class Overcast:
     def relative(
         self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Return luminance over that of the zenith."""
+        """Return the ratio of luminance to zenith luminance."""
         return np.asarray((1 + 2 * direction[..., 2]) / 3)
 
 
 @dataclass(frozen=True)
 class Intermediate:
-    """CIE intermediate sky, as gensky computes it.
+    """CIE intermediate sky, as in gensky.
 
     Reference: J. Matsuura, T. Iwata, A model of daylight source for the daylight
     illuminance calculations on the all weather conditions, 1990.

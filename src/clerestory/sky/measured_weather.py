@@ -1,7 +1,7 @@
 """Weather from measured series, by quality control and irradiance decomposition.
 
 Loggers and networks measure global, diffuse or direct irradiance or illuminance. Any
-two of the three of one kind determine the third.
+two of these three components determine the third.
 """
 
 from collections.abc import Mapping
@@ -42,7 +42,7 @@ _ILLUMINANCE: dict[Quantity, _Role] = {
     "direct_illuminance": "direct_normal",
 }
 
-# Illuminance is checked by the limits of irradiance, 100 lux for 1 W/m²
+# Illuminance is checked with the limits of irradiance, at 100 lux per W/m²
 _LUX_PER_WATT = 100.0
 
 
@@ -55,10 +55,10 @@ class Measurement:
     site : location of the instruments
     times : centres of the steps, local standard time
     step_minutes : length of a step [min]
-    series : by quantity, [W/m²] or [lux]; NaN where missing
+    series : measured values by quantity [W/m²] or [lux]; NaN where missing
     file, lines : file and line number of each step
-    names : of the quantities in the file
-    dew_point_c : [°C], NaN where missing
+    names : names of the quantities in the file
+    dew_point_c : dew point [°C], NaN where missing
     """
 
     site: Site
@@ -122,7 +122,7 @@ def _assumptions(
 def _repaired(
     measurement: Measurement, kind: Mapping[Quantity, _Role], *, scale: float, unit: str
 ) -> tuple[dict[_Role, Float[np.ndarray, " time"]], tuple[str, ...]]:
-    # Series of one kind by component, in W/m² or hundreds of lux
+    # Return the series by component, in W/m² or hundreds of lux
     notes: tuple[str, ...] = ()
     series = {}
     for quantity, role in kind.items():
@@ -150,7 +150,8 @@ def _illuminance(
 ) -> tuple[Illuminance, tuple[str, ...]]:
     if len(series) < 2:
         raise InputError(
-            "one component of illuminance; two of global, diffuse and direct expected,"
+            "only one component of illuminance; two of global, diffuse and"
+            " direct expected,"
             " since decomposition models apply to irradiance",
             file=file,
         )

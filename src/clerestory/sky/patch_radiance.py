@@ -1,7 +1,7 @@
 """Sky matrix S: radiance of every sky patch at every time step.
 
-It is stored in factors, an achromatic sky times a colour per patch plus a sparse sun.
-Memory and, with `SkyResponse`, the time of a product are those of one band.
+The matrix is stored as an achromatic sky times a colour per patch, plus a sparse sun.
+Memory and, with `SkyResponse`, the time of a product are those of a single band.
 """
 
 from collections.abc import Iterator, Mapping
@@ -27,12 +27,12 @@ from clerestory.sky.sky_product import fold, lit_steps, product_blocks, row_bloc
 if TYPE_CHECKING:
     import xarray as xr
 
-# Time steps that are turned from columns into rows at once, in the cache
+# Time steps transposed at once, so that they fit in the cache
 _BLOCK = 64
 
 
 def default_colour(bands: Bands) -> tuple[float, ...]:
-    """Return the factor of each band of a sky: gendaymtx's in RGB, white in others."""
+    """Return the sky colour: gendaymtx's default in RGB, white in other bands."""
     return SKY_COLOUR if bands == RGB else (1.0,) * len(bands)
 
 
@@ -44,13 +44,13 @@ class SkyMatrix:
 
     Attributes
     ----------
-    partition : the patches, with the ground as patch 0
+    partition : ground (patch 0) and sky patches
     times : centres of the steps, local standard time
     diffuse : achromatic radiance of ground and sky [W/(m²·sr)]
-    colour : factor of each band, per patch; the ground's reflectance for patch 0
-    sun : radiance of the direct sun in the patches [W/(m²·sr)], (patch, time)
-    sun_colour : factor of each band
-    attributes : provenance
+    colour : factor of each band and patch; the ground reflectance for patch 0
+    sun : radiance of the direct sun in the patches [W/(m²·sr)], over (patch, time)
+    sun_colour : factor of each band for the direct sun
+    attributes : provenance of the matrix
     bands : spectral bands
 
     Raises
@@ -67,7 +67,7 @@ class SkyMatrix:
     attributes: Mapping[str, str | float]
     bands: Bands = RGB
 
-    # Have `array @ sky` raise a TypeError
+    # Disable NumPy's operator, so that `array @ sky` raises a TypeError
     __array_ufunc__ = None
 
     def __post_init__(self) -> None:
@@ -86,7 +86,10 @@ class SkyMatrix:
         # NaN fails the first comparison, infinity the second
         for part in (self.diffuse, self.sun.data, self.colour, self.sun_colour):
             if part.size and not (part.min() >= 0 and part.max() < np.inf):
-                raise MatrixError("radiance or colour is negative or not finite")
+                raise MatrixError(
+                    "radiance or colour is negative or not finite; finite"
+                    " numbers of 0 or more expected"
+                )
 
     @property
     def rows(self) -> Axis:
@@ -140,7 +143,7 @@ class SkyMatrix:
         )
 
     def to_transfer_matrix(self) -> TransferMatrix:
-        """Return the same as a dense matrix of all bands, stored row by row."""
+        """Return the dense matrix of all bands, stored row by row."""
         shape = len(self.bands), len(self.partition), len(self.times)
         values = np.empty(shape, np.float32)
         for start in range(0, len(self.times), _BLOCK):
@@ -173,7 +176,9 @@ class SkyMatrix:
             yield radiance
 
     def __rmatmul__(self, transfer: object) -> "SkyResponse":
-        """Return the product, not yet computed, of a matrix from the sky patches."""
+        """Return the product of a transfer matrix and this sky, evaluated on
+        request.
+        """
         if not isinstance(transfer, TransferMatrix):
             return NotImplemented
         return SkyResponse(transfer, self)
@@ -181,12 +186,12 @@ class SkyMatrix:
 
 @dataclass(frozen=True, eq=False)
 class SkyResponse:
-    """Product of daylight coefficients and a sky matrix, computed on request.
+    """Product of daylight coefficients and a sky matrix, evaluated on request.
 
     Attributes
     ----------
-    transfer : from sky patches to sensors
-    sky : radiance of the patches over time
+    transfer : daylight coefficients from sky patches to sensors
+    sky : sky matrix
     """
 
     transfer: TransferMatrix
@@ -203,8 +208,8 @@ class SkyResponse:
     def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of sensors per time step, with its standard error.
 
-        The bands are folded into luminance before the product; hours without light
-        are skipped.
+        The bands are summed to luminance before the product; hours without light are
+        skipped.
         """
         weights = common_bands(self._parts()).weights
         values, components = self.transfer.values[None], self.transfer.components
@@ -232,7 +237,7 @@ class SkyResponse:
         values: Float[np.ndarray, "layer channel row patch"],
         weights: Float[np.ndarray, " band"],
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        # Blocks of time steps, with the rows of all layers below each other
+        # Yield blocks of time steps, with the rows of all layers stacked
         sky = self.sky
         patches = values.shape[-1]
         folded = (

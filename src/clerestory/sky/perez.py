@@ -2,9 +2,8 @@
 
     L ∝ (1 + a exp(b / cos ζ)) (1 + c exp(d γ) + e cos² γ)
 
-with the angles ζ to the zenith and γ to the sun. The sky is scaled to the diffuse
-irradiance afterwards, so each factor may be divided by its largest term, which avoids
-overflow.
+with the angles ζ to the zenith and γ to the sun. The sky is later scaled to the diffuse
+irradiance, so each factor may be divided by its largest term to avoid overflow.
 
 Reference: R. Perez, R. Seals, J. Michalsky, All-weather model for sky luminance
 distribution – preliminary configuration and validation, Solar Energy 50 (3),

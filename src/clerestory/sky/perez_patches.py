@@ -1,8 +1,8 @@
 """Radiance of sky patches under the Perez all-weather sky.
 
-Most of the time of a sky matrix is spent in the exponential and the arc cosine of every
-patch and step; they are computed in float32, in blocks that fit in the cache, by a
-thread on every core.
+The time of a sky matrix is dominated by the exponential and the arc cosine of every
+patch and step; they are computed in float32, in blocks that fit in the cache, with one
+thread per core.
 """
 
 import os
@@ -38,9 +38,9 @@ def dome_radiance(
     ----------
     sky : relative luminance distribution at all steps
     diffuse : diffuse horizontal irradiance at all steps [W/m²]
-    dome : the patches
-    quadrature : the sky is scaled to `diffuse` by the "exact" projected solid
-        angles of the patches, or by their "centres" as in Radiance
+    dome : sky patches
+    quadrature : method of scaling to `diffuse`: by the "exact" projected solid angles
+        of the patches, or by their "centres" as in Radiance
     """
     centres = dome.centres()
     if quadrature not in ("exact", "centres"):
@@ -63,7 +63,7 @@ def dome_radiance(
         block *= np.repeat(gradation, dome.count, axis=1)
         np.maximum(block, 0, out=block)
 
-        # Scale to the irradiance; where the model gives zero, the sky is uniform
+        # Scale to the irradiance; use a uniform sky where the model gives zero
         total = block @ weight
         dark = ~(total > 1e-30)
         block[dark] = 1

@@ -1,7 +1,7 @@
 """Sky at one moment, as a function of direction and as a vector of patches.
 
-Pictures are rendered with the function; the vector (Radiance's genskyvec) is a sky
-matrix of one time step.
+Pictures are rendered with the function of direction; the sky vector (Radiance's
+genskyvec) is a sky matrix of one time step.
 """
 
 from dataclasses import dataclass, replace
@@ -29,10 +29,10 @@ from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.weather import Illuminance, Weather
 
-# Points per patch edge of a sky vector
+# Sample points per patch edge of a sky vector
 _SAMPLES = 4
 
-# A day with the sun at its mean distance
+# Day of the year with the sun at its mean distance
 _MEAN_DAY = np.datetime64("2023-04-04", "s")
 
 
@@ -45,10 +45,10 @@ class PointSky:
     distribution : relative luminance of the sky
     scale : radiance for a relative luminance of 1 [W/(m²·sr)]
     sun : unit vector to the sun
-    direct_normal : irradiance from the sun [W/m²]
+    direct_normal : direct normal irradiance [W/m²]
     ground : radiance of the ground [W/(m²·sr)]
     colour : factor of each band of the sky
-    time : local standard time, NaT for none
+    time : local standard time; NaT if unspecified
     bands : spectral bands
     """
 
@@ -65,7 +65,7 @@ class PointSky:
         levels = np.array([self.scale, self.direct_normal, self.ground, *self.colour])
         if not np.all(np.isfinite(levels) & (levels >= 0)):
             raise InputError(
-                f"sky of scale {self.scale}, sun {self.direct_normal}, ground"
+                f"sky scale {self.scale}, direct normal {self.direct_normal}, ground"
                 f" {self.ground}; finite numbers from 0 expected"
             )
         if len(self.colour) != len(self.bands):
@@ -93,13 +93,13 @@ def perez_point(
     sky_colour: tuple[float, float, float] = SKY_COLOUR,
     **options: Unpack[SkyOptions],
 ) -> PointSky:
-    """Return the Perez sky of weather of a single step.
+    """Return the Perez sky of weather with a single time step.
 
-    The arguments are those of `sky_matrix`; `weather.select(slice(i, i + 1))` is
-    one step of a year.
+    See `sky_matrix` for the arguments; `weather.select(slice(i, i + 1))` selects one
+    step of a year.
     """
     if len(weather) != 1:
-        raise InputError(f"weather of {len(weather)} steps; a single one expected")
+        raise InputError(f"weather of {len(weather)} steps; a single step expected")
     return _perez(
         sky_conditions(weather, **options),
         ground_reflectance=ground_reflectance,
@@ -123,12 +123,13 @@ def perez_moment(
 
     Parameters
     ----------
-    sun_altitude, sun_azimuth : of the sun, azimuth clockwise from north [rad]
-    diffuse_horizontal, direct_normal : visible irradiance [W/m²], lux over 179
-    with_sun : whether the sun is part of the sky; the ground reflects its light in
-        either case
+    sun_altitude, sun_azimuth : solar altitude, and azimuth clockwise from north [rad]
+    diffuse_horizontal, direct_normal : visible irradiance [W/m²]: illuminance divided
+        by 179 lm/W
+    with_sun : whether the sky includes the sun; the ground radiance includes reflected
+        sunlight in either case
     ground_reflectance, sky_colour : as for `perez_point`
-    time : its day determines the distance to the sun
+    time : local standard time, whose day determines the distance to the sun
 
     >>> sky = perez_moment(
     ...     sun_altitude=0.7, sun_azimuth=3.1, diffuse_horizontal=90, direct_normal=400
@@ -138,17 +139,20 @@ def perez_moment(
     """
     if not (0 <= diffuse_horizontal < np.inf and 0 <= direct_normal < np.inf):
         raise InputError(
-            f"irradiance {diffuse_horizontal} of the sky, {direct_normal} of the sun;"
+            f"diffuse irradiance {diffuse_horizontal}, direct irradiance"
+            f" {direct_normal};"
             " numbers from 0 expected"
         )
     if not abs(sun_altitude) <= np.pi / 2:
-        raise InputError(f"sun at {np.degrees(sun_altitude):g}°; -90 to 90 expected")
+        raise InputError(
+            f"solar altitude {np.degrees(sun_altitude):g}°; -90 to 90 expected"
+        )
     sun = SunPosition(np.array([sun_altitude]), np.array([sun_azimuth]))
     visible = np.array([direct_normal * (sun_altitude > 0)], dtype=float)
     sky = np.array([diffuse_horizontal], dtype=float)
     times = np.array([time], dtype="datetime64[s]")
 
-    # The sky parameters follow from the irradiance of the whole solar spectrum
+    # Estimate the solar irradiance, from which Perez's parameters follow
     lux = Illuminance(LUMINOUS_EFFICACY * visible, LUMINOUS_EFFICACY * sky)
     irradiance = irradiance_of(lux, times=times, sun=sun)
     state = sky_state(
@@ -174,7 +178,7 @@ def _perez(
     diffuse = float(conditions.diffuse_horizontal[0])
     level = diffuse + float(conditions.direct_horizontal()[0])
 
-    # The circumsolar region of the model is limited to 3° from the zenith
+    # The model limits the solar zenith angle to at least 3°
     distribution = _Circumsolar(shape, sky.sun[0])
     total = horizontal_integral(distribution, sun=sky.sun[0])
     if not total > 0:
@@ -193,7 +197,7 @@ def _perez(
 
 @dataclass(frozen=True, eq=False)
 class _Circumsolar:
-    # A distribution whose circumsolar region is not centred at the sun
+    # Distribution with a fixed circumsolar centre instead of the sun's direction
     shape: FiveParameters
     centre: Float[np.ndarray, "3"]
 
@@ -212,8 +216,8 @@ def sky_vector(
 ) -> SkyMatrix:
     """Return the mean radiance of every patch, as a sky matrix of one column.
 
-    The mean is over 16 points of the patch, weighted by its projected solid angle,
-    which preserves the horizontal irradiance.
+    The mean is taken over 16 points per patch, weighted by projected solid angle, which
+    preserves the horizontal irradiance.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Quality checks of weather data: gaps in time, irradiance at night, wrong clocks.
 
-The clock is checked by the symmetry of irradiance about solar noon: the time shift that
-maximises its correlation with the sine of the solar altitude has an uncertainty of a
-quarter of an hour over a year, except in climates with frequent morning fog or
+The clock is checked by the symmetry of irradiance about solar noon: the shift is the
+one that maximises the correlation with the sine of the solar altitude. Over a year its
+uncertainty is a quarter of an hour, except in climates with frequent morning fog or
 afternoon storms.
 """
 
@@ -17,18 +17,19 @@ from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.solar_position import sun_at
 from clerestory.sky.weather import Weather
 
-# Time shifts that are tried [h]
+# Candidate time shifts [h]
 _SHIFTS = np.arange(-12, 13) / 4
 
-# Shifts beyond those of the world's climates [h]; times in daylight saving time make
-# the irradiance of summer an hour late
+# Limits above the shifts caused by climate [h]; with times in daylight saving time, the
+# irradiance of summer is an hour late
 _LARGEST_SHIFT = 0.5
 _SUMMER_LATE, _SUMMER_EARLY = -0.45, 0.65
 
-# Days with irradiance that an estimate needs
+# Smallest number of days with irradiance for an estimate
 _FEWEST_DAYS = 20
 
-# Altitude of the sun without any light [rad], and irradiance that counts [W/m²]
+# Solar altitude below which there is no daylight [rad], and threshold of irradiance
+# [W/m²]
 _BELOW = np.radians(-6.0)
 _LIGHT = 20.0
 
@@ -41,8 +42,9 @@ class ClockShift:
 
     Attributes
     ----------
-    whole : over all steps [h], positive where clocks are slow
-    summer_less_winter : difference of the seasons [h]; 0 where one is missing
+    whole : shift over all steps [h], positive if clocks are slow
+    summer_less_winter : shift in summer minus shift in winter [h]; 0 if a season is
+        missing
     """
 
     whole: float
@@ -50,9 +52,9 @@ class ClockShift:
 
 
 def clock_shift(weather: Weather) -> ClockShift | None:
-    """Return the hours to add to the times so that irradiance follows the sun.
+    """Return the time shift [h] that aligns irradiance with the solar position.
 
-    None where fewer than twenty days have irradiance.
+    None if fewer than twenty days have irradiance.
     """
     light = weather.direct_normal + weather.diffuse_horizontal
     days = np.unique(weather.times[light > _LIGHT].astype("datetime64[D]"))
@@ -73,12 +75,12 @@ def clock_shift(weather: Weather) -> ClockShift | None:
 
 
 def quality_problems(weather: Weather) -> tuple[str, ...]:
-    """Return the problems found, a clause each, with their size."""
+    """Return one clause per problem found, with its magnitude."""
     return (*_missing_steps(weather), *_light_at_night(weather), *_clock(weather))
 
 
 def warn_of_clock(weather: Weather) -> None:
-    """Warn where irradiance is too early or too late for the times of a file."""
+    """Warn if irradiance is too early or too late for the times of a file."""
     for problem in _clock(weather):
         warnings.warn(f"{weather.source}: {problem}", ClerestoryWarning, stacklevel=2)
 
@@ -114,13 +116,15 @@ def _clock(weather: Weather) -> tuple[str, ...]:
         return ()
     if not _SUMMER_LATE <= shift.summer_less_winter <= _SUMMER_EARLY:
         return (
-            f"irradiance in summer is {_hours(shift.summer_less_winter)} against that"
-            " in winter: are the times in daylight saving time?",
+            f"irradiance in summer is {_hours(shift.summer_less_winter)} relative to"
+            " winter: are the times in daylight saving time?",
         )
     if abs(shift.whole) > _LARGEST_SHIFT:
         return (
-            f"irradiance is {_hours(shift.whole)} against the sun: are time zone,"
-            " longitude and the moment that times stand for right?",
+            f"irradiance is {_hours(shift.whole)} relative to the solar position:"
+            " are time zone,"
+            " longitude and the meaning of the times (start, centre or end of a"
+            " step) right?",
         )
     return ()
 
@@ -130,7 +134,7 @@ def _hours(shift: float) -> str:
 
 
 def _height(weather: Weather, hours: float) -> Float[np.ndarray, " time"]:
-    # Sine of the sun's altitude some hours later
+    # Sine of the solar altitude some hours later
     later = weather.times + np.timedelta64(round(hours * 3600), "s")
     sun = sun_at(weather.site, later, formula="radiance")
     return np.asarray(np.maximum(np.sin(sun.altitude), 0))
@@ -149,7 +153,7 @@ def _best_shift(
 
 
 def describe_weather(weather: Weather) -> list[tuple[str, str]]:
-    """Return names and values: site, times, annual irradiation, corrections, problems.
+    """Return labels and values: site, times, annual irradiation, corrections, problems.
 
     Sums are over the steps of the file; missing steps are not replaced.
     """

@@ -1,7 +1,8 @@
 """Files of radiation networks: SURFRAD (NOAA) and SRML (University of Oregon).
 
-SURFRAD's daily files state their station; SRML's, read by pvlib, do not. Both have
-steps of minutes; `measured_weather` applies quality control and decomposition.
+SURFRAD's daily files contain the station's location; SRML's files, read by pvlib, do
+not. Both have steps of minutes; `measured_weather` applies quality control and
+decomposition.
 """
 
 import importlib
@@ -36,10 +37,10 @@ _SURFRAD = {
 }
 _SURFRAD_SERIES: tuple[Quantity, ...] = ("direct_normal", "diffuse_horizontal")
 
-# SURFRAD writes -9999.9 for missing values
+# Missing values are -9999.9 in SURFRAD files
 _MISSING = -9000.0
 
-# pvlib's names of SRML's quantities, each followed by the number of the instrument
+# pvlib's prefixes of SRML quantities; the number of the instrument follows
 _SRML: dict[Quantity, str] = {
     "global_horizontal": "ghi",
     "diffuse_horizontal": "dhi",
@@ -51,13 +52,13 @@ _SRML_HEADER = 1
 def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> Weather:
     """Return the weather of a SURFRAD file (.dat), one day in steps of a minute.
 
-    Times are UTC and stand for the end of their minute. Direct and diffuse irradiance
-    are those of the tracking and of the shaded instrument.
+    Times are UTC and mark the end of their minute. Direct and diffuse irradiance are
+    measured by the tracking and the shaded instrument.
 
     Parameters
     ----------
-    utc_offset_hours : of the local standard time wanted; None takes that of the
-        meridian, longitude / 15 rounded
+    utc_offset_hours : local standard time minus UTC [h]; default: longitude / 15,
+        rounded
 
     Reference: NOAA Global Monitoring Laboratory, SURFRAD README.
     """
@@ -78,7 +79,9 @@ def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> 
 
 
 def is_surfrad(head: list[str]) -> bool:
-    """Whether the second line has a SURFRAD station's place, the third its numbers."""
+    """Whether the second line holds a SURFRAD station's location and the third its
+    data.
+    """
     return (
         len(head) > 2
         and head[1].split()[3:5] == ["m", "version"]
@@ -93,7 +96,7 @@ def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> S
         for i, name in enumerate(("latitude", "longitude", "elevation"))
     )
 
-    # Stations are in the United States; older files give longitude without its sign
+    # Stations are in the United States; older files omit the sign of the longitude
     longitude = -abs(longitude)
     if offset is None:
         offset = round(longitude / 15)
@@ -101,7 +104,7 @@ def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> S
 
 
 def _surfrad_times(cells: dict[str, np.ndarray], rows: DataRows) -> np.ndarray:
-    # UTC; the day is that of the year
+    # Times in UTC; the day is the day of the year
     late = (cells["hour"] > 24) | (cells["minute"] > 60) | (cells["day"] > 366)
     wrong = late | (np.minimum(cells["hour"], cells["minute"]) < 0) | (cells["day"] < 1)
     wrong |= (cells["year"] < 1900) | (cells["year"] > 2200)
@@ -123,15 +126,15 @@ def read_srml(
 ) -> Weather:
     """Return the weather of a monthly file of SRML, University of Oregon (.txt).
 
-    Of several instruments for one quantity the first is used; values that the network
-    flags as bad are missing.
+    If several instruments measure a quantity, the first is used; values flagged as bad
+    by the network are missing.
 
     Reference: F. Vignola et al., SRML, Archival (short interval) data files.
     """
     pd = importlib.import_module("pandas")
     data = _read_srml(path)
     if not isinstance(data.index, pd.DatetimeIndex):
-        raise InputError("times that are not in the calendar", file=path)
+        raise InputError("invalid times; dates of the calendar expected", file=path)
     utc = data.index.tz_convert("UTC").tz_localize(None).to_numpy()
     series, names = {}, {}
     for quantity, short in _SRML.items():
@@ -152,7 +155,8 @@ def read_srml(
 
 
 def _read_srml(path: str | Path) -> Any:
-    # Open the file here first: pvlib would take a missing one for an address
+    # Open the file here first: pvlib would interpret the path of a missing file as a
+    # URL
     read_text(path)
     iotools = importlib.import_module("pvlib.iotools")
     try:
@@ -177,7 +181,7 @@ def _weather(
     stands_for: StandsFor,
     decomposition: Decomposition = "erbs",
 ) -> Weather:
-    # Go from UTC to local standard time, and to the centres of the steps
+    # Convert from UTC to local standard time, and to the centres of the steps
     local = utc + np.timedelta64(round(site.utc_offset_hours * 3600), "s")
     require_increasing(local, rows=rows)
     step = typical_step(local)

@@ -1,6 +1,6 @@
 """Sky conditions: solar position, Perez parameters and visible irradiance per step.
 
-Sky matrices and skies as functions of direction are computed from them.
+Basis of sky matrices and of skies as functions of direction.
 """
 
 import warnings
@@ -28,13 +28,13 @@ from clerestory.sky.weather import Weather
 
 Spectrum = Literal["visible", "solar"]
 
-# Irradiance below which it is night [W/m²], as in gendaymtx
+# Irradiance below which a step is dark [W/m²], as in gendaymtx
 _NIGHT = 1e-4
 
 # Direct irradiance above the uncertainty of instruments [W/m²]
 _BRIGHT = 20.0
 
-# Newton iterations that find sunrise to a few seconds
+# Number of Newton iterations, for sunrise within a few seconds
 _ITERATIONS = 3
 
 # Range of dew points on Earth [°C]
@@ -47,9 +47,9 @@ class SkyConditions:
 
     Attributes
     ----------
-    sun : solar position in the coordinates of the scene
+    sun : solar position in scene coordinates
     state : clearness and brightness of the sky
-    direct_normal, diffuse_horizontal : irradiance [W/m²], zero at night
+    direct_normal, diffuse_horizontal : irradiance [W/m²]; zero at night
     """
 
     sun: SunPosition
@@ -59,7 +59,7 @@ class SkyConditions:
 
     @property
     def lit(self) -> Bool[np.ndarray, " time"]:
-        """Whether any irradiance is above zero."""
+        """Whether a time step has direct or diffuse irradiance."""
         return np.asarray(self.direct_normal + self.diffuse_horizontal > 0)
 
     def direct_horizontal(self) -> Float[np.ndarray, " time"]:
@@ -89,12 +89,12 @@ def sky_conditions(
     Parameters
     ----------
     weather : irradiance over time
-    rotation_deg : rotates the sun counter-clockwise, for scenes whose y axis points
-        that much east of north
+    rotation_deg : counter-clockwise rotation of the sun; angle of the scene's y axis
+        east of north
     sun_formula : "spa", or "radiance" for comparisons with Radiance
-    dew_point_c : for all steps; None takes the weather's, or 11 °C
-    spectrum : "visible" irradiance, illuminance over 179 lm/W, or that of the
-        whole "solar" spectrum, as the weather has it
+    dew_point_c : dew point of all steps [°C]; default: from the weather, or else 11 °C
+    spectrum : "visible": illuminance divided by 179 lm/W; "solar": irradiance of the
+        whole solar spectrum, as in the weather
     """
     if spectrum not in ("visible", "solar"):
         raise InputError(
@@ -127,9 +127,9 @@ def sun_over(
 ) -> SunPosition:
     """Return the solar position at each step of the weather.
 
-    It is that of the centre of the step; in steps with sunrise or sunset, that of the
-    centre of the part with the sun above the horizon. Radiance's formula always takes
-    the centre of the step, as gendaymtx does.
+    The position is computed at the centre of the step; in steps with sunrise or sunset,
+    at the centre of the part with the sun above the horizon. Radiance's formula is
+    always evaluated at the centre of the step, as in gendaymtx.
     """
     if not np.isfinite(rotation_deg):
         raise InputError(
@@ -142,7 +142,7 @@ def sun_over(
 
 
 def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weather:
-    """Return the steps in which a part of the sun's disc is above the horizon."""
+    """Return the steps in which part of the solar disc is above the horizon."""
     up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
     if not up.any():
         raise InputError(
@@ -153,7 +153,7 @@ def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weat
 
 
 def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
-    # The sun moves by at most 15° an hour: only steps near the horizon change
+    # The sun moves by at most 15° per hour: only steps near the horizon change
     half = np.timedelta64(round(weather.step_minutes * 30), "s")
     near = np.flatnonzero(np.abs(sun.altitude) < _reach(weather))
     if len(near) == 0:
@@ -164,7 +164,7 @@ def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
     cross = first * last < 0
     near, centre, first, last = near[cross], centre[cross], first[cross], last[cross]
 
-    # Find the zero of the altitude, from -1 to 1 over the step, by Newton's method
+    # Find sunrise or sunset by Newton's method; the step is the interval from -1 to 1
     def moved_to(share: Float[np.ndarray, " step"]) -> SunPosition:
         seconds = np.round(share * half.astype(float)).astype("timedelta64[s]")
         return sun_at(weather.site, centre + seconds)

@@ -1,4 +1,4 @@
-"""Sky matrix of weather, as Radiance's gendaymtx computes it.
+"""Sky matrix from weather data, as in Radiance's gendaymtx.
 
 The sky is the Perez all-weather sky, scaled to the diffuse horizontal irradiance of the
 weather; the radiance of the ground follows from its reflectance and the global
@@ -47,28 +47,28 @@ def sky_matrix(
 ) -> SkyMatrix:
     """Return the radiance [W/(m²·sr)] of ground and sky patches at every time step.
 
-    With `sun_formula="radiance"`, the arguments left at None are those of
-    gendaymtx too: quadrature by "centres" and a dew point of 11 °C.
+    With `sun_formula="radiance"`, unspecified arguments also follow gendaymtx:
+    quadrature by "centres" and a dew point of 11 °C.
 
     Parameters
     ----------
     weather : irradiance over time
     subdivision : Reinhart's MF, 1 to 6
-    include : "all"; "sky" without the direct sun, which the ground still reflects;
-        "sun" without sky and ground
+    include : "all"; "sky": without the direct sun, but with sunlight reflected by the
+        ground; "sun": without sky and ground
     sun : distribution of the direct sun over patches, see `sun_radiance`
     sun_diameter_deg : apparent diameter of the sun's "disc"
     ground_reflectance : one value, or one per band
-    sky_colour : factor of each band; None takes gendaymtx's in RGB, white in others
+    sky_colour : factor of each band; default: gendaymtx's in RGB, white in other bands
     rotation_deg, sun_formula, dew_point_c, spectrum : as for `sky_conditions`
-    quadrature : the sky is scaled to the diffuse irradiance by the "exact"
-        projected solid angles of its patches, or by their "centres" as in
-        gendaymtx, whose irradiance is 0.55 % smaller at MF 1 and 0.04 % at MF 4
+    quadrature : method of scaling to the diffuse irradiance: by the "exact" projected
+        solid angles of the patches, or by their "centres" as in gendaymtx, which gives
+        0.55 % less irradiance at MF 1 and 0.04 % at MF 4
     bands : spectral bands of the sky
 
     Raises
     ------
-    InputError : an argument outside its range
+    InputError : an argument is outside its range
     """
     partition = reinhart(subdivision)
     colour = _colours(partition, ground_reflectance, sky_colour, bands)
@@ -131,7 +131,7 @@ def _sky_and_ground(
     *,
     empty: bool,
 ) -> Float32[np.ndarray, "patch time"]:
-    # Time is the first axis in memory, since whole steps are written and read
+    # Time is the first axis in memory, since whole steps are written
     lit = conditions.lit
     radiance = np.zeros((len(lit), len(partition)), np.float32)
     if not empty:
@@ -154,7 +154,7 @@ def _colours(
     sky_colour: Sequence[float] | None,
     bands: Bands,
 ) -> Float[np.ndarray, "band patch"]:
-    # Factor of each band, for the ground and the sky
+    # Factor of each band and patch: ground reflectance, then sky colour
     if sky_colour is None:
         sky_colour = default_colour(bands)
     ground = _per_band("ground reflectance", ground_reflectance, bands, largest=1.0)

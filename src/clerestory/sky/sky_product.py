@@ -1,8 +1,8 @@
-"""Transfer coefficients times a year of sky, in blocks and in one channel.
+"""Product of transfer coefficients and an annual sky, in blocks of time steps.
 
-The sky's radiance in each band is one grey distribution times a colour per patch. A
-weighted sum of bands, such as luminance, is therefore folded into the transfer matrix
-first, and a year costs one matrix product instead of one per band.
+The radiance of the sky in each band is one achromatic distribution times a colour per
+patch. A weighted sum of bands, such as luminance, is therefore applied to the transfer
+matrix first, and a year takes one matrix product instead of one per band.
 """
 
 from collections.abc import Iterator
@@ -20,7 +20,9 @@ def fold(
     colour: Float[np.ndarray, "band patch"],
     weights: Float[np.ndarray, " band"],
 ) -> Float32[np.ndarray, "*batch row patch"]:
-    """Sum over bands of weight, colour and coefficient; one channel is all bands."""
+    """Sum over bands of weight · colour · coefficient; one channel applies to all
+    bands.
+    """
     tint = weights[:, None] * colour
     if values.shape[-3] == 1:
         tint = tint.sum(axis=0, keepdims=True)
@@ -33,7 +35,7 @@ def fold(
 def lit_steps(
     diffuse: Float32[np.ndarray, "patch time"], sun: csc_array
 ) -> Int[np.ndarray, " lit"]:
-    """Numbers of the time steps with any light."""
+    """Indices of the time steps with sky or sun radiance."""
     return np.flatnonzero(diffuse.T.any(axis=1) | (np.diff(sun.indptr) > 0))
 
 
@@ -45,13 +47,13 @@ def product_blocks(
     direct: csc_array,
     steps: Int[np.ndarray, " lit"],
 ) -> Iterator[tuple[Int[np.ndarray, " block"], Float32[np.ndarray, "row block"]]]:
-    """Yield blocks of time steps and what the rows receive in them.
+    """Yield blocks of time steps and the quantity received by the rows.
 
     Parameters
     ----------
-    sky, sun : folded coefficients for the sky's and the sun's colour
-    diffuse, direct : grey radiance of the patches by sky and sun [W/(m²·sr)]
-    steps : the time steps to compute
+    sky, sun : coefficients weighted by the colour of the sky and of the sun
+    diffuse, direct : achromatic radiance of the patches from sky and sun [W/(m²·sr)]
+    steps : indices of the time steps to compute
     """
     rows, patches = sky.shape
     size = max(1, min(_BLOCK // max(rows, patches), 4096))
@@ -70,7 +72,7 @@ def product_blocks(
 
 
 def row_blocks(rows: int, *, layers: int, patches: int) -> Iterator[slice]:
-    """Yield blocks of rows small enough to be multiplied with all their layers."""
+    """Yield blocks of rows whose coefficients in all layers fit in one block."""
     size = max(1, _BLOCK // (layers * patches))
     for start in range(0, rows, size):
         yield slice(start, min(start + size, rows))

@@ -1,12 +1,12 @@
 """Perez sky parameters: clearness, brightness and luminous efficacy.
 
-Irradiance of weather data covers the whole solar spectrum. Radiance [W/(m²·sr)] in
-Radiance's sense is visible light, luminance over 179 lm/W. They are converted by the
+Irradiance in weather data covers the whole solar spectrum. Visible radiance
+[W/(m²·sr)], as in Radiance, is luminance divided by 179 lm/W. The conversion uses the
 luminous efficacies of direct and diffuse irradiance.
 
 Reference: R. Perez, P. Ineichen, R. Seals, J. Michalsky, R. Stewart, Modeling
 daylight availability and irradiance components from direct and global
-irradiance, Solar Energy 44 (5), 1990, within the limits of Radiance's gendaymtx.
+irradiance, Solar Energy 44 (5), 1990. Limits of the parameters as in gendaymtx.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from clerestory.constants import LUMINOUS_EFFICACY
 
 SOLAR_CONSTANT = 1367.0  # [W/m²], as in gendaymtx
 
-# Dew point where the weather data have none [°C], as in gendaymtx
+# Default dew point [°C], as in gendaymtx
 DEFAULT_DEW_POINT_C = 11.0
 
 # Limits of the solar zenith angle [rad]
@@ -64,7 +64,7 @@ class SkyState:
     ----------
     zenith : solar zenith angle, limited to 3°…90° [rad]
     clearness, brightness : Perez's ε and Δ
-    category : of clearness, from 0 (overcast) to 7 (clear)
+    category : clearness category, from 0 (overcast) to 7 (clear)
     """
 
     zenith: Float[np.ndarray, " time"]
@@ -83,7 +83,7 @@ def sky_state(
     """Return clearness and brightness of the sky (Perez et al. 1990, eqs. 1 and 2)."""
     zenith = np.clip(np.pi / 2 - altitude, *_ZENITH_LIMITS)
 
-    # Clearness; its maximum where there is no diffuse irradiance
+    # Clearness; the largest category without diffuse irradiance
     correction = 1.041 * zenith**3
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = np.where(direct_normal > 0, direct_normal / diffuse_horizontal, 0.0)
@@ -106,7 +106,7 @@ def visible_irradiance(
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
     """Return visible direct normal and diffuse horizontal irradiance [W/m²].
 
-    Illuminance by Perez's luminous efficacy (1990, eqs. 7 and 8), over 179 lm/W.
+    Illuminance from Perez's luminous efficacy (1990, eqs. 7 and 8) divided by 179 lm/W.
     """
     # Precipitable water [cm] from the dew point (eq. 3)
     water = np.exp(0.07 * dew_point_c - 0.075)

@@ -1,9 +1,8 @@
 """Solar position: altitude and azimuth of the sun.
 
-NREL's Solar Position Algorithm (SPA), as implemented by pvlib, is the default. Its
-module is loaded without the package, whose import of pandas, SciPy and a web client
-takes a second. Radiance's own formulas serve comparisons with Radiance; they differ by
-some tenths of a degree.
+The default is NREL's Solar Position Algorithm (SPA) of pvlib. Its module is loaded
+without the package, whose import takes a second. Radiance's formulas, for comparisons
+with Radiance, differ by some tenths of a degree.
 
 References: I. Reda, A. Andreas, NREL/TP-560-34302, 2008; Radiance, src/gen/sun.c,
 the formulas of gensky and gendaymtx.
@@ -24,7 +23,7 @@ from clerestory.sky.weather import Site
 
 SunFormula = Literal["spa", "radiance"]
 
-# Terrestrial time minus universal time around now [s], and refraction at sunrise [°]
+# Present terrestrial time minus universal time [s], and refraction at sunrise [°]
 _DELTA_T = 67.0
 _REFRACTION_AT_SUNRISE = 0.5667
 
@@ -38,8 +37,8 @@ class SunPosition:
 
     Attributes
     ----------
-    altitude : above the horizon, with refraction [rad]
-    azimuth : clockwise from north [rad]
+    altitude : altitude above the horizon, with refraction [rad]
+    azimuth : azimuth clockwise from north [rad]
     """
 
     altitude: Float[np.ndarray, " time"]
@@ -73,9 +72,11 @@ def sun_position(
     Parameters
     ----------
     times : local standard time
-    latitude_deg, longitude_deg : north- and east-positive [°]
+    latitude_deg, longitude_deg : latitude, north-positive, and longitude, east-positive
+        [°]
     utc_offset_hours : local standard time minus UTC [h]
-    elevation : above sea level [m]; with `temperature_c`, for refraction only
+    elevation : elevation above sea level [m]; with `temperature_c`, used for refraction
+        only
     formula : "spa", within 0.0003° from the year -2000 to 6000, or "radiance"
 
     Examples
@@ -166,8 +167,8 @@ def _spa(
 
     Parameters
     ----------
-    seconds : since 1970, universal time
-    elevation : above sea level [m]
+    seconds : universal time [s] since 1970
+    elevation : elevation above sea level [m]
     """
     position = _ALGORITHM.solar_position(
         seconds,
@@ -184,7 +185,7 @@ def _spa(
 
 
 def _load() -> ModuleType:
-    # Find the package without importing it
+    # Locate the package without importing it
     package = importlib.util.find_spec("pvlib")
     if package is None or not package.submodule_search_locations:
         raise ModuleNotFoundError("pvlib is not installed", name="pvlib")

@@ -1,8 +1,8 @@
 """Direct sun as radiance of sky patches.
 
 Radiance distributes the sun over the four nearest patches. Methods with a separate
-direct sun need it in one patch, at the mean radiance of the patch or at the radiance of
-the solar disc.
+direct-sun term assign it to a single patch, with the mean radiance of the patch or the
+radiance of the solar disc.
 """
 
 import math
@@ -22,16 +22,17 @@ SunPlacement = Literal["spread", "patch", "disc"]
 SUN_DIAMETER_DEG = math.degrees(SUN_DIAMETER)
 _WIDEST_SUN_DEG = 30.0
 
-# Number of nearest patches and softening of their weights in gendaymtx
+# Number of nearest patches, and constant added to distance² in their weights, in
+# gendaymtx
 _NEIGHBOURS = 4
 _SOFTENING = 1.002
 
-# Smallest direct irradiance that counts [W/m²], as in gendaymtx: 1e-4 lux
+# Smallest direct irradiance regarded as sun [W/m²], as in gendaymtx: 1e-4 lux
 _THRESHOLD = 1e-4 / 179
 
 
-# Candidates: rings around that of a direction, and patches of each. Patches are at most
-# 1.5 times as wide as high
+# Candidates: rings around the ring of a direction, and patches of each ring. Patches
+# are at most 1.5 times as wide as high
 _RINGS = 5
 _MOST = 4
 
@@ -42,7 +43,7 @@ class Nearest(NamedTuple):
     Attributes
     ----------
     distance : chord from the direction to the centre of the patch
-    patch : its number
+    patch : index of the patch
     """
 
     distance: Float[np.ndarray, "direction neighbour"]
@@ -64,10 +65,10 @@ def sun_radiance(
     direct : visible direct normal irradiance [W/m²]
     directions : unit vectors to the sun
     partition : sky patches
-    placement : "spread" over the four nearest patches, weighted by proximity;
-        all in the nearest "patch"; in the nearest patch at the radiance of the
-        solar "disc", for direct-sun matrices traced with such discs
-    diameter_deg : apparent diameter of the disc
+    placement : "spread": over the four nearest patches, weighted by proximity; "patch":
+        in the nearest patch, at its mean radiance; "disc": in the nearest patch, at the
+        radiance of the solar disc, for direct-sun matrices traced with solar discs
+    diameter_deg : apparent diameter of the solar disc
     """
     if placement not in ("spread", "patch", "disc"):
         raise InputError(
@@ -76,7 +77,7 @@ def sun_radiance(
         )
     if not 0 < diameter_deg <= _WIDEST_SUN_DEG:
         raise InputError(
-            f"sun of {diameter_deg}°; a diameter up to {_WIDEST_SUN_DEG:g}° expected"
+            f"sun of diameter {diameter_deg}°; above 0 to {_WIDEST_SUN_DEG:g}° expected"
         )
     up = np.flatnonzero(direct > _THRESHOLD)
     count = _NEIGHBOURS if placement == "spread" else 1
@@ -100,7 +101,7 @@ def sun_radiance(
 def nearest_patches(
     dome: RingPartition, directions: Float[np.ndarray, "direction 3"], *, count: int
 ) -> Nearest:
-    """Return the patches of a sky whose centres are nearest to some directions.
+    """Return the sky patches whose centres are nearest to the given directions.
 
     >>> from clerestory.hemisphere.reinhart import reinhart
     >>> dome = reinhart(1).dome
@@ -110,21 +111,22 @@ def nearest_patches(
     centres = dome.centres()
     rings = min(_RINGS, len(dome.count))
 
-    # Take the rings around each direction, by the height of their centres
+    # Candidate rings around each direction, by the height of their centres
     height = np.arcsin(centres[dome.first, 2])
     altitude = np.arcsin(np.clip(directions[:, 2], -1, 1))
     own = np.abs(height[:, None] - altitude).argmin(axis=0)
     lowest = np.clip(own - rings // 2, 0, len(height) - rings)
     ring = lowest[:, None] + np.arange(rings)
 
-    # Of each ring, take the patches around the azimuth; the first is in the north
+    # Candidate patches of each ring, around the azimuth; the first patch is in the
+    # north
     each = dome.count[ring]
     azimuth = np.arctan2(directions[:, 0], directions[:, 1])[:, None]
     offset = np.arange(_MOST)
     place = np.floor(azimuth * each / (2 * np.pi)).astype(int)[..., None] - 1 + offset
     patch = dome.first[ring][..., None] + place % each[..., None]
 
-    # Choose the nearest; exclude the repeated patches of rings with fewer patches
+    # Choose the nearest; exclude duplicates in rings with few patches
     apart = centres[patch] - directions[:, None, None]
     distance = np.sqrt(np.einsum("drpx,drpx->drp", apart, apart))
     distance[offset >= each[..., None]] = np.inf

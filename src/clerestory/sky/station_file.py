@@ -1,4 +1,4 @@
-"""Station files (.toml): site and columns of a file of measurements.
+"""Station files (.toml): site and columns of a measurement file.
 
     file = "roof.csv"
     stands_for = "end"
@@ -13,7 +13,7 @@
     global_horizontal = "GHI"
     diffuse_horizontal = "DHI"
 
-A station file may be given wherever a weather file is expected.
+A station file is accepted wherever a weather file is expected.
 """
 
 import tomllib
@@ -53,12 +53,12 @@ def _as_list(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
-# A list of names; a single name is a list of one
+# List of names; a single name becomes a list of one
 OneOrSeveral = Annotated[list[str], BeforeValidator(_as_list)]
 
 
 class Table(BaseModel):
-    """A table of a TOML file without unknown keys."""
+    """A table of a TOML file; unknown keys are an error."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False
@@ -88,13 +88,13 @@ class ColumnsTable(Table):
     dew_point: str | None = None
 
     def columns(self) -> Columns:
-        """Return the same as a plain value."""
+        """Return the names as a `Columns`."""
         named = self.model_dump(exclude={"time"})
         return Columns(tuple(self.time), **named)
 
 
 class MeasuredTable(Table):
-    """Description of a file of measurements; see `read_measured`.
+    """Description of a measurement file; see `read_measured`.
 
     Files of the networks SURFRAD and SRML have fixed columns.
     """
@@ -112,7 +112,7 @@ class MeasuredTable(Table):
     @model_validator(mode="after")
     def _complete(self) -> "MeasuredTable":
         if self.site is None and self.format != "surfrad":
-            raise PydanticCustomError("rule", "no place; a table [site] expected")
+            raise PydanticCustomError("rule", "no site; a table [site] expected")
         if (self.columns is not None) != (self.format == "csv"):
             expected = "a table" if self.format == "csv" else "no table"
             raise PydanticCustomError(
@@ -128,7 +128,7 @@ class _StationFile(MeasuredTable):
 
 
 def read_with(path: str | Path, how: MeasuredTable) -> Weather:
-    """Return the weather in a file of measurements."""
+    """Return the weather in a measurement file."""
     if how.format == "surfrad":
         offset = None if how.site is None else how.site.utc_offset_hours
         return read_surfrad(path, utc_offset_hours=offset)
@@ -144,7 +144,7 @@ def read_with(path: str | Path, how: MeasuredTable) -> Weather:
 
 
 def read_station(path: str | Path) -> Weather:
-    """Return the weather that a station file describes; `file` is relative to it."""
+    """Return the weather of a station file, whose `file` is relative to its folder."""
     try:
         tables = tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:

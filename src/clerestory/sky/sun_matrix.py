@@ -1,8 +1,8 @@
 """Sun matrix: direct normal irradiance of every solar position over time.
 
-A direct-sun matrix for the 5185 patches of a Reinhart sky is mostly traced for
-positions that the sun never takes. Here every step with direct irradiance has its own
-solar position, and positions within a given angle are merged into the strongest.
+The sun is never in most of the 5185 patches of a Reinhart sky. Here every step with
+direct irradiance has its exact solar position; positions within a given angle are
+merged into the position of largest irradiance.
 """
 
 import importlib
@@ -34,8 +34,9 @@ class SunMatrix:
     ----------
     directions : unit vectors to the sun
     times : centres of the steps, local standard time
-    direct_normal : [W/m²], (sun, time), with at most one position a step
-    attributes : provenance
+    direct_normal : irradiance [W/m²], over (sun, time), with at most one position per
+        step
+    attributes : provenance of the matrix
     """
 
     directions: Float[np.ndarray, "sun 3"]
@@ -83,14 +84,14 @@ def sun_matrix(
 ) -> SunMatrix:
     """Return the solar positions of all steps with direct irradiance.
 
-    Steps with the sun below the horizon have none; their number is the attribute
+    Steps with the sun below the horizon are excluded; their number is the attribute
     "steps_below_horizon".
 
     Parameters
     ----------
     weather : irradiance over time
-    tolerance_deg : solar positions at most this far apart are merged; 0 merges none
-    options : as for `sky_conditions`
+    tolerance_deg : largest angle between merged solar positions [°]; 0: no merging
+    options : keyword arguments of `sky_conditions`
     """
     if not 0 <= tolerance_deg <= _WIDEST_TOLERANCE_DEG:
         raise InputError(
@@ -127,8 +128,8 @@ def patch_suns(
 ) -> SunMatrix:
     """Return a sun at the centre of every sky patch: 5185 for subdivision 6.
 
-    The sun of each step is moved to the nearest patch centre, as direct-sun matrices
-    of the five-phase method do.
+    The sun of each step is moved to the nearest patch centre, as in the direct-sun
+    matrices of the five-phase method.
     """
     conditions = sky_conditions(weather, **options)
     partition = reinhart(subdivision)
@@ -162,15 +163,15 @@ def merge_suns(
     *,
     tolerance: float,
 ) -> Int[np.ndarray, " step"]:
-    """Return, for each step, the step whose solar position represents its own.
+    """Return, for each step, the index of the step whose solar position represents it.
 
-    The step of the largest weight represents all within `tolerance` [rad] of it; then
-    that of the largest weight of those left, and so on.
+    Greedy clustering: the remaining step of largest weight represents all remaining
+    steps within `tolerance` [rad], until none remain.
     """
     count = len(directions)
     if count == 0 or tolerance == 0:
         return np.arange(count)
-    # Import SciPy's search tree here: it takes long and is needed for tolerances only
+    # Import here: SciPy's k-d tree loads slowly and is needed for merging only
     tree = importlib.import_module("scipy.spatial").cKDTree(directions)
     near = tree.query_ball_point(directions, 2 * np.sin(tolerance / 2))
     representative = np.full(count, -1)

@@ -1,4 +1,4 @@
-"""Numbers in the cells of text files, with the line of a cell that holds none."""
+"""Numbers in the cells of text files, with the line number in error messages."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -39,8 +39,8 @@ class DataRows:
 
     Attributes
     ----------
-    file : the file
-    cells : of each row
+    file : name of the file
+    cells : cells of each row
     lines : line number of each row
     """
 
@@ -52,7 +52,7 @@ class DataRows:
     def below(
         cls, header_lines: int, rows: Iterable[Sequence[str]], *, file: str | Path
     ) -> "DataRows":
-        """Return the rows below a header that are not empty."""
+        """Return the non-empty rows below a header."""
         rows = list(rows)
         kept = [i for i, row in enumerate(rows) if i >= header_lines and row]
         if not kept:
@@ -72,7 +72,7 @@ class DataRows:
         except (ValueError, IndexError):
             pass
 
-        # Find the cell that is not a number, or the cells that are empty
+        # Convert cell by cell, to report the invalid cell
         values = np.empty(len(self.cells))
         for i, row in enumerate(self.cells):
             blank = index < len(row) and row[index].strip().lower() in ("", "nan", "na")

@@ -11,7 +11,7 @@ from clerestory.sky.weather import TYPICAL_LEAP_YEAR, TYPICAL_YEAR
 
 StandsFor = Literal["start", "centre", "end"]
 
-# Steps from the moment that a time stands for to the centre of its step
+# Offset from the stated time to the centre of the step [steps]
 _SHIFTS = {"start": 0.5, "centre": 0.0, "end": -0.5}
 
 _DAYS = (31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
@@ -26,8 +26,8 @@ def calendar_times(
 ) -> np.ndarray:
     """Return the times `hour` hours after the start of the given days, to the second.
 
-    The year is 2023, or 2024 where a 29 February occurs. Hours within 2 s of
-    a whole minute are taken as that minute, since files write 0.167 for 1/6.
+    The year is 2023, or 2024 if a 29 February occurs. Hours within 2 s of a whole
+    minute are rounded to that minute, since files contain 0.167 for 1/6.
     """
     calendar = np.array(_DAYS)
     whole = (month == np.floor(month)) & (day == np.floor(day))
@@ -55,7 +55,7 @@ def calendar_times(
     first = np.datetime64(f"{year}-01", "M") + (month.astype(int) - 1)
     date = first.astype("datetime64[D]") + (day.astype(int) - 1)
 
-    # Add the hours, rounded to the minute where they differ by rounding only
+    # Add the hours; round to the minute if the difference is due to rounding
     seconds = np.round(hour * 3600)
     minute = 60 * np.round(seconds / 60)
     seconds = np.where(np.abs(seconds - minute) <= 2, minute, seconds).astype(int)
@@ -65,7 +65,9 @@ def calendar_times(
 
 
 def require_increasing(times: np.ndarray, *, rows: DataRows) -> None:
-    """Raise `InputError` at the first row whose time is not after that of the last."""
+    """Raise `InputError` at the first row whose time is not after the previous
+    row's.
+    """
     late = np.diff(times) <= np.timedelta64(0)
     if np.any(late):
         i = int(np.argmax(late)) + 1
@@ -80,8 +82,8 @@ def require_increasing(times: np.ndarray, *, rows: DataRows) -> None:
 def typical_step(times: np.ndarray) -> float:
     """Return the shortest step between times [min]; 60 for a single one.
 
-    Steps within 5 s of a whole minute are taken as that, since files round hours
-    to three digits: 0.042, 0.125, 0.208 for every five minutes.
+    Steps within 5 s of a whole minute are rounded to it, since files round hours to
+    three digits: 0.042, 0.125, 0.208 for every five minutes.
     """
     if len(times) < 2:
         return 60.0
@@ -93,7 +95,7 @@ def typical_step(times: np.ndarray) -> float:
 def centres(
     times: np.ndarray, step_minutes: float, stands_for: StandsFor
 ) -> np.ndarray:
-    """Return the centres of steps whose times stand for their start, centre or end."""
+    """Return the centres of steps given by their start, centre or end."""
     if stands_for not in _SHIFTS:
         raise InputError(
             f"times stand for {stands_for!r}; 'start', 'centre' or 'end' expected"

@@ -1,6 +1,6 @@
 """Typical meteorological years of NREL, second edition (TMY2, .tm2).
 
-Lines have fixed columns. Hours are numbered 1…24 and stand for the hour that ends then.
+Lines have fixed columns. Hours are numbered 1…24 and mark the end of their step.
 
 Reference: W. Marion, K. Urban, User's Manual for TMY2s, NREL, 1995, tables 3-1 and 3-2.
 """
@@ -16,7 +16,7 @@ from clerestory.sky.table_cells import DataRows, number
 from clerestory.sky.time_steps import calendar_times, typical_step
 from clerestory.sky.weather import Site, Weather
 
-# Characters of each field, from the first (counted from 0) up to the last
+# Character range of each field, counted from 0, end excluded
 _SITE = {
     "time zone": (33, 36),
     "latitude [°]": (39, 41),
@@ -40,7 +40,9 @@ def read_tmy2(path: str | Path) -> Weather:
     """Return the weather of a TMY2 file, in the year 2023 (2024 with a 29 February)."""
     lines = read_text(path).splitlines()
     if not lines or not is_tmy2_header(lines[0]):
-        raise InputError("no TMY2 header in the first line", file=path, line=1)
+        raise InputError(
+            "no TMY2 header in the first line; a TMY2 file expected", file=path, line=1
+        )
     fields = [
         [text[start:stop] for start, stop in _DATA.values()] if text.strip() else []
         for text in lines
@@ -62,7 +64,7 @@ def read_tmy2(path: str | Path) -> Weather:
 
 
 def is_tmy2_header(line: str) -> bool:
-    """Whether a line has hemispheres where TMY2 headers have them."""
+    """Whether a line has the hemisphere letters of a TMY2 header."""
     return line[37:38] in ("N", "S") and line[45:46] in ("E", "W")
 
 

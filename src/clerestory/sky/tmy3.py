@@ -1,6 +1,6 @@
 """Typical meteorological years of NREL, third edition (TMY3, .csv).
 
-Hours are numbered 01:00…24:00 and stand for the hour that ends then.
+Hours are numbered 01:00…24:00 and mark the end of their step.
 
 Reference: S. Wilcox, W. Marion, Users Manual for TMY3 Data Sets,
 NREL/TP-581-43156, 2008.
@@ -25,7 +25,7 @@ _SITE = {"latitude": 4, "longitude": 5, "time zone": 3, "elevation": 6}
 DATE, _TIME = "Date (MM/DD/YYYY)", "Time (HH:MM)"
 _SERIES = ("DNI (W/m^2)", "DHI (W/m^2)", "Dew-point (C)")
 
-# The code for a missing dew point [°C]; missing irradiance is out of range as well
+# Code for a missing dew point [°C]; codes for missing irradiance are out of range
 _MISSING_DEW_POINT = -9900.0
 
 
@@ -45,7 +45,7 @@ def read_tmy3(path: str | Path) -> Weather:
     site = Site(latitude, longitude, offset, elevation, place)
     rows, names = DataRows.below(2, table, file=path), table[1]
 
-    # Go from the end of each hour to its centre
+    # Convert the end of each hour to its centre
     month, day = _parts(rows, names, DATE, "/")
     hour, _ = _parts(rows, names, _TIME, ":")
     times = calendar_times(month, day, hour - 0.5, rows=rows)
@@ -66,14 +66,18 @@ def read_tmy3(path: str | Path) -> Weather:
 
 def _index(names: list[str], name: str, path: str | Path) -> int:
     if name not in names:
-        raise InputError(f"no column {name!r}; a TMY3 file has one", file=path, line=2)
+        raise InputError(
+            f"no column {name!r}; a TMY3 file with this column expected",
+            file=path,
+            line=2,
+        )
     return names.index(name)
 
 
 def _parts(
     rows: DataRows, names: list[str], name: str, separator: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    # First two numbers of a date or a time
+    # Return the first two numbers of a date or time
     i = _index(names, name, rows.file)
     cells = [row[i].split(separator) if i < len(row) else [] for row in rows.cells]
     parts = replace(rows, cells=cells)

@@ -1,7 +1,7 @@
 """Weather files of Radiance and Daysim (.wea).
 
-Hours are the moments at which the sun is evaluated. Longitude and time zone are
-west-positive degrees in the file.
+Hours are the times at which the solar position is evaluated. Longitude and time zone
+are in west-positive degrees in the file.
 """
 
 from pathlib import Path
@@ -82,7 +82,9 @@ def _header(lines: list[str], path: str | Path) -> tuple[Site, float]:
         if not cells or cells[0] != key:
             found = cells[0] if cells else "nothing"
             raise InputError(
-                f"{found!r} in the header; {key!r} expected", file=path, line=i + 1
+                f"{found!r} in the header; the key {key!r} expected",
+                file=path,
+                line=i + 1,
             )
         if key == "place":
             place = cells[1].strip() if len(cells) > 1 else ""

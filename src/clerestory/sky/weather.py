@@ -1,8 +1,8 @@
 """Weather of one place: direct and diffuse irradiance per time step.
 
-Times are local standard time and stand for the centre of their step, the moment at
-which the solar position is computed. Typical years are composed of different years, so
-their dates are written in one fixed year: 2023, or 2024 with a 29 February.
+Times are local standard time at the centre of the step, where the solar position is
+computed. Typical years are composed of different years, so their dates are set to one
+fixed year: 2023, or 2024 with a 29 February.
 """
 
 from dataclasses import dataclass, replace
@@ -22,10 +22,10 @@ class Site:
 
     Attributes
     ----------
-    latitude_deg, longitude_deg : north- and east-positive [°]
-    utc_offset_hours : local standard time minus UTC [h]
-    elevation : above sea level [m]
-    place : name
+    latitude_deg, longitude_deg : latitude (north-positive), longitude (east-positive)
+        utc_offset_hours : local standard time minus UTC [h]
+        elevation : elevation above sea level [m]
+        place : name of the location
     """
 
     latitude_deg: float
@@ -55,7 +55,7 @@ class Illuminance:
 
     Attributes
     ----------
-    direct_normal, diffuse_horizontal : [lux]
+    direct_normal, diffuse_horizontal : illuminance [lux]
     """
 
     direct_normal: Float[np.ndarray, " time"]
@@ -73,7 +73,8 @@ class Weather:
     Attributes
     ----------
     place : name of the place
-    latitude_deg, longitude_deg : north- and east-positive [°]
+    latitude_deg, longitude_deg : latitude, north-positive, and longitude, east-positive
+        [°]
     elevation : above sea level [m]
     utc_offset_hours : local standard time minus UTC [h]
     times : centres of the steps, local standard time
@@ -81,14 +82,14 @@ class Weather:
     direct_normal : direct normal irradiance, DNI [W/m²]
     diffuse_horizontal : diffuse horizontal irradiance, DHI [W/m²]
     dew_point_c : dew point [°C], NaN where unknown; None if all are unknown
-    illuminance : measured [lux]; None where it follows from the irradiance
-    source : file it was read from
+    illuminance : measured illuminance [lux]; None if it is derived from the irradiance
+    source : file name
     notes : corrections made by the reader, each with its count
 
     Raises
     ------
-    InputError : a coordinate out of range, series of different lengths, times
-        that do not increase, irradiance that is negative or not finite
+    InputError : a coordinate is out of range, series differ in length, times do not
+        increase, or irradiance is negative or not finite
     """
 
     place: str
@@ -125,7 +126,8 @@ class Weather:
         if np.any(np.diff(self.times) <= np.timedelta64(0)):
             late = int(np.argmax(np.diff(self.times) <= np.timedelta64(0))) + 1
             raise InputError(
-                f"time goes back at {self.times[late]}; increasing times expected"
+                f"times do not increase at {self.times[late]}; increasing times"
+                " expected"
             )
         if not self.step_minutes > 0:
             raise InputError(

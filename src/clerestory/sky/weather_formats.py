@@ -1,6 +1,6 @@
 """Registry of weather file formats, recognised by their first lines.
 
-A further format is one line in `FORMATS` and the module of its reader.
+To add a format, write a reader module and add a line to `FORMATS`.
 """
 
 import importlib
@@ -19,7 +19,7 @@ from clerestory.sky.weather import Weather
 
 Reader = Callable[[str | Path], Weather]
 
-# Characters at the beginning of a file by which its format is recognised
+# Number of leading characters by which a format is recognised
 _HEAD = 4000
 
 
@@ -28,9 +28,9 @@ class WeatherFormat(NamedTuple):
 
     Attributes
     ----------
-    name : as messages name it
-    recognises : whether the first lines of a file are of this format
-    read : its reader
+    name : name of the format in messages
+    recognises : whether the first lines belong to this format
+    read : reader of the format
     """
 
     name: str
@@ -53,8 +53,8 @@ def read_weather(path: str | Path) -> Weather:
     """Return the weather in an EPW, WEA, TMY2, TMY3, SURFRAD or station file.
 
     The format is recognised by the first lines, not by the suffix, except for station
-    files (.toml), which describe files of measurements. Dates of typical years are
-    written in the year 2023 (2024 where the file has a 29 February).
+    files (.toml), which describe measurement files. Dates of typical years are set to
+    the year 2023 (2024 if the file has a 29 February).
 
     Raises
     ------
@@ -64,7 +64,7 @@ def read_weather(path: str | Path) -> Weather:
     try:
         return read(path)
     except InputError as error:
-        # Errors of the whole series do not know the file
+        # Add the file name to errors of the whole series
         if error.file is not None:
             raise
         raise InputError(error.message, file=path) from error
@@ -72,7 +72,7 @@ def read_weather(path: str | Path) -> Weather:
 
 def _reader(path: str | Path) -> Reader:
     if Path(path).suffix.lower() == ".toml":
-        # Pydantic takes long to import and is needed for station files only
+        # Import here: Pydantic loads slowly and is needed for station files only
         station = importlib.import_module("clerestory.sky.station_file")
         reader: Reader = station.read_station
         return reader
@@ -82,8 +82,8 @@ def _reader(path: str | Path) -> Reader:
             return one.read
     *names, last = (one.name for one in FORMATS)
     raise InputError(
-        f"unknown format of weather file; {', '.join(names)} or {last} expected, or a"
-        " station file (.toml) that describes a file of measurements",
+        f"unknown weather file format; {', '.join(names)} or {last} expected, or a"
+        " station file (.toml) that describes a measurement file",
         file=path,
         line=1,
     )

@@ -1,4 +1,4 @@
-"""Selection of weather: days of the year, or the step of one moment."""
+"""Selection of weather: a range of days, or the time step that contains a moment."""
 
 import re
 
@@ -11,11 +11,12 @@ from clerestory.sky.weather import Weather
 def select_days(
     weather: Weather, *, first: str = "01-01", last: str = "12-31"
 ) -> Weather:
-    """Return the steps from one day of the year to another, both whole.
+    """Return the steps of a range of days, first and last day included.
 
     Parameters
     ----------
-    first, last : "MM-DD"; over new year where the last is the earlier one
+    first, last : days "MM-DD"; if the last is before the first, the range includes new
+        year
     """
     for day in (first, last):
         if not re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])", day):
@@ -33,11 +34,11 @@ def select_days(
 
 
 def select_moment(weather: Weather, moment: str) -> Weather:
-    """Return the single step that a moment of the year falls into.
+    """Return the single step that contains a moment of the year.
 
     Parameters
     ----------
-    moment : "MM-DD HH:MM", local standard time
+    moment : time "MM-DD HH:MM", local standard time
 
     Examples
     --------
@@ -50,7 +51,7 @@ def select_moment(weather: Weather, moment: str) -> Weather:
     '2023-06-21T11:30:00'
     """
     if not re.fullmatch(r"\d\d-\d\d[ T]\d\d:\d\d", moment):
-        raise InputError(f"time {moment!r}; MM-DD HH:MM expected")
+        raise InputError(f"time {moment!r}; a time MM-DD HH:MM expected")
     years = np.unique(weather.times.astype("datetime64[Y]"))
     half = weather.step_minutes * 30
     for year in years:

@@ -21,6 +21,7 @@ from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
 from clerestory.files import read_text
+from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
 from clerestory.study.config_errors import input_error, parse_toml
 from clerestory.study.config_tables import (
@@ -198,6 +199,11 @@ class Study(Table):
         """Whether direct sun in patches is replaced by the sun's exact position."""
         choice = METHODS[self.method].correction
         return choice == "always" or (choice == "choice" and self.sun.places == "exact")
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """The terms of the matrix equation."""
+        return METHODS[self.method].terms(corrected=self.corrected)
 
     @property
     def folder(self) -> Path:

@@ -12,6 +12,7 @@ from clerestory.errors import InputError
 from clerestory.phases.illuminance import illuminance
 from clerestory.phases.matrix_equation import (
     MatrixChain,
+    Part,
     Skies,
     States,
     Term,
@@ -82,7 +83,8 @@ class StudyMatrices:
         """
         if not self.has_direct:
             raise InputError("direct light was not traced; direct phases expected")
-        term = Term("direct", "direct" if self.suns is None else "sun")
+        part: Part = "direct" if self.suns is None else "sun"
+        term = Term("direct", part, sky="sun")
         file = self.folder and self.folder / "direct.nc"
         found = illuminance(self.windows, (term,), skies, states, file=file)
         return found["illuminance"]

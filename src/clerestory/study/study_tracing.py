@@ -58,9 +58,10 @@ def study_skies(study: Study, inputs: Inputs, suns: SunMatrix | None) -> Skies:
 
 
 def needs_direct(study: Study) -> bool:
-    """Whether direct light is traced apart: direct correction, or LM-83's rule."""
+    """Whether direct light is traced apart: for a term, or for LM-83's rule."""
     rules = [window.control.rule for window in study.window if window.control]
-    return study.corrected or (METHODS[study.method].windows and "LM-83" in rules)
+    named = any(term.part == "direct" for term in study.terms)
+    return named or (METHODS[study.method].windows and "LM-83" in rules)
 
 
 def study_suns(study: Study, weather: Weather) -> SunMatrix | None:
@@ -99,11 +100,10 @@ def trace_study(job: Job) -> StudyMatrices:
     dark = make(black, direct=True) if direct else none
     sun = direct_suns(black, suns) if suns is not None else none
     windows = tuple(map(WindowMatrices, whole, dark, sun))
-    terms = method.terms(corrected=study.corrected)
     if not stored:
-        return StudyMatrices(terms, windows, suns)
+        return StudyMatrices(study.terms, windows, suns)
     most = most_sensors(study, job.inputs, direct=direct)
-    return StudyMatrices(terms, windows, suns, job.scratch, most)
+    return StudyMatrices(study.terms, windows, suns, job.scratch, most)
 
 
 def _window_chains(job: Job, *, direct: bool, stored: bool) -> list[MatrixChain]:

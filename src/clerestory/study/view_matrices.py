@@ -183,17 +183,18 @@ def _view(
         return found
 
     view = ViewMatrices(job, table, camera, matrices)
-    whole = chains("whole")
-    if matrices.suns is None:
-        return replace(view, windows=tuple(map(WindowMatrices, whole)))
+    parts = {term.part for term in matrices.terms}
+    none: list[MatrixChain | None] = [None] * len(matrices.windows)
     suns = [
         MatrixChain(
             tuple(partial(view.sun_of, n, at) for at in range(len(group.states)))
         )
         for n, group in enumerate(job.inputs.groups)
     ]
-    windows = tuple(map(WindowMatrices, whole, chains("direct"), suns))
-    return replace(view, windows=windows)
+    whole = chains("whole")
+    direct = chains("direct") if "direct" in parts else none
+    windows = map(WindowMatrices, whole, direct, suns if "sun" in parts else none)
+    return replace(view, windows=tuple(windows))
 
 
 def _view_matrices(

@@ -128,7 +128,7 @@ def test_a_year_takes_given_illuminances_and_times():
     [
         ([room(), room()[:100]], {}, "picture 1 has 180 × 100 pixels"),
         ([room(-1)], {}, "picture 0 has negative"),
-        ([room(np.nan)], {}, "picture 0 has negative or infinite"),
+        ([room(np.nan)], {}, "picture 0 has negative or non-finite"),
         ([], {}, "no pictures"),
         ([room()], {"times": np.arange(3)}, "3 times for 1 pictures"),
         ([room()], {"illuminance": np.ones(0)}, "0 illuminances for more pictures"),

@@ -164,7 +164,7 @@ def test_other_primaries_become_radiance_s(tmp_path):
         ({"header": "x\nEXPOSURE=nan\n"}, ":3: EXPOSURE"),
         ({"header": "FORMAT=Radiance_spectra\n"}, ':2: format "Radiance_spectra"'),
         ({"header": "PRIMARIES=1 2 3\n"}, "3 words"),
-        ({"header": "PRIMARIES=.3 .3 .3 .3 .3 .3 .3 .3\n"}, "span no colour space"),
+        ({"header": "PRIMARIES=.3 .3 .3 .3 .3 .3 .3 .3\n"}, "lie on a line"),
         ({"header": "COLORCORR=1 1\n"}, "2 words"),
         ({"size": "-Y 2"}, 'resolution "-Y 2"'),
         ({"size": "-Y 2 +Y 2"}, 'resolution "-Y 2'),

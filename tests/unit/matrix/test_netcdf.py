@@ -150,7 +150,7 @@ def test_results_of_other_programs_are_refused(tmp_path):
     with pytest.raises(InputError, match="not written by Clerestory"):
         read_netcdf(path)
     reseal(path)
-    with pytest.raises(InputError, match="not a file of the format 'Clerestory"):
+    with pytest.raises(InputError, match="file format unknown; 'Clerestory"):
         read_netcdf(path)
 
 

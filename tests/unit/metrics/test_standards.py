@@ -196,5 +196,5 @@ def test_savings_and_their_error():
 
 
 def test_areas_have_to_fit_the_sensors():
-    with pytest.raises(InputError, match="0 m² or more for each"):
+    with pytest.raises(InputError, match="0 m² or more per sensor"):
         spatial_autonomy(sensors([1] * 10), ALL, area=np.array([1.0, 2.0]))

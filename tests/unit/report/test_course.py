@@ -242,6 +242,43 @@ def test_means_of_the_terms_stand_in_a_table(page, content):
     assert float(cells[1]) == pytest.approx(1.0, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("whole", "lines", "headings"),
+    [
+        (
+            "two_phase",
+            ["2-phase method, C S", "C_d S_ds", "2-phase method with the exact sun"],
+            ["2-phase method [lux]", "= 2-phase method with the exact sun"],
+        ),
+        (
+            "three_phase",
+            ["3-phase method, V T D S", "V_d T D_d S_ds", "5-phase method, the sum"],
+            ["3-phase method [lux]", "= 5-phase method"],
+        ),
+        (
+            "four_phase",
+            ["4-phase method, V T F D S", "V_d T F_d D_d S_ds", "6-phase method"],
+            ["4-phase method [lux]", "= 6-phase method"],
+        ),
+    ],
+)
+def test_the_terms_are_named_by_the_method(room, course, whole, lines, headings):
+    results = course.with_course(room.analytic_results(times=room.year(days=2)))
+    if whole != "three_phase":
+        results = Results(results.data.rename(three_phase=whole), results.run)
+    content = from_results(results)
+    section = html.document_fromstring(report_page(content)).get_element_by_id(
+        "equation"
+    )
+    keys = [words(item) for item in section.xpath(".//ul//li")]
+    assert all(line in " ".join(keys) for line in lines)
+    assert len(keys) == 4
+    assert "C_ds S_sun" in keys[2]
+    found = [words(cell) for cell in section.xpath(".//th")]
+    assert [found[1], found[4]] == headings
+    assert ("patches of sky and window" in words(section)) == (whole != "two_phase")
+
+
 def test_lamps_are_summed_over_the_occupied_hours(page):
     """Half output from 8 to 10 of ten hours on ten days: 10 % or 10 full hours."""
     said = words(page.xpath("//section[@id='lamps']")[0])

@@ -88,6 +88,15 @@ def test_facts_come_as_tables_whatever_they_are():
     assert tables["Matrices"] == {"view-south-3f2a3f2a": "kept from an earlier run"}
 
 
+@pytest.mark.parametrize(
+    ("method", "shown"),
+    [("2-phase", True), ("4-phase", False), (["3-phase", "6-phase"], True)],
+)
+def test_the_sun_is_shown_by_methods_with_the_direct_correction(method, shown):
+    tables = study_tables({"method": method, "sun": {"places": "exact"}})
+    assert [table.title for table in tables] == ["Sun"] * shown
+
+
 def test_the_tables_of_a_study_keep_the_order_of_the_light():
     study = {"trace": {"seed": 1}, "sky": {"mf": 4}, "scene": {"files": []}}
     assert [t.title for t in study_tables(study)] == ["Scene", "Sky", "Trace"]

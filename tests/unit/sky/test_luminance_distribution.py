@@ -196,7 +196,7 @@ def test_the_sun_can_be_hidden_while_it_lights_the_ground():
     [
         ("foggy", {}, "unknown sky 'foggy'"),
         (16, {"diffuse_horizontal": 1.0}, "from 1 to 15"),
-        (7, {}, "without a diffuse irradiance"),
+        (7, {}, "without diffuse irradiance"),
         ("clear", {"diffuse_horizontal": -1.0}, "finite numbers from 0"),
     ],
 )
@@ -206,7 +206,7 @@ def test_skies_that_cannot_be_are_refused(kind, arguments, message):
 
 
 def test_a_moment_is_a_single_step(spring_day):
-    with pytest.raises(InputError, match="96 steps; a single one"):
+    with pytest.raises(InputError, match="96 steps; a single step"):
         perez_point(spring_day)
 
 

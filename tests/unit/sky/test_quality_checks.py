@@ -57,7 +57,7 @@ def test_a_file_off_by_an_hour_is_told(hours, word):
     weather = made_year(utc_offset_hours=1.0 + hours)
     assert clock_shift(weather).whole == pytest.approx(hours, abs=0.1)
     (doubt,) = quality_problems(weather)[-1:]
-    assert f"irradiance is 1.0 h {word} against the sun" in doubt
+    assert f"irradiance is 1.0 h {word} relative to the solar position" in doubt
 
 
 @pytest.mark.parametrize(

@@ -96,7 +96,7 @@ WEA_FAULTS = {
         "time_zone -15\n",
         "",
         4,
-        "'site_elevation' in the header; 'time_zone'",
+        "'site_elevation' in the header; the key 'time_zone'",
     ),
     "unknown units": ("units 1", "units 4", 6, "units 4; 1 .direct normal"),
     "not a number": ("300 120", "3OO 120", 7, "direct normal irradiance is '3OO'"),

@@ -239,7 +239,7 @@ def test_no_weather_gives_negative_or_undefined_radiance(
         ({"subdivision": 7}, "from 1 to 6"),
         ({"include": "moon"}, "'all', 'sky' or 'sun'"),
         ({"sun": "smeared"}, "'spread', 'patch' or 'disc'"),
-        ({"sun": "disc", "sun_diameter_deg": 0.0}, "a diameter up to 30°"),
+        ({"sun": "disc", "sun_diameter_deg": 0.0}, "above 0 to 30°"),
         ({"ground_reflectance": 1.5}, "0 to 1 expected"),
         (
             {"ground_reflectance": (0.1, 0.2)},
@@ -288,7 +288,7 @@ def test_weather_checks_itself(spring_day, changes, message):
 
 
 def test_weather_that_goes_back_in_time_is_refused(spring_day):
-    with pytest.raises(InputError, match="time goes back"):
+    with pytest.raises(InputError, match="times do not increase"):
         replace(spring_day, times=spring_day.times[::-1])
     with pytest.raises(InputError, match="without time steps"):
         spring_day.select(slice(0, 0))

@@ -1,4 +1,4 @@
-// Terms of the five-phase equation: another sensor, another day, drawn anew.
+// Terms of the matrix equation: another sensor, another day, drawn anew.
 
 function axisTop(steps, most) {
   for (let decade = 1; decade < 1e6; decade *= 10) {
@@ -48,9 +48,9 @@ async function startTerms(terms) {
     const minute = (svgPoint(chart, event).x - left) / width * 1440;
     const near = steps.reduce((a, b) => Math.abs(minutes[b] - minute) < Math.abs(minutes[a] - minute) ? b : a, steps[0]);
     if (minute < 0 || minute > 1440) return showTip(event, "");
-    const [three, spread, sun, five] = [0, 1, 2, 3].map(line => Math.round(value(line, near)).toLocaleString("en"));
+    const [whole, spread, sun, sum] = [0, 1, 2, 3].map(line => Math.round(value(line, near)).toLocaleString("en"));
     const clock = `${String(Math.floor(minutes[near] / 60)).padStart(2, "0")}:${String(minutes[near] % 60).padStart(2, "0")}`;
-    showTip(event, `${clock}\n${three} − ${spread} + ${sun} = ${five} lux`);
+    showTip(event, `${clock}\n${whole} − ${spread} + ${sun} = ${sum} lux`);
   });
   chart.addEventListener("pointerleave", event => showTip(event, ""));
   await choose(0);

@@ -1,8 +1,8 @@
-"""Terms of the five-phase equation and the effect of its direct correction.
+"""Terms of the matrix equation and the effect of its direct correction.
 
-I = V T D S − V_d T D_d S_ds + C_ds S_sun: the three-phase result, less the
-direct sun spread over patches, plus the sun at its true position. The page contains the
-year of a few sensors, and draws one day.
+I = V T D S − V_d T D_d S_ds + C_ds S_sun, by the five-phase method: the result without
+correction, less the direct sun spread over patches, plus the sun at its true position.
+The page contains the year of a few sensors, and draws one day.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,12 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 
-from clerestory.phases.methods import DIRECT_IN_PATCHES, DIRECT_SUN, METHODS
+from clerestory.phases.methods import (
+    DIRECT_IN_PATCHES,
+    DIRECT_SUN,
+    METHODS,
+    MethodName,
+)
 from clerestory.report.embedded_data import code_step, illuminance_codes, packed
 from clerestory.report.markup import Markup, element, render
 from clerestory.report.period import date_words
@@ -22,16 +27,11 @@ from clerestory.report.uncertain_value import number
 # Sensors whose terms the page carries
 _MOST = 12
 
-# A correction of this share of the three phases is counted [1]
+# A correction of this share of the uncorrected illuminance is counted [1]
 _MUCH = 0.10
 
-# Lines of the drawing: class in the page, and words
-_LINES = (
-    ("three", "three-phase, V T D S"),
-    ("spread", "less the sun in patches, V_d T D_d S_ds"),
-    ("sun", "plus the sun at its position, C_ds S_sun"),
-    ("five", "five-phase, the sum"),
-)
+# Classes of the drawing's lines in the page
+_CLASSES = ("whole", "spread", "sun", "sum")
 
 # Round steps of an axis within a decade
 _STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
@@ -45,12 +45,33 @@ class EquationTerms:
 
     Attributes
     ----------
-    three_phase, direct_in_patches, direct_sun : of each sensor and step
+    whole, direct_in_patches, direct_sun : of each sensor and step
+    method : with the direct correction, such as "5-phase"
     """
 
-    three_phase: Float[np.ndarray, "sensor time"]
+    whole: Float[np.ndarray, "sensor time"]
     direct_in_patches: Float[np.ndarray, "sensor time"]
     direct_sun: Float[np.ndarray, "sensor time"]
+    method: MethodName
+
+    def names(self) -> tuple[str, str]:
+        """Names of the results without and with the direct correction."""
+        method = METHODS[self.method]
+        if method.correction == "choice":
+            return f"{self.method} method", f"{self.method} method with the exact sun"
+        plain = next(name for name, m in METHODS.items() if m.whole == method.whole)
+        return f"{plain} method", f"{self.method} method"
+
+    def labels(self) -> tuple[str, str, str, str]:
+        """Labels of the drawing's lines."""
+        method, (plain, corrected) = METHODS[self.method], self.names()
+        whole, spread, sun = map(method.formula, method.terms(corrected=True))
+        return (
+            f"{plain}, {whole}",
+            f"less the sun in patches, {spread}",
+            f"plus the sun at its position, {sun}",
+            f"{corrected}, the sum",
+        )
 
     def correction(self) -> Float[np.ndarray, "sensor time"]:
         """Effect of the direct sun's true position [lux]."""
@@ -58,9 +79,9 @@ class EquationTerms:
 
     def lines(self, sensor: int) -> Float[np.ndarray, "4 time"]:
         """The terms of a sensor and their sum, in the order of the drawing [lux]."""
-        terms = (self.three_phase, self.direct_in_patches, self.direct_sun)
-        three, spread, sun = (term[sensor] for term in terms)
-        return np.stack([three, spread, sun, three - spread + sun])
+        terms = (self.whole, self.direct_in_patches, self.direct_sun)
+        whole, spread, sun = (term[sensor] for term in terms)
+        return np.stack([whole, spread, sun, whole - spread + sun])
 
     def chosen(self) -> list[int]:
         """Sensors that the page carries: the one corrected most, others evenly."""
@@ -79,15 +100,20 @@ class EquationTerms:
 
 
 def equation_terms(data: xr.Dataset) -> EquationTerms | None:
-    """Return the terms in results, none unless five phases made them."""
-    wholes = [method.whole for method in METHODS.values() if method.whole in data]
-    if not wholes or DIRECT_SUN not in data:
+    """Return the terms in results; None without the direct correction."""
+    found = [
+        name
+        for name, method in METHODS.items()
+        if method.whole in data and method.correction != "never"
+    ]
+    if not found or DIRECT_SUN not in data:
         return None
-    terms = (
+    names = (METHODS[found[0]].whole, DIRECT_IN_PATCHES, DIRECT_SUN)
+    whole, spread, sun = (
         np.asarray(data[name].transpose("sensor", "time").values, dtype=np.float32)
-        for name in (wholes[0], DIRECT_IN_PATCHES, DIRECT_SUN)
+        for name in names
     )
-    return EquationTerms(*terms)
+    return EquationTerms(whole, spread, sun, found[0])
 
 
 def equation_data(
@@ -130,7 +156,9 @@ def equation_section(
         sensors=[sensors.names[sensor] for sensor in chosen],
         day=date_words(day),
         drawing=_drawing(terms, chosen[0], day, times),
-        lines=_LINES,
+        lines=list(zip(_CLASSES, terms.labels(), strict=True)),
+        headings=terms.names(),
+        patches="patches of sky" + " and window" * METHODS[terms.method].windows,
         much=f"{100 * _MUCH:.0f}",
         rows=_grid_rows(terms, sensors, occupied),
     )
@@ -145,9 +173,9 @@ def _drawing(
     minute = (times[steps] - day).astype("timedelta64[m]").astype(int)
     paths = [
         element("path", d=_path(minute, values / top), class_=kind)
-        for (kind, _), values in zip(_LINES, lux, strict=True)
+        for kind, values in zip(_CLASSES, lux, strict=True)
     ]
-    label = "Terms of the five-phase equation over a day [lux]"
+    label = f"Terms of the {terms.method} equation over a day [lux]"
     marks = [
         element("text", f"{h:02d}:00", x=f"{_x(60 * h):.1f}", y=_TOP + _HEIGHT + 20)
         for h in range(0, 25, 3)
@@ -203,13 +231,13 @@ def _grid_rows(
     rows = []
     for grid, members in sensors.by_grid().items():
         part = np.ix_(members, np.flatnonzero(occupied))
-        three, spread, sun = (
+        whole, spread, sun = (
             term[part].astype(float)
-            for term in (terms.three_phase, terms.direct_in_patches, terms.direct_sun)
+            for term in (terms.whole, terms.direct_in_patches, terms.direct_sun)
         )
-        means = [three.mean(), spread.mean(), sun.mean(), (three - spread + sun).mean()]
-        lit = three > 0
-        much = np.abs(sun - spread)[lit] > _MUCH * three[lit]
+        means = [whole.mean(), spread.mean(), sun.mean(), (whole - spread + sun).mean()]
+        lit = whole > 0
+        much = np.abs(sun - spread)[lit] > _MUCH * whole[lit]
         share = 100 * float(much.mean()) if much.size else 0.0
         rows.append((grid, [*(number(float(m)) for m in means), f"{share:.1f} %"]))
     return rows
