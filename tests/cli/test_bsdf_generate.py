@@ -65,11 +65,11 @@ def test_bands_and_a_toml_file(call, room):
     ("words", "message"),
     [
         ((), "no system"),
-        (("--venetian", "slat_width"), "each name once"),
-        (("--venetian", "spacing=1"), "without 'slat_width'"),
+        (("--venetian", "slat_width"), "name=value pairs"),
+        (("--venetian", "spacing=1"), "lacks the parameter 'slat_width'"),
         (("--woven", "default", "--microlouvre", "default"), "several systems"),
         (("--woven", "default", "--halvings", 9, "--basis", "tree4"), "2 to 7"),
-        (("--woven", "default", "--reduce", 100), "0 to below 100"),
+        (("--woven", "default", "--reduce", 100), "0 ≤ reduction < 100"),
         (("--woven", "default", "--band", "solar=1"), "such as solar="),
         (("--woven", "default", "--relative-error", 0), "0.00001 to 10"),
         (("missing.rad",), "missing.rad"),
@@ -101,10 +101,13 @@ HIGH = SLATS + "grey polygon edge 0 0 9  0 0.3 0.02  1 0.3 0.02  1 0.3 -0.05"
     ("text", "said"),
     [
         (HIGH, 'system.rad:5: polygon "edge" reaches 20 mm into the room'),
-        (MILLIMETRES, "1000 m wide, 50 m high and 50 m deep; is it in millimetres?"),
+        (MILLIMETRES, "1000 m wide, 50 m high and 50 m deep; if it is in millimetres"),
         (GLASS, 'has an open edge: dielectric "glass" does not enclose a solid'),
         (GLASS, 'system.rad:3: polygon "top"'),
-        (TWICE, 'system.rad:3: polygon "slat" and system.rad:5: polygon "part" lie in'),
+        (
+            TWICE,
+            'system.rad:3: polygon "slat" and system.rad:5: polygon "part" are',
+        ),
     ],
 )
 def test_doubts_name_the_item_and_its_line(call, room, text, said):

@@ -1,8 +1,9 @@
 """Adaptive sampling of one block of a tensor tree.
 
-A first round traces equally many paths from each incident cell. The cells selected from
-it show where errors remain, mostly at peaks, where cells are small; further rounds
-sample these incident cells more.
+A pilot run traces equally many paths from each incident cell. From its results the
+cells of the tree are selected and their variances estimated. Further rounds trace more
+paths from the incident cells with the largest errors, mostly those with small cells at
+peaks.
 """
 
 from dataclasses import dataclass
@@ -22,27 +23,28 @@ from clerestory.bsdfgen.tree_pruning import (
 )
 from clerestory.engine.effort import Effort
 
-# Share of the paths in the first round, and paths per cell in it if a target error is
-# given.
+# Fraction of the paths in the pilot run, and its paths per incident cell if a target
+# error is given.
 _FIRST_SHARE = 0.25
 _PILOT = 256
 
-# Variance of the exit weight of a lossless film due to Russian roulette.
+# Variance of path weights due to Russian roulette, measured for a lossless film.
 _ROULETTE = 0.25
 
-# Most paths per incident cell.
+# Largest number of paths per incident cell.
 _MOST = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
 class FunctionEstimate:
-    """Estimates of one function in one block.
+    """Estimates of one scattering function in one block.
 
     Attributes
     ----------
-    finest : values of the finest cells
+    finest : values of the smallest cells
     incident : directional-hemispherical value of each incident cell
-    leaving : the same by reciprocity for each exit cell of the whole tree, rank 4 only
+    leaving : contribution of the block to the reciprocal directional-hemispherical
+        value of each exit cell of the whole tree; rank 4 only
     """
 
     finest: NodeValues
@@ -52,11 +54,11 @@ class FunctionEstimate:
 
 @dataclass(frozen=True, eq=False)
 class BlockEstimate:
-    """Estimates of one block.
+    """Estimates of the scattering functions of one block.
 
     Attributes
     ----------
-    transmission, reflection : of the two exit sides
+    transmission, reflection : estimates for the two exit sides
     paths : number of traced paths
     reached : whether the target error was reached
     """
@@ -69,14 +71,14 @@ class BlockEstimate:
 
 @dataclass(eq=False)
 class BlockEstimator:
-    """Accumulated sums of one block.
+    """Estimator of one block, with the accumulated sums of path weights.
 
     Attributes
     ----------
-    engine, slab, grid : tracing kernel, geometry and grid
-    block : number of the block
-    back : whether the incident side is the room
-    weights : of each channel in the luminance
+    engine, slab, grid : module of the tracing kernel, geometry and angular grid
+    block : index of the block
+    back : whether light is incident from the room
+    weights : weight of each channel in the luminance
     """
 
     engine: Any
@@ -87,7 +89,7 @@ class BlockEstimator:
     weights: Float[np.ndarray, " channel"]
 
     def __post_init__(self) -> None:
-        # Rank 3 uses the lower half of its first dimension only
+        # Rank 3 trees use only the lower half of the first dimension
         half = self.grid.rank == 3 and self.grid.depth > 0
         self._rows = np.arange(self.grid.incidents >> int(half))
         self._paths = np.zeros(self.grid.incidents, dtype=np.int64)
@@ -95,7 +97,7 @@ class BlockEstimator:
         self._scores = [nothing, nothing]
 
     def count(self, effort: Effort) -> BlockEstimate:
-        """Trace until the samples are used up or the target error is reached."""
+        """Trace the given number of samples, or until the target error is reached."""
         goal = effort.samples
         first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
         self._trace(np.full(len(self._rows), first), effort)
@@ -118,7 +120,7 @@ class BlockEstimator:
             self._trace(extra, effort)
 
     def _trace(self, extra: Indices, effort: Effort) -> None:
-        # Group the cells with equal numbers of previous and new paths
+        # Group incident cells by their numbers of previous and new paths
         have = self._paths[self._rows]
         groups = [
             (self._rows[(have == first) & (extra == number)], int(first), int(number))
@@ -141,7 +143,7 @@ class BlockEstimator:
         self._paths[self._rows] += extra
 
     def _part(self, number: int) -> FunctionEstimate:
-        # Estimates of a function from its scores
+        # Estimate a scattering function from its sums
         grid = self.grid
         place, sums = self._scores[number]
         incident = incident_code(place, rank=grid.rank, levels=grid.block)
@@ -153,8 +155,8 @@ class BlockEstimator:
         noise = np.maximum(sums[:, -1] - luminous**2 / paths, 0)
         noise /= (paths * exit_size) ** 2
 
-        # The exit weight of a path is close to 0 or 1: its variance is s (1 - s), plus
-        # that of Russian roulette
+        # Path weights are close to 0 or 1: their variance is about s (1 − s) for a mean
+        # s, and at least the variance of Russian roulette
         share = np.bincount(incident, luminous, minlength=grid.incidents) / every
         variance = share * np.maximum(1 - share, _ROULETTE) / every
         single = mean.astype(np.float32), noise.astype(np.float32)
@@ -164,7 +166,7 @@ class BlockEstimator:
         )
 
     def _leaving(self, finest: NodeValues) -> HemisphericalFlux:
-        # Flux of each exit cell from the incident cells of this block
+        # Sum the flux in each exit cell over the incident cells of this block
         grid = self.grid
         if grid.rank == 3:
             return HemisphericalFlux(np.zeros(0), np.zeros(0))
@@ -178,7 +180,7 @@ class BlockEstimator:
         )
 
     def _cells(self, part: FunctionEstimate) -> Cells:
-        # Cells of the block, each root separately
+        # Select the cells of the block, separately below each root
         grid = self.grid
         levels = pruned_levels(
             part.finest, self.weights, rank=grid.rank, levels=grid.block
@@ -187,7 +189,7 @@ class BlockEstimator:
         return selected_cells(levels, rank=grid.rank, roots=roots)
 
     def _risk(self, cells: Cells) -> Values:
-        # Expected squared error, summed over the finest cells of each incident cell
+        # Sum the expected squared error over the smallest cells of each incident cell
         grid, bits = self.grid, self.grid.rank - 2
         risk = np.zeros(grid.incidents)
         for height in np.unique(cells.height):
@@ -202,7 +204,7 @@ class BlockEstimator:
         return risk[self._rows]
 
     def _ratio(self, parts: list[FunctionEstimate], risk: Values, aim: float) -> float:
-        # Ratio of the present to the target error
+        # Ratio of the current to the target error
         finest = len(self._rows) << 2 * self.grid.depth
         error = np.sqrt(risk.sum() / (2 * finest))
         total = sum(float((p.finest.mean @ self.weights).sum()) for p in parts)
@@ -211,8 +213,8 @@ class BlockEstimator:
 
 
 def _shared(cost: Values, more: int) -> Indices:
-    # Paths per incident cell: proportional to the root of its cost, rounded to powers
-    # of two for few kernel launches
+    # Paths per incident cell, in proportion to the square root of `cost`; rounded to
+    # powers of two, so that few kernel launches suffice
     root = np.sqrt(cost)
     if more <= 0 or not root.any():
         return np.zeros(len(cost), dtype=int)
@@ -230,7 +232,7 @@ def _merged(
     *,
     cells: int,
 ) -> tuple[Int64[np.ndarray, " cell"], Float[np.ndarray, "cell channel"]]:
-    # Merged sums, ordered by place
+    # Add new sums to old ones; both are sorted by cell
     if not len(place):
         return more, added
     lit = np.zeros(cells, dtype=bool)

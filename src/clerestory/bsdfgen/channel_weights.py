@@ -1,7 +1,7 @@
 """Channels of a generated BSDF as weighted sums of the scene's bands.
 
-All bands of a scene are traced in one pass, and a channel of the BSDF is any weighted
-sum of them. Scenes in RGB may hold other values in their three bands, such as the
+All bands of a scene are traced in one pass; each channel of the BSDF is a weighted sum
+of bands. The three bands of an RGB scene may contain other quantities, such as the
 visible and the solar reflectance of grey materials.
 """
 
@@ -17,12 +17,12 @@ from clerestory.errors import InputError
 
 Weights = tuple[float, ...]
 
-# Luminous values, from red, green and blue.
+# Weights of red, green and blue in the luminance.
 VISIBLE: Mapping[str, Weights] = MappingProxyType(
     {"visible": tuple(RGB.shares.tolist())}
 )
 
-# Channels that hold the visible and the solar reflectance of grey materials.
+# Weights for scenes with the visible and the solar reflectance in bands 1 and 2.
 VISIBLE_AND_SOLAR: Mapping[str, Weights] = MappingProxyType(
     {"visible": (1.0, 0.0, 0.0), "solar": (0.0, 1.0, 0.0)}
 )
@@ -32,7 +32,7 @@ _WHITE_UV = 4 / 19, 9 / 19
 
 
 def default_weights(bands: Bands) -> Mapping[str, Weights]:
-    """Return the channels of a BSDF in some bands: visible, and each band but RGB's."""
+    """Return the BSDF channels of a scene: visible, and each band unless in RGB."""
     if bands == RGB:
         return VISIBLE
     each = map(tuple, np.eye(len(bands)).tolist())
@@ -43,21 +43,21 @@ def default_weights(bands: Bands) -> Mapping[str, Weights]:
 
 
 def check_bands(bands: Mapping[str, Weights], count: int) -> None:
-    """Refuse bands that are not sums of the `count` bands of the scene."""
+    """Raise InputError unless each band has `count` weights ≥ 0, not all zero."""
     for name, weights in bands.items():
         if len(weights) != count or min(weights) < 0 or not sum(weights) > 0:
             raise InputError(
-                f"band {name!r} with the weights {tuple(weights)}; {count} numbers from"
-                " 0, not all zero, expected"
+                f"weights {tuple(weights)} of band {name!r}; {count} non-negative"
+                " numbers, not all zero, expected"
             )
     if not bands:
-        raise InputError('no band; at least one such as "visible" expected')
+        raise InputError('no band; at least one band such as "visible" expected')
 
 
 def tristimulus(
     channels: Float[np.ndarray, " channel *value"],
 ) -> Float[np.ndarray, " 3 *value"]:
-    """CIE X, Y and Z of red, green and blue; grey scenes are white."""
+    """CIE X, Y and Z from red, green and blue, or from one grey channel."""
     rgb = np.broadcast_to(channels, (3, *channels.shape[1:]))
     return np.tensordot(RADIANCE.to_xyz(), rgb, axes=1)
 
@@ -65,7 +65,7 @@ def tristimulus(
 def chromaticity(
     channels: Float[np.ndarray, " channel *value"],
 ) -> tuple[Float[np.ndarray, " *value"], Float[np.ndarray, " *value"]]:
-    """CIE 1976 u' and v' of red, green and blue; white where all are zero.
+    """CIE 1976 u' and v' from red, green and blue; those of white for zero values.
 
     References: CIE 15:2004, eq. 8.24.
     """

@@ -8,17 +8,17 @@ import numpy as np
 from clerestory.array_types import Points2
 from clerestory.scene.model import Polygon
 
-# Largest angle of a strip of a curved slat [rad].
+# Largest arc of one flat strip of a curved slat [rad].
 _STRIP = np.radians(3.0)
 
 
 def arc(width: float, rise: float) -> Points2:
-    """Points (along, above) of a slat from one edge to the other, its middle at 0, 0.
+    """Points (along, above) of a slat profile from edge to edge; the middle is (0, 0).
 
     Parameters
     ----------
     width : chord of the slat
-    rise : of its middle above the chord; negative if it sags
+    rise : height of the middle of the slat above the chord; negative if below
 
     Examples
     --------
@@ -45,12 +45,12 @@ def extruded(
 ) -> Iterator[Polygon]:
     """Yield the strips of a section (y, z) extruded along x.
 
-    The front of a strip is the upper side where the section runs towards -z.
+    A strip faces upwards if its part of the section runs towards −z.
 
     Parameters
     ----------
     ends : range of x [m]
-    closed : whether the last point is joined to the first
+    closed : whether to connect the last point to the first
     """
     points = [*section, section[0]] if closed else list(section)
     ring = ends[0], ends[1], ends[1], ends[0]
@@ -60,7 +60,7 @@ def extruded(
 
 
 def rotated(polygons: Iterator[Polygon]) -> Iterator[Polygon]:
-    """Yield polygons rotated about z by -90°, so that up becomes right."""
+    """Yield polygons rotated about z by −90°, from up (+y) to right (+x)."""
     for polygon in polygons:
         x, y, z = polygon.vertices.T
         yield Polygon(np.stack([y, -x, z], axis=1), polygon.material, polygon.name)

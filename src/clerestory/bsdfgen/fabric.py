@@ -15,7 +15,7 @@ from clerestory.bsdfgen.system_parameters import Share, bands, channel_values
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Trans
 
-# Distance of the threads [m]; only its ratio to the thickness matters.
+# Distance between holes [m]; only the ratio of thickness to distance matters.
 _PITCH = 1e-3
 
 
@@ -26,15 +26,16 @@ def fabric(
     diffuse_transmittance: Share = 0.0,
     thickness: float = 0.3,
 ) -> System:
-    """Return the unit cell of an endless fabric.
+    """Return the unit cell of an infinite fabric.
 
     Parameters
     ----------
-    openness : openness factor, 0 to below 1
-    reflectance : of the threads; that of the fabric is (1 - openness) times as large
-    diffuse_transmittance : of the threads
-    thickness : of the fabric over the distance of the threads; 0 for an openness that
-        does not depend on the angle of incidence
+    openness : openness factor, 0 ≤ openness < 1
+    reflectance : reflectance of the threads; that of the fabric is (1 − openness) times
+        as large
+    diffuse_transmittance : diffuse transmittance of the threads
+    thickness : ratio of fabric thickness to thread distance; with 0 the openness does
+        not depend on the angle of incidence
 
     Examples
     --------
@@ -43,9 +44,11 @@ def fabric(
     'Fabric, 5.0% open'
     """
     if not 0 <= openness < 1:
-        raise InputError(f"openness = {openness}; 0 to below 1 expected")
+        raise InputError(f"openness = {openness}; 0 ≤ openness < 1 expected")
     if not 0 <= thickness <= 10:
-        raise InputError(f"thickness = {thickness}; 0 to 10 distances expected")
+        raise InputError(
+            f"thickness = {thickness}; 0 to 10 times the thread distance expected"
+        )
     reflected = channel_values("reflectance", reflectance)
     passed = channel_values("diffuse_transmittance", diffuse_transmittance)
     cloth = diffuse_material("cloth", reflected, passed)
@@ -78,7 +81,7 @@ def diffuse_material(
     known = part[part >= 0]
     if np.ptp(known) > 1e-6:
         raise InputError(
-            f"reflectance {reflected.tolist()} and transmittance {passed.tolist()} of"
-            " different colours; the same ratio in each channel expected"
+            f"reflectance {reflected.tolist()} and transmittance {passed.tolist()}"
+            " differ in colour; the same ratio in each channel expected"
         )
     return Trans(name, both, transmission=float(known[0]))

@@ -16,7 +16,7 @@ from clerestory.bsdfgen.system_parameters import (
 from clerestory.errors import InputError
 from clerestory.scene.model import Dielectric, Material, Metal, Polygon, Scene
 
-# Width and height of the unit cell over the thickness of the film.
+# Smallest ratio of the unit cell's width and height to the thickness of the film.
 _SLENDER = 8.0
 
 
@@ -29,16 +29,16 @@ def prismatic(
     index: float = 1.49,
     transmissivity: float = 1.0,
 ) -> System:
-    """Return the unit cell of an endless film with horizontal prisms.
+    """Return the unit cell of an infinite film with horizontal prisms.
 
     Parameters
     ----------
-    pitch : distance of the prisms [m]
-    upper_angle_deg, lower_angle_deg : between the plane of the film and the upward and
-        the downward face of a prism; below 90
+    pitch : distance between prisms [m]
+    upper_angle_deg, lower_angle_deg : angles of the upward and the downward facing
+        prism faces to the plane of the film, up to 90°; their sum is below 180°
     base : thickness of the sheet under the prisms [m]
     index : refractive index
-    transmissivity : fraction of light left after 1 m of the material
+    transmissivity : internal transmittance of 1 m of the material
 
     Examples
     --------
@@ -50,13 +50,16 @@ def prismatic(
     check_not_negative(base=base)
     angles = upper_angle_deg, lower_angle_deg
     if not (all(0 < angle <= 90 for angle in angles) and sum(angles) < 180):
-        raise InputError(f"prisms with angles of {angles}°; above 0 to 90 expected")
+        raise InputError(
+            f"prism angles of {angles}°; angles above 0 and up to 90°, with a sum below"
+            " 180°, expected"
+        )
     if not (index > 1 and 0 <= transmissivity <= 1):
         raise InputError(
-            f"index = {index}, transmissivity = {transmissivity}; above 1, and 0 to 1,"
-            " expected"
+            f"index = {index}, transmissivity = {transmissivity}; an index above 1"
+            " and a transmissivity from 0 to 1 expected"
         )
-    # Distance from the groove to the ridge, and height of the prisms
+    # Height of the prisms, and distance in y from groove to ridge
     up, down = (1 / math.tan(math.radians(a)) if a < 90 else 0.0 for a in angles)
     height = pitch / (up + down)
     ridge = height * down
@@ -91,7 +94,7 @@ def prismatic(
     )
 
 
-# Distance of the mirrors from the faces of the sheet, as a share of its thickness.
+# Smallest distance of mirrors from the faces of the sheet, as a fraction of thickness.
 _INSET = 1e-3
 
 
@@ -104,16 +107,16 @@ def mirrored_channels(
     index: float = 1.49,
     transmissivity: float = 1.0,
 ) -> System:
-    """Return the unit cell of an endless film with horizontal mirrors.
+    """Return the unit cell of an infinite film with horizontal mirrors.
 
     Parameters
     ----------
-    pitch : distance of the mirrors [m]
-    thickness : of the sheet [m]
-    mirror_depth : of a mirror, in the middle of the sheet [m]
-    reflectance : of the mirrors, on both sides
+    pitch : distance between mirrors [m]
+    thickness : thickness of the sheet [m]
+    mirror_depth : depth of the mirrors, centred in the sheet [m]
+    reflectance : reflectance of the mirrors on both sides
     index : refractive index of the sheet
-    transmissivity : fraction of light left after 1 m of the sheet
+    transmissivity : internal transmittance of 1 m of the sheet material
 
     Examples
     --------
@@ -127,8 +130,8 @@ def mirrored_channels(
         )
     if not (index > 1 and 0 <= transmissivity <= 1):
         raise InputError(
-            f"index = {index}, transmissivity = {transmissivity}; above 1, and 0 to 1,"
-            " expected"
+            f"index = {index}, transmissivity = {transmissivity}; an index above 1"
+            " and a transmissivity from 0 to 1 expected"
         )
     count = math.ceil(_SLENDER * thickness / pitch)
     across = count * pitch

@@ -13,7 +13,7 @@ from clerestory.scene.model import Glass, Material, Polygon, Scene
 def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
     """Return a Lambertian sheet.
 
-    `transmittance`, `reflectance`: with a sum of at most 1.
+    `transmittance`, `reflectance`: values with a sum of at most 1 in each channel.
 
     >>> diffuse_pane(transmittance=0.5).area.periodic
     True
@@ -26,11 +26,11 @@ def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
 
 
 def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
-    """Return a thin pane of clear glass, as Radiance's glass.
+    """Return a thin pane of clear glass, as Radiance's material `glass`.
 
     Parameters
     ----------
-    transmissivity : fraction of light left after one passage at normal incidence
+    transmissivity : internal transmittance at normal incidence
     index : refractive index
 
     Examples
@@ -39,7 +39,7 @@ def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
     'pane'
     """
     if not index >= 1:
-        raise InputError(f"index = {index}; 1 or more expected")
+        raise InputError(f"index = {index}; a refractive index of 1 or more expected")
     glass = Glass("pane", channel_values("transmissivity", transmissivity), index)
     return _sheet(glass, "Clear pane")
 

@@ -1,16 +1,15 @@
 """Correction of merged tree cells that preserves directional-hemispherical values.
 
-Cells are merged where their differences do not exceed the noise. Where the
-directional-hemispherical value varies between incident cells, merged cells would all
-shift flux in the same sense: single values stay accurate, their sum does not. The
-directional-hemispherical value has a much smaller error than single values. Where it
-varies, merged cells are subdivided and scaled in proportion to it.
+Cells are merged if their differences do not exceed the noise. If the
+directional-hemispherical value varies between the incident cells of merged cells, the
+merge shifts flux between them: each cell stays accurate within its noise, but the sum
+over exit cells does not. The directional-hemispherical value is known more accurately
+than single cells. Where it varies, merged cells are subdivided and scaled to match it.
 
-Variations are evaluated at all scales, as errors are smaller over many cells. The
-brightest merged cells are subdivided, as many as can take the correction without a
-large relative change. Rank 4 trees are used in both directions by reciprocity: incident
-cells, exit cells and incident cells again are corrected in turn (iterative proportional
-fitting).
+Variations are tested at all scales, as estimates over many cells are more accurate. The
+brightest merged cells are subdivided, enough of them that the correction changes none
+by much. Rank 4 trees also serve for the reciprocal direction: incident cells, exit
+cells and again incident cells are corrected in turn (iterative proportional fitting).
 
 Reference: W. E. Deming, F. F. Stephan, "On a least squares adjustment of a sampled
 frequency table when the expected marginal totals are known", Annals of Mathematical
@@ -27,23 +26,24 @@ from clerestory.array_types import Values
 from clerestory.bsdfgen.morton_codes import incident_code
 from clerestory.bsdfgen.subcells import Subcells
 
-# Largest flux error of a part of the incident cells, as a share of all incident flux,
-# for parts of 1/2^_SPAN of the width of the square and wider; twice as much per halving
-# of the width. The error must also exceed a number of standard errors.
+# Largest tolerated flux error, as a fraction of the incident flux, of groups of
+# incident cells of width 1/2^_SPAN of the square and wider; it doubles with each
+# halving of the width. An error is corrected only if it also exceeds _SURE standard
+# errors.
 _TOLERANCE = 0.004
 _SPAN = 5
 _SURE = 0.3
 
-# The same number for exit cells, whose flux is estimated by scattered paths.
+# Number of standard errors for exit cells, whose flux estimates have more noise.
 _SURE_LEAVING = 2.0
 
-# Flux of the subdivided cells over the required change.
+# Ratio of the flux in subdivided cells to the required change of flux.
 _STRETCH = 3.0
 
-# Largest relative change of cells with less than half of the flux.
+# Largest relative change of a group of cells with less than half of the flux.
 _CHANGE = 0.5
 
-# Subcells that are summed together.
+# Largest number of subcells that are summed together.
 _TOGETHER = 1 << 20
 
 
@@ -55,7 +55,7 @@ class HemisphericalFlux:
     Attributes
     ----------
     share : luminous transmittance or reflectance, 0…1
-    variance : of the share
+    variance : variance of `share`
     """
 
     share: Float[np.ndarray, " incident"]
@@ -75,15 +75,15 @@ def preserve_flux(
 
     Parameters
     ----------
-    pieces : by their height above the finest cells, up to the root
-    luminous : value of each cell [1/sr]
-    light : estimated values
-    by_leaving : whether light is that of exit cells, in place of incident cells; for
-        rank 4
+    pieces : subcells by their height above the smallest cells, up to the root
+    luminous : luminous BSDF of each cell [1/sr]
+    light : estimated directional-hemispherical values
+    by_leaving : whether `light` has one value per exit cell instead of one per incident
+        cell; rank 4 only
 
     Examples
     --------
-    A block of 2 × 2 incident and 2 × 2 leaving cells, all in one:
+    One cell merged from 2 × 2 incident and 2 × 2 exit cells:
 
     >>> from clerestory.bsdfgen.subcells import whole_cells
     >>> one = whole_cells(np.array([0]), np.array([1]), depth=1)
@@ -122,13 +122,13 @@ def preserve_flux_on_both_sides(
 
     Parameters
     ----------
-    pieces : by their height above the finest cells, up to the root
-    luminous : value of each cell [1/sr]
-    incident, leaving : estimated values
+    pieces : subcells by their height above the smallest cells, up to the root
+    luminous : luminous BSDF of each cell [1/sr]
+    incident, leaving : directional-hemispherical values of incident and of exit cells
 
     Examples
     --------
-    Four leaving cells of two brightnesses, joined:
+    One cell merged from exit cells of different brightness:
 
     >>> from clerestory.bsdfgen.subcells import whole_cells
     >>> one = whole_cells(np.array([0]), np.array([1]), depth=1)
@@ -153,8 +153,8 @@ def _moved(
     bits: int,
     depth: int,
 ) -> Float[np.ndarray, " block"]:
-    # Largest flux error between parts of merged cells of one height, where it exceeds
-    # the tolerance and the standard error
+    # Largest flux error among the parts of each merged cell of one height; errors below
+    # the tolerance or the standard error count as zero
     wide = 1 << bits * height
     off = (scale - np.repeat(_means(scale, wide), wide)) * together
     most = np.zeros(len(scale) // wide)
@@ -176,22 +176,22 @@ def _means(
 
 @dataclass(frozen=True, eq=False)
 class _Tally:
-    # Sums of the flux of subcells by incident cells
+    # Flux of subcells, summed per incident cell
     luminous: Float[np.ndarray, " cell"]
     incidents: int
     rank: int
     depth: int
-    skip: int  # bits of a digit before those of the cells whose light is kept
+    skip: int  # lowest bits of a code to drop: 0 for incident cells, 2 for exit cells
 
     def lights(self, pieces: Sequence[Subcells]) -> Float64[np.ndarray, " incident"]:
-        """Flux of subcells of the lowest heights for each incident cell."""
+        """Flux of all given subcells per incident cell; `pieces` starts at height 0."""
         total = np.zeros(self.incidents)
         for height, part in enumerate(pieces):
             total += self.light(part, height)
         return total
 
     def light(self, pieces: Subcells, height: int) -> Float64[np.ndarray, " incident"]:
-        """Flux of subcells of one height for each incident cell."""
+        """Flux of the subcells of one height per incident cell."""
         wide = 1 << (self.rank - 2) * height
         sums = np.zeros(self.incidents // wide)
         for start in range(0, len(pieces), _TOGETHER):
@@ -201,19 +201,19 @@ class _Tally:
         return np.repeat(sums, wide)
 
     def share(self, pieces: Subcells, height: int) -> Float64[np.ndarray, " piece"]:
-        """Flux of each subcell from one finest incident cell."""
+        """Flux of each subcell from one incident cell of the smallest size."""
         size = np.pi * 4.0 ** (height - self.depth)
         return np.asarray(self.luminous[pieces.cell] * pieces.factor * size)
 
     def block(self, pieces: Subcells, height: int) -> Int32[np.ndarray, " piece"]:
-        """Number of the incident cell of each subcell, among all of its width."""
+        """Index of each subcell's incident cell among incident cells of its size."""
         levels = self.depth - height
         return incident_code(pieces.place >> self.skip, rank=self.rank, levels=levels)
 
     def brightest(
         self, pieces: Subcells, need: Float[np.ndarray, " block"], height: int
     ) -> Bool[np.ndarray, " piece"]:
-        """Brightest subcells of one height with as much flux as required."""
+        """Mask of the brightest subcells of one height that contain the flux `need`."""
         found = np.zeros(len(pieces), dtype=bool)
         if not len(pieces):
             return found
@@ -230,8 +230,8 @@ class _Tally:
     def scaled(
         self, pieces: list[Subcells], left: Float64[np.ndarray, " incident"]
     ) -> list[Subcells]:
-        """Scale wide subcells by the common part of the correction, small ones by the
-        rest.
+        """Scale subcells from the largest to the smallest, each size by the mean of the
+        remaining correction over its incident cells.
         """
         found = list(pieces)
         own = [self.light(part, height) for height, part in enumerate(pieces)]

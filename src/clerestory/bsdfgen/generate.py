@@ -1,8 +1,8 @@
-"""BSDF generation by ray tracing the geometry of shading systems, as genBSDF.
+"""BSDF generation by ray tracing of shading systems, as in Radiance's genBSDF.
 
-Rays enter the sample area from each incident patch or cell, uniformly in projected
-solid angle, and are scored in the exit patch or cell. The sample area is a finite
-sample or the unit cell of an endless system.
+Rays from each incident patch or cell, uniform in projected solid angle, enter the
+sample area and are counted in their exit patch or cell. The sample area is a finite
+sample or the unit cell of an infinite periodic system.
 """
 
 import warnings
@@ -43,7 +43,7 @@ _BACKS: dict[str, tuple[bool, ...]] = {
 
 _DEEPEST = 7
 
-# Used when neither samples nor an error is asked for: as many paths as genBSDF's
+# Default if neither samples nor an error is given: as many paths as in genBSDF
 _DEFAULT = Goal(samples=2000)
 
 
@@ -66,43 +66,46 @@ def generate_bsdf(
 ) -> Bsdf:
     """Return the BSDF of a shading system with standard errors.
 
-    The frame is that of genBSDF: +x is the width, +y up, +z into the room, all geometry
-    at z ≤ 0. *Front* is the side of the sky, as in the files.
+    The frame is that of genBSDF: +x along the width, +y up, +z into the room, all
+    geometry at z ≤ 0. *Front* is the outdoor side, as in BSDF files.
 
     Parameters
     ----------
     scene : geometry [m], or a parametric system
-    basis : Klems basis, or a tensor tree; rank 3 for isotropic systems
+    basis : Klems basis, or tensor trees of rank 3 (isotropic systems) or 4
     halvings : resolution of trees, 2^halvings cells along each axis, 2 to 7
     sides : incident sides
-    area : sample area; the bounding box if None
-    periodic : whether the sample area is the unit cell of an endless system, so that no
-        light is lost at its sides
-    bands : for each band of the result, weights of the bands of the scene; if None,
-        luminance, and each band of scenes in other bands than RGB
-    colour : whether to add CIE X and Z, or u' and v' of trees; in RGB only
-    samples : paths per incident patch, or average per finest incident cell of a tree;
-        2000 if neither this nor an error is given
-    relative_error : instead of samples, target root mean square of the standard errors
-        of all values over their mean
-    bounces : most diffuse reflections of a path, as Radiance's -ab; None: no limit
-    symmetry : for matrices, whether to trace only one of two mirror-symmetric patches
-    reciprocal : whether to average with the reciprocal; only for periodic sample areas
-    reduction : blocks of smallest cells of a tree to merge [%]
-    geometry : whether the result holds the geometry as MGF; in RGB only
-    name : of the product
+    area : sample area; default: the bounding box of the scene
+    periodic : whether the sample area is the unit cell of an infinite periodic system,
+        so that no light is lost at its sides
+    bands : channels of the BSDF by name, each with the weights of the scene's bands;
+        default: luminance and, unless the scene is in RGB, each band of the scene
+    colour : whether to add CIE X and Z, for trees u' and v'; RGB scenes only
+    samples : paths per incident patch, or mean number per smallest incident cell of a
+        tree; default: 2000 unless `relative_error` is given
+    relative_error : target error in place of `samples`: root mean square of the
+        standard errors of all values, divided by the mean value
+    bounces : largest number of diffuse reflections of a path, as Radiance's -ab; None
+        for no limit
+    symmetry : whether to trace only one of mirror-symmetric patches; matrices only
+    reciprocal : whether to average the BSDF with its reciprocal; meaningful only for
+        periodic sample areas
+    reduction : percentage of a tree's blocks of smallest cells to merge
+    geometry : whether to include the geometry as MGF; RGB scenes only
+    name : product name
     seed : whole number ≥ 0; results are bitwise reproducible for a seed on one device
-    device : "auto" selects a GPU if there is one
-    progress : called with the fraction done, 0…1, and a note
+    device : compute device; "auto" selects a GPU if there is one
+    progress : function called with the fraction done, 0…1, and a note
 
     Raises
     ------
-    InputError : no geometry, an empty sample area, or a number out of range
-    DeviceError : no usable device
+    InputError : there is no geometry, the sample area is empty, or a number is out of
+        range
+    DeviceError : there is no usable device
 
     Warns
     -----
-    ClerestoryWarning : doubtful geometry; a target error that was not reached
+    ClerestoryWarning : the geometry is doubtful, or the target error was not reached
 
     Examples
     --------
@@ -122,13 +125,16 @@ def generate_bsdf(
     system = _system(scene, area, periodic, bands, name)
     check_bands(system.bands, len(system.scene.bands))
     if colour and system.scene.bands != RGB:
-        raise InputError(f"colour of a scene in {system.scene.bands}; {RGB} expected")
+        raise InputError(
+            f"colour requested for a scene in {system.scene.bands}; a scene in {RGB}"
+            " expected"
+        )
     if not 2 <= halvings <= _DEEPEST:
         raise InputError(f"{halvings} halvings; 2 to {_DEEPEST} expected")
     if sides not in _BACKS:
         raise InputError(f"sides {sides!r}; both, front or back expected")
     if not 0 <= reduction < 100:
-        raise InputError(f"reduction by {reduction} %; 0 to below 100 % expected")
+        raise InputError(f"reduction by {reduction} %; 0 ≤ reduction < 100 % expected")
     for doubt in check_system(system.scene, system.area):
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
     product = _product(system, geometry)
@@ -144,7 +150,7 @@ def generate_bsdf(
     if not traced.reached:
         warnings.warn(
             f"the relative error {effort.relative_error} was not reached after"
-            f" {traced.paths:,} paths; look at the standard errors",
+            f" {traced.paths:,} paths; check the standard errors",
             ClerestoryWarning,
             stacklevel=2,
         )
@@ -165,7 +171,7 @@ def _system(
     bands: Mapping[str, Weights] | None,
     name: str,
 ) -> System:
-    # Arguments override the values of a parametric system
+    # Let arguments override the values of a parametric system
     if isinstance(scene, System):
         system = replace(scene, area=area or scene.area, bands=bands or scene.bands)
     else:

@@ -1,8 +1,8 @@
 """Plausibility checks of the geometry of a shading system.
 
-Findings are warnings, except for a system that is entirely in the room, which is an
-error. Surfaces are checked for position, units, overlaps in one plane and, for
-dielectrics, closed solids with outward normals.
+Surfaces are checked for position, length unit and coplanar overlaps. Dielectrics are
+checked for closed solids with outward normals. Findings are warnings; only a system
+that lies entirely in the room is an error.
 """
 
 from collections.abc import Iterator
@@ -16,20 +16,20 @@ from clerestory.scene.model import Dielectric, Interface, Scene, Surface
 from clerestory.scene.surface import extent
 from clerestory.scene.tessellate import Mesh, meshes
 
-# Largest z of surfaces [m], as in genBSDF.
+# Largest z of surfaces that is tolerated without a warning [m], as in genBSDF.
 _IN_ROOM = 1e-5
 
-# Largest thickness, largest and smallest width of plausible systems in metres.
+# Largest thickness, largest width and smallest width of plausible systems [m].
 _THICKEST, _WIDEST, _NARROWEST = 1.5, 60.0, 2e-5
 
-# Largest distance behind z = 0 as a share of the size, as in genBSDF.
+# Largest distance behind z = 0 relative to the size of the system, as in genBSDF.
 _FAR_BEHIND = 0.1
 
 
 def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
-    """Return warnings about a system, with the surface and its line.
+    """Return warnings about a system, each with a surface and its line.
 
-    Detects surfaces in the room, systems far behind z = 0, units other than metres,
+    Checks for surfaces in the room, systems far behind z = 0, units other than metres,
     open or inverted dielectric solids, and overlapping coplanar surfaces.
 
     >>> from clerestory.scene.model import Plastic, Polygon
@@ -44,8 +44,8 @@ def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
     low, high = scene.bounds()
     if low[2] >= 0 and high[2] > _IN_ROOM:
         raise InputError(
-            f"all surfaces lie in the room, from z = {low[2]:.4g} m up; a system behind"
-            " z = 0, with z pointing into the room, expected"
+            f"all surfaces lie in the room, at z ≥ {low[2]:.4g} m; a system at z ≤ 0,"
+            " with z pointing into the room, expected"
         )
     return (
         *_units(scene),
@@ -61,12 +61,12 @@ def _units(scene: Scene) -> Iterator[str]:
     if depth > _THICKEST or max(width, height) > _WIDEST:
         yield (
             f"the system is {width:.4g} m wide, {height:.4g} m high and {depth:.4g} m"
-            " deep; is it in millimetres? `!xform -s 0.001` scales"
+            " deep; if it is in millimetres, scale it with `!xform -s 0.001`"
         )
     elif max(width, height) < _NARROWEST:
         yield (
             f"the system is {width:.4g} m wide and {height:.4g} m high;"
-            " is it in metres?"
+            " coordinates in metres expected"
         )
 
 
@@ -87,21 +87,21 @@ def _far_behind(area: SampleArea) -> Iterator[str]:
     gap = -float(area.bounds[1, 2])
     if gap > _FAR_BEHIND * np.sqrt(width * height):
         yield (
-            f"the system ends {gap:.4g} m behind z = 0, where the BSDF stands;"
+            f"the system ends {gap:.4g} m behind z = 0, the plane of the BSDF;"
             " less than a tenth of its size expected"
         )
 
 
-# Tolerance of coplanarity and of overlaps at common edges, as a share of the size of
+# Tolerance for coplanarity and for overlaps at common edges, relative to the size of
 # the system.
 _SAME = 1e-6
 
-# Most pairs of triangles that are tested; larger systems are tested in part.
+# Largest number of triangle pairs per plane that are tested; further pairs are skipped.
 _MOST_PAIRS = 4_000_000
 
 
 def check_overlaps(scene: Scene) -> Iterator[str]:
-    """Yield the first pair of overlapping coplanar surfaces and their number."""
+    """Yield the first pair of overlapping coplanar surfaces and the number of pairs."""
     parts = meshes(scene)
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     surface = np.concatenate([m.surface for m in parts])
@@ -117,15 +117,15 @@ def check_overlaps(scene: Scene) -> Iterator[str]:
     one, other = (surface_label(scene.surfaces[int(i)]) for i in both[0])
     more = f"; {len(both) - 1} more such pairs" if len(both) > 1 else ""
     yield (
-        f"{one} and {other} lie in one plane and overlap{more}; one surface in each"
-        " place expected"
+        f"{one} and {other} are coplanar and overlap{more}; surfaces without overlap"
+        " expected"
     )
 
 
 def _planes(
     corner: Float[np.ndarray, "triangle 3 3"], near: float
 ) -> Iterator[Int[np.ndarray, " triangle"]]:
-    # Triangles grouped by their plane
+    # Group triangles by plane
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1)
     flat = np.flatnonzero(length > 0)
@@ -191,7 +191,7 @@ def _overlap(
 
 
 def surface_label(surface: Surface) -> str:
-    """Return the place of a surface in its file, its kind and its name.
+    """Return the file and line of a surface, its type and its name as text.
 
     >>> import numpy as np
     >>> from clerestory.scene.model import Sphere
@@ -208,8 +208,8 @@ def surface_label(surface: Surface) -> str:
 def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
     """Yield dielectrics with open edges or inward normals.
 
-    Every edge of a solid belongs to two faces that use it in opposite senses. Edges in
-    the sides of a periodic unit cell may be open.
+    Each edge of a solid belongs to two faces that traverse it in opposite directions.
+    Edges in the sides of a periodic unit cell may be open.
     """
     for mesh in meshes(scene):
         if not isinstance(mesh.material, Dielectric | Interface):
@@ -226,10 +226,10 @@ def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
             yield (
                 f"{surface} has an open edge: {name} does not enclose a solid"
                 f" ({int(lone.sum())} edges without a second face); closed surfaces"
-                " with their fronts outwards expected"
+                " with outward normals expected"
             )
         elif _volume(corner, faces) < 0:
-            yield f"{name} is inside out; faces whose fronts point outwards expected"
+            yield f"{name} is inside out; faces with outward normals expected"
 
 
 def _welded(
@@ -247,7 +247,7 @@ def _welded(
 
 
 def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
-    # Edges that are not used equally often in both senses
+    # Edges that are not traversed equally often in both directions
     count = int(edges.max()) + 1
     forth = edges[:, 0].astype(np.int64) * count + edges[:, 1]
     back = edges[:, 1].astype(np.int64) * count + edges[:, 0]
@@ -271,7 +271,7 @@ def _in_sides(
 def _volume(
     corner: Float[np.ndarray, "corner 3"], faces: Int[np.ndarray, "face 3"]
 ) -> float:
-    # Volume by Gauss' theorem on (0, 0, z): vertical faces do not contribute
+    # Volume by Gauss's theorem for the field (0, 0, z); vertical faces contribute zero
     a, b, c = np.moveaxis(corner[faces] - corner.mean(axis=0), 1, 0)
     upwards = np.cross(b - a, c - a)[:, 2] / 2
     return float(upwards @ (a + b + c)[:, 2] / 3)

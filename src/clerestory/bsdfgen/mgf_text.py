@@ -30,14 +30,14 @@ from clerestory.scene.model import (
     Trans,
 )
 
-# Thickness for which MGF gives the transmittance of a solid [m].
+# Thickness at which MGF specifies the transmittance of a solid [m].
 _SOLID_THICKNESS = 0.005
 
 _Colour = Float[np.ndarray, "3"]
 
 
 def mgf_text(scene: Scene, area: SampleArea) -> str:
-    """Return a system as MGF in metres, with the middle of its area at x = y = 0.
+    """Return a system as MGF in metres, with the centre of its area at x = y = 0.
 
     >>> grey = Plastic("grey", np.full(3, 0.5))
     >>> slat = Polygon(np.array([[0.0, 0, -1], [2, 0, -1], [2, 2, -1]]), "grey", "slat")
@@ -97,8 +97,8 @@ def _material(material: Material) -> Iterator[str]:
             kind = given.kind if given else type(material).__name__.lower()
             raise error_at(
                 material.source,
-                f'{kind} "{material.name}" has no counterpart in MGF; leave the'
-                " geometry out of the BSDF",
+                f'{kind} "{material.name}" cannot be expressed in MGF; omit the'
+                " geometry from the BSDF",
             )
 
 
@@ -115,7 +115,7 @@ def _trans(material: Trans) -> Iterator[str]:
 
 
 def _glass(material: Glass) -> Iterator[str]:
-    # Both faces and the glass between them, at normal incidence
+    # Reflectance and transmittance of both surfaces together, at normal incidence
     face = ((material.index - 1) / (material.index + 1)) ** 2
     inner = material.transmissivity
     series = 1 / (1 - (face * inner) ** 2)
@@ -126,7 +126,7 @@ def _glass(material: Glass) -> Iterator[str]:
 
 
 def _share(keyword: str, rgb: _Colour, *roughness: Roughness) -> Iterator[str]:
-    # A reflectance or transmittance after its colour
+    # Write the colour, then the reflectance or transmittance
     xyz = RADIANCE.to_xyz() @ np.asarray(rgb, dtype=float)
     yield "\tc"
     if np.ptp(rgb) > 0:

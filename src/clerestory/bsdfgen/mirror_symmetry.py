@@ -1,7 +1,7 @@
 """Mirror symmetry of shading systems, for tracing fewer incident patches.
 
-A system that is symmetric left to right or top to bottom scatters light from
-mirror-image patches alike. Only one of them is traced.
+If a system is symmetric left to right or top to bottom, the scattering of mirror-image
+incident patches is mirrored as well. Only one of such patches is traced.
 """
 
 from collections import Counter
@@ -26,13 +26,12 @@ from clerestory.scene.model import (
     Trans,
 )
 
-# Tolerance of equal corners as a share of the size of the system.
+# Tolerance for equal corners relative to the size of the system.
 _SAME = 1e-5
 
-# Offset that keeps corners on a regular grid off rounding limits.
+# Offset that keeps corners on a regular grid away from rounding boundaries.
 _OFF_GRID = 0.381966
 
-# Isotropic materials.
 _ISOTROPIC = Plastic | Metal | Trans | Glass | Dielectric | Interface
 
 Flip = tuple[int, int]
@@ -46,8 +45,8 @@ NO_MIRROR = _FLIPS[:1]
 def mirror_flips(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
     """Return the flips of x and y that map a system onto itself, the identity first.
 
-    The mirror planes are in the middle of the sample area. Polygons and cylinders of
-    isotropic materials are compared; systems with others count as asymmetric.
+    The mirror planes pass through the centre of the sample area. Systems with surfaces
+    other than polygons and cones, or with anisotropic materials, count as asymmetric.
 
     >>> from clerestory.bsdfgen.venetian_geometry import venetian
     >>> blind = venetian(slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.5)
@@ -77,8 +76,8 @@ class Orbits:
 
     Attributes
     ----------
-    chosen : one traced patch of each class
-    flips : for each mirror, the image of each patch
+    chosen : patch of each class that is traced
+    flips : index of the image of each patch, for each mirror operation
     """
 
     chosen: Int[np.ndarray, " kind"]
@@ -86,9 +85,9 @@ class Orbits:
 
     @classmethod
     def of(cls, partition: RingPartition, mirror_flips: Sequence[Flip]) -> "Orbits":
-        """Return the classes of patches of a partition under some mirrors.
+        """Return the classes of patches of a partition under given mirror operations.
 
-        Mirrors that do not map patches onto patches are left out.
+        Operations that do not map patches onto patches are ignored.
 
         >>> from clerestory.hemisphere.klems import klems
         >>> Orbits.of(klems("full"), ((1, 1), (-1, 1))).chosen.size
@@ -106,15 +105,16 @@ class Orbits:
 
     @property
     def kind(self) -> Indices:
-        """Number of each patch's class."""
+        """Index of the class of each patch."""
         return np.asarray(np.searchsorted(self.chosen, self.flips.min(axis=0)))
 
     def unfolded(
         self, table: Float[np.ndarray, "*more kind exit"]
     ) -> Float[np.ndarray, "*more patch exit"]:
-        """Return a table for all incident patches from that for the traced ones.
+        """Return a table for all incident patches from a table for the traced patches.
 
-        Patches on a mirror plane are their own image: their two sides are averaged.
+        A patch on a mirror plane is its own image: values of its mirror-image exit
+        patches are averaged.
         """
         kind = self.kind
         total = np.zeros((*table.shape[:-2], len(kind), table.shape[-1]), table.dtype)
@@ -130,7 +130,7 @@ class Orbits:
 def _key(
     surface: Polygon | Cone, middle: Vector, flip: Flip, unit: float
 ) -> tuple[object, ...]:
-    # Identity of a surface by its place and material
+    # Key of a surface: material and mirrored, rounded coordinates
     def grid(points: Directions) -> list[tuple[int, ...]]:
         moved = (points - middle) * [*flip, 1] / unit + _OFF_GRID
         return [tuple(row) for row in np.round(moved).astype(int).tolist()]

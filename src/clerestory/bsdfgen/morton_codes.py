@@ -1,7 +1,7 @@
 """Morton codes of the cells of tensor trees.
 
-A code has one digit per level, the coarsest in the highest bits. A digit of a tree of
-rank 3 or 4 has one bit per dimension; the incident direction has the lowest bits.
+A code has one digit per level, the coarsest in the highest bits. A digit has one bit
+per dimension of the tree (rank 3 or 4); the incident dimensions have the lowest bits.
 """
 
 from functools import cache
@@ -18,7 +18,7 @@ _Number = Int[np.ndarray, "*batch"]
 
 
 def incident_code(number: _Number, *, rank: int, levels: int) -> _Number:
-    """Return the code of the incident cell, over the last levels of a code.
+    """Return the code of the incident cell, from the last levels of a code.
 
     >>> incident_code(np.array([0b1110_1101]), rank=4, levels=2).tolist()
     [9]
@@ -35,7 +35,7 @@ def incident_code(number: _Number, *, rank: int, levels: int) -> _Number:
 
 @cache
 def _incident_parts(rank: int, digits: int) -> Indices:
-    # Incident part of all codes of a few digits
+    # Lookup table: incident part of each code with `digits` digits
     number = np.arange(1 << rank * digits)
     found = np.zeros_like(number)
     bits = rank - 2

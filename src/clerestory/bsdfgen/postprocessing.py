@@ -20,7 +20,7 @@ from clerestory.errors import InputError
 def reciprocal_with_errors(functions: Functions) -> Functions:
     """Return functions averaged with their reciprocals, with reduced standard errors.
 
-    The two directions are independent estimates of one value.
+    A value and its reciprocal are independent estimates of the same quantity.
     """
     means = reciprocal_mean(Bsdf(functions)).functions
     found: Functions = {}
@@ -43,7 +43,7 @@ def _matrix_error(
     one, two = part.standard_error, other.standard_error
     if one is None or two is None:
         return None
-    # Self-reciprocal pairs of a reflection are a single estimate
+    # Self-reciprocal pairs of a reflection have one estimate: keep its error
     back = ScatteringMatrix(two, other.exits, other.incidents).reciprocal().values
     number = np.arange(one.size, dtype=float).reshape(one.shape)
     reverse = ScatteringMatrix(number, part.exits, part.incidents).reciprocal().values
@@ -65,9 +65,9 @@ def _tree_error(
 
 
 def one_transmission(functions: Functions) -> Functions:
-    """Return rank 4 trees with one transmission per band, as in files.
+    """Return rank 4 trees with one transmission per band, as in BSDF files.
 
-    As in genBSDF the one from the back is kept; the other is its reciprocal.
+    As in genBSDF, the back transmission is kept; the front one is its reciprocal.
     """
     return {
         (band, name): part
@@ -89,7 +89,7 @@ def reduced(functions: Functions, percent: float) -> Functions:
 def error_functions(
     functions: Mapping[tuple[str, Function], ScatteringFunction],
 ) -> Functions:
-    """Return the standard errors of functions in the shape of their values."""
+    """Return the standard errors of functions as functions on the same patches."""
     found: Functions = {}
     for (channel, name), part in functions.items():
         if channel in ("cie-u", "cie-v"):
@@ -102,7 +102,7 @@ def error_functions(
             found[channel, name] = part.standard_error
         else:
             raise InputError(
-                f"{channel} {name.replace('_', ' ')} carries no standard errors;"
-                " a traced function that was not reduced expected"
+                f"{channel} {name.replace('_', ' ')} has no standard errors;"
+                " a traced function without reduction expected"
             )
     return found

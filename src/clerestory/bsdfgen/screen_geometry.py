@@ -19,10 +19,10 @@ from clerestory.bsdfgen.system_parameters import (
 from clerestory.errors import InputError
 from clerestory.scene.model import Cone, Material, Plastic, Polygon, Scene
 
-# Corners of a round hole, whose polygon has the area of the circle.
+# Corners of the polygon for a round hole; it has the area of the circle.
 _CORNERS = 48
 
-# Holes or threads along a side of the unit cell.
+# Number of holes or threads along each side of the unit cell.
 _COUNT = 4
 
 
@@ -35,15 +35,16 @@ def perforated(
     reflectance: Share = 0.5,
     solar_reflectance: float | None = None,
 ) -> System:
-    """Return the unit cell of an endless sheet with holes on a square grid.
+    """Return the unit cell of an infinite sheet with holes on a square grid.
 
     Parameters
     ----------
-    pitch : distance of the holes [m]
-    hole : diameter of round holes, or side of square ones [m]
-    thickness : of the sheet [m]; 0 for a thin one
-    reflectance : of sheet and walls of the holes, as of Radiance's plastic
-    solar_reflectance : in the solar band; None for the visible band only
+    pitch : distance between hole centres [m]
+    hole : diameter of round holes, or side of square holes [m]
+    thickness : thickness of the sheet [m]; 0 for an infinitely thin sheet
+    reflectance : reflectance of the sheet and of the walls of the holes, as in
+        Radiance's material `plastic`
+    solar_reflectance : reflectance in the solar band; None for the visible band only
 
     Examples
     --------
@@ -73,15 +74,15 @@ def woven(
     reflectance: Share = 0.5,
     solar_reflectance: float | None = None,
 ) -> System:
-    """Return the unit cell of an endless screen of round threads in two crossing
+    """Return the unit cell of an infinite screen of round threads in two crossing
     layers.
 
     Parameters
     ----------
-    spacing : distance of the threads, both ways [m]
-    thread : diameter [m]
-    reflectance : of the threads, as of Radiance's plastic
-    solar_reflectance : in the solar band; None for the visible band only
+    spacing : distance between thread axes in both directions [m]
+    thread : diameter of the threads [m]
+    reflectance : reflectance of the threads, as in Radiance's material `plastic`
+    solar_reflectance : reflectance in the solar band; None for the visible band only
 
     Examples
     --------
@@ -114,7 +115,7 @@ def woven(
 
 
 def unit_cell(pitch: float, thickness: float) -> SampleArea:
-    """Return the unit cell of a few holes or threads each way."""
+    """Return a unit cell with four holes or threads along each side."""
     side = _COUNT * pitch
     return SampleArea(np.array([[0, 0, -thickness], [side, side, 0]]), periodic=True)
 
@@ -130,7 +131,7 @@ def sheet_with_holes(
 ) -> Scene:
     """Return a sheet of one material with holes and their walls.
 
-    `faces`: of a thick sheet; a single one for materials that transmit.
+    `faces`: number of faces of a thick sheet; 1 for materials that transmit.
     """
     check_positive(pitch=pitch, hole=hole)
     check_not_negative(thickness=thickness)
@@ -163,7 +164,7 @@ def _rim(shape: str, hole: float) -> Points2:
 def _around(
     middle: Vector2, rim: Points2, pitch: float, z: float, side: int, material: str
 ) -> Iterator[Polygon]:
-    # Four quarters of a square with a hole
+    # Divide the square around a hole into four polygons
     outer = pitch / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     quarter = len(rim) // 4
     for number in range(4):

@@ -1,4 +1,4 @@
-"""Shading systems as geometry, with the sample area that rays are traced through.
+"""Geometry of shading systems and the sample area through which rays are traced.
 
 The frame is that of genBSDF: +x along the width, +y up, +z into the room; the system is
 at z ≤ 0.
@@ -16,23 +16,24 @@ from clerestory.bsdfgen.channel_weights import VISIBLE, Weights
 from clerestory.errors import InputError
 from clerestory.scene.model import Scene
 
-# Distance of the faces from the system, as a share of its size.
+# Distance of the faces of the box from the system, relative to its size.
 _CLEARANCE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
 class SampleArea:
-    """A box whose front and back faces rays enter and leave through.
+    """A box around a shading system; rays enter and leave through its z faces.
 
     Attributes
     ----------
     bounds : lower and upper corner [m]
-    periodic : whether the box is the unit cell of an endless system; rays that leave
-        one side re-enter at the opposite one, otherwise they are lost
+    periodic : whether the box is the unit cell of an infinite periodic system: rays
+        that leave through a side re-enter through the opposite side; otherwise they are
+        lost
 
     Raises
     ------
-    InputError : no width or height, or a negative depth
+    InputError : the width or height is zero, or the depth negative
 
     Examples
     --------
@@ -50,7 +51,7 @@ class SampleArea:
         if not np.all(np.isfinite(bounds)) or not (size[:2] > 0).all() or size[2] < 0:
             raise InputError(
                 f"sample area from {bounds[0].tolist()} to {bounds[1].tolist()};"
-                " a box with width and height expected"
+                " a box with positive width and height expected"
             )
 
     @property
@@ -64,7 +65,7 @@ class SampleArea:
         return np.asarray(self.bounds[1] - self.bounds[0])
 
     def slab(self) -> Float[np.ndarray, "2 3"]:
-        """Corners of the box with its faces slightly off the system [m]."""
+        """Corners of the box, enlarged slightly in z to clear the system [m]."""
         off = _CLEARANCE * float(self.size.max())
         return np.asarray(self.bounds + np.outer([-off, off], [0, 0, 1]))
 
@@ -72,7 +73,7 @@ class SampleArea:
 def area_from_dimensions(
     dimensions: Sequence[float], *, periodic: bool = False
 ) -> SampleArea:
-    """Return the box of genBSDF's `-dim xmin xmax ymin ymax zmin zmax`."""
+    """Return the box from genBSDF's option `-dim xmin xmax ymin ymax zmin zmax`."""
     if len(dimensions) != 6:
         raise InputError(
             f"{len(dimensions)} dimensions; xmin xmax ymin ymax zmin zmax expected"
@@ -84,22 +85,22 @@ def area_of(scene: Scene, *, periodic: bool = False) -> SampleArea:
     """Return the bounding box of a system."""
     if not scene.surfaces:
         raise InputError(
-            "the scene has no surfaces; some, or the dimensions of an empty sample"
-            " area, expected"
+            "the scene has no surfaces; surfaces, or the dimensions of the sample area,"
+            " expected"
         )
     return SampleArea(scene.bounds(), periodic)
 
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Geometry and all else that BSDF generation needs.
+    """Shading system: the input of BSDF generation.
 
     Attributes
     ----------
-    scene : in the frame of genBSDF [m]
+    scene : geometry in the frame of genBSDF [m]
     area : sample area
-    bands : for each band of the BSDF, weights of the bands of the scene
-    product : name and dimensions, for the file
+    bands : channels of the BSDF by name, each with the weights of the scene's bands
+    product : product name and dimensions for the BSDF file
     """
 
     scene: Scene

@@ -1,7 +1,7 @@
 """Subdivision of tree cells into scaled subcells.
 
-A cell can have hundreds of subcells; a subcell holds only its place, the number of its
-cell and a factor.
+A cell can have hundreds of subcells; a subcell stores only its Morton code, the index
+of its cell and a scale factor.
 """
 
 from collections.abc import Sequence
@@ -19,9 +19,9 @@ class Subcells:
 
     Attributes
     ----------
-    place : Morton code of each subcell among the nodes of its level
-    cell : number of the cell that contains each
-    factor : ratio of the value of the subcell to that of the cell
+    place : Morton code of each subcell on its level
+    cell : index of the cell that contains each subcell
+    factor : ratio of the subcell's value to the cell's value
     """
 
     place: Int32[np.ndarray, " piece"]
@@ -32,7 +32,7 @@ class Subcells:
         return len(self.place)
 
     def cut(self, split: Mask, *, rank: int) -> "tuple[Subcells, Subcells]":
-        """Return the subcells that stay whole, and the branches of those to split."""
+        """Return the subcells that are not split, and the children of the others."""
         width = 1 << rank
         place = (self.place[split, None] << rank) + np.arange(width, dtype=np.int32)
         branches = Subcells(
@@ -43,11 +43,11 @@ class Subcells:
         return self.only(~split), branches
 
     def only(self, which: slice | Mask) -> "Subcells":
-        """Return some of the subcells."""
+        """Return the selected subcells."""
         return Subcells(self.place[which], self.cell[which], self.factor[which])
 
     def beside(self, other: "Subcells") -> "Subcells":
-        """Return these subcells and others of the same size."""
+        """Return the concatenation with other subcells of the same size."""
         return Subcells(
             np.concatenate([self.place, other.place]),
             np.concatenate([self.cell, other.cell]),
@@ -56,7 +56,7 @@ class Subcells:
 
 
 def whole_cells(place: Indices, height: Indices, *, depth: int) -> list[Subcells]:
-    """Return whole cells as subcells, by their height above the finest cells.
+    """Return undivided cells as subcells, by their height above the smallest cells.
 
     >>> cells = whole_cells(np.arange(16), np.zeros(16, int), depth=1)
     >>> [len(part) for part in cells]
@@ -73,15 +73,15 @@ def whole_cells(place: Indices, height: Indices, *, depth: int) -> list[Subcells
 def subcell_slots(
     pieces: Sequence[Subcells], *, rank: int
 ) -> Int32[np.ndarray, " slot"]:
-    """Return the slots of a tree, as in `ScatteringTree`, with numbers as values.
+    """Return the slots of a tree, as in `ScatteringTree`; values are subcell indices.
 
-    Subcells are numbered from the finest on, in the given order.
+    Subcells are numbered in the given order, from the smallest size to the largest.
 
     >>> cells = whole_cells(np.arange(16), np.zeros(16, int), depth=1)
     >>> subcell_slots(cells, rank=4)[:3].tolist()
     [-2, 0, 1]
     """
-    # Ascend from the finest level: nodes with branches are inserted between the others
+    # Ascend from the finest level; merge parent nodes with the subcells one level up
     levels = []
     inner, first = np.zeros(0, dtype=np.int32), 0
     for part in pieces:
@@ -92,7 +92,7 @@ def subcell_slots(
         first += len(part)
         inner = place[order[:: 1 << rank]] >> rank
 
-    # Descend: the branches of a level follow that level
+    # Descend; the children of each level are stored after that level
     size = 0
     for slots, inside in reversed(levels):
         size += len(slots)

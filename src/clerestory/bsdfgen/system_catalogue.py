@@ -1,4 +1,4 @@
-"""Parametric shading systems by name, from command-line text and TOML files."""
+"""Catalogue of parametric shading systems, created from command lines or TOML files."""
 
 import inspect
 import math
@@ -46,19 +46,22 @@ def make_system(kind: str, values: Mapping[str, Any]) -> System:
     unknown = sorted(set(values) - set(parameters))
     if unknown:
         raise InputError(
-            f"{kind} has no {unknown[0]!r}; one of {', '.join(parameters)} expected"
+            f"{kind} has no parameter {unknown[0]!r}; one of {', '.join(parameters)}"
+            " expected"
         )
     needed = [n for n, p in parameters.items() if p.default is p.empty]
     missing = [n for n in needed if n not in values]
     if missing:
-        raise InputError(f"{kind} without {missing[0]!r}; {', '.join(needed)} expected")
+        raise InputError(
+            f"{kind} lacks the parameter {missing[0]!r}; {', '.join(needed)} expected"
+        )
     for name, value in values.items():
         _check_kind(f"{kind} {name}", value, parameters[name].default)
     return SYSTEMS[kind](**values)
 
 
 def _check_kind(name: str, value: Any, default: Any) -> None:
-    # Numbers and lists of numbers; strings and booleans where these are the default
+    # Expect a string or boolean if the default is one, otherwise numbers
     wanted = type(default) if isinstance(default, bool | str) else float
     numbers = value if isinstance(value, list | tuple) else [value]
     good = (
@@ -75,9 +78,9 @@ def _check_kind(name: str, value: Any, default: Any) -> None:
 
 
 def parse_parameters(text: str) -> dict[str, Any]:
-    """Return the parameters of a text such as `slat_width=0.08,tilt_deg=45`.
+    """Return the parameters in a text such as `slat_width=0.08,tilt_deg=45`.
 
-    Values with slashes are lists, for red, green and blue.
+    Values for red, green and blue are separated by slashes.
 
     >>> parse_parameters("openness=0.05,reflectance=0.6/0.5/0.4,shape=round")
     {'openness': 0.05, 'reflectance': [0.6, 0.5, 0.4], 'shape': 'round'}
@@ -87,7 +90,8 @@ def parse_parameters(text: str) -> dict[str, Any]:
         name, sign, value = (piece.strip() for piece in part.partition("="))
         if not (name and sign and value) or name in values:
             raise InputError(
-                f"{part!r}; each name once, as in slat_width=0.08,tilt_deg=45, expected"
+                f"{part!r}; name=value pairs with different names expected, such as"
+                " slat_width=0.08,tilt_deg=45"
             )
         numbers = [_value(piece) for piece in value.split("/")]
         values[name] = numbers if len(numbers) > 1 else numbers[0]
@@ -106,7 +110,7 @@ def _value(word: str) -> Any:
 
 
 def read_system(path: str | Path) -> System:
-    r"""Return the system of a TOML file with `kind` and its parameters [m].
+    r"""Return the system from a TOML file with `kind` and the parameters of the kind.
 
     >>> import tempfile
     >>> text = 'kind = "venetian"\nslat_width = 0.08\nspacing = 0.072\n'
@@ -120,7 +124,9 @@ def read_system(path: str | Path) -> System:
     try:
         values = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"not TOML: {error}", file=path) from error
+        raise InputError(
+            f"not TOML: {error}; a TOML file expected", file=path
+        ) from error
     kind = values.pop("kind", None)
     if not isinstance(kind, str):
         raise InputError(

@@ -1,4 +1,4 @@
-"""Parameters of parametric systems: reflectances per channel, and lengths."""
+"""Validation of the parameters of parametric systems: reflectances and lengths."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,7 +8,7 @@ from clerestory.array_types import Vector
 from clerestory.bsdfgen.channel_weights import VISIBLE, VISIBLE_AND_SOLAR, Weights
 from clerestory.errors import InputError
 
-# Reflectance or transmittance: one for grey, or three for red, green and blue.
+# Reflectance or transmittance: one value for grey, or three for red, green and blue.
 Share = float | Sequence[float]
 
 
@@ -17,7 +17,7 @@ def channel_values(name: str, value: Share, solar: float | None = None) -> Vecto
 
     Parameters
     ----------
-    name : for messages
+    name : name of the parameter, for error messages
     solar : value in the solar band; the channels are then visible, solar, solar
 
     Examples
@@ -35,25 +35,25 @@ def channel_values(name: str, value: Share, solar: float | None = None) -> Vecto
     if len(channels) == 3 or not 0 <= solar <= 1:
         raise InputError(
             f"{name} = {value} and {solar} in the solar band; one value from 0 to 1 for"
-            " each expected"
+            " each band expected"
         )
     return np.array([channels[0], solar, solar])
 
 
 def bands(*, solar: bool) -> Mapping[str, Weights]:
-    """Return the bands of the channels of `channel_values`."""
+    """Return the channel weights that match the channels of `channel_values`."""
     return dict(VISIBLE_AND_SOLAR if solar else VISIBLE)
 
 
 def check_positive(**lengths: float) -> None:
-    """Refuse lengths that are not above zero."""
+    """Raise InputError unless all lengths are positive."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0):
             raise InputError(f"{name} = {value}; a length above 0 m expected")
 
 
 def check_not_negative(**lengths: float) -> None:
-    """Refuse negative lengths."""
+    """Raise InputError if a length is negative."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value >= 0):
             raise InputError(f"{name} = {value}; a length of 0 m or more expected")

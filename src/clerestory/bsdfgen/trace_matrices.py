@@ -15,18 +15,17 @@ from clerestory.engine.sample_area_jobs import SlabJob
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.model import Scene
 
-# Independent batches. Longer low-discrepancy sequences converge faster: 8 batches in
-# place of 16 take 1.7 times less work (time × variance) for a blind and still give a
-# standard error.
+# Number of independent batches. Longer low-discrepancy sequences converge faster: for a
+# blind, time × variance is 1.7 times smaller with 8 batches than with 16.
 _BATCHES = 8
 
 
 def trace_matrices(
     scene: Scene, partition: RingPartition, request: TraceRequest
 ) -> Traced:
-    """Return matrices of transmission and reflection for some incident sides.
+    """Return matrices of transmission and reflection for the requested incident sides.
 
-    Only one of several mirror-symmetric patches is traced.
+    Of mirror-symmetric incident patches only one is traced.
     """
     flips = mirror_flips(scene, request.area) if request.symmetry else NO_MIRROR
     orbits = Orbits.of(partition, flips)
@@ -74,7 +73,7 @@ def _matrix(
     components: Float[np.ndarray, "component incident exit"],
     partition: RingPartition,
 ) -> ScatteringMatrix:
-    # Flux fraction of an exit patch over its projected solid angle
+    # Divide the flux fraction of each exit patch by its projected solid angle
     measure = partition.projected_solid_angles()[:, None]
     error = np.sqrt(np.square(components.astype(float)).sum(axis=0)).T
     value = np.ascontiguousarray(share.T / measure)

@@ -1,4 +1,4 @@
-"""Request and result of tracing a BSDF, for matrices and trees."""
+"""Request and result of BSDF tracing, for matrices and trees."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ Functions = dict[tuple[str, Function], ScatteringFunction]
 
 @dataclass(frozen=True, eq=False)
 class TraceRequest:
-    """Request of tracing a BSDF.
+    """Request for the tracing of a BSDF.
 
     Attributes
     ----------
     area : sample area
-    backs : for each incident side, whether it is that of the room
-    bands : of the result, with weights of the bands of the scene
-    colour : whether to add colour
+    backs : incident sides: True for the back (room), False for the front (outdoors)
+    bands : channels of the BSDF by name, each with the weights of the scene's bands
+    colour : whether to add CIE X and Z, for trees u' and v'
     effort : sampling effort
-    symmetry : whether only one of two mirror-symmetric patches is traced
+    symmetry : whether to trace only one of mirror-symmetric patches
     """
 
     area: SampleArea
@@ -39,9 +39,9 @@ class Traced:
 
     Attributes
     ----------
-    functions : by band and function, with their standard errors
+    functions : scattering functions with standard errors, by band and name
     paths : number of traced paths
-    reached : whether the target error was reached everywhere
+    reached : whether the target error was reached in all parts
     """
 
     functions: Functions

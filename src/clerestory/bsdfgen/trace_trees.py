@@ -27,20 +27,21 @@ from clerestory.bsdfgen.tree_pruning import (
 )
 from clerestory.scene.model import Scene
 
-# Most finest cells in a block of a rank 4 tree, over functions and channels.
+# Largest number of sums in a block of a rank 4 tree: smallest cells × functions ×
+# channels.
 _MOST_SUMS = 1 << 24
 
 
 def trace_trees(
     engine: Any, scene: Scene, request: TraceRequest, *, rank: int, depth: int
 ) -> Traced:
-    """Return trees of transmission and reflection for some incident sides.
+    """Return trees of transmission and reflection for the requested incident sides.
 
     Parameters
     ----------
     engine : module `engine.sample_area_tree`
     rank : 3 for isotropic systems, 4 otherwise
-    depth : halvings of each coordinate down to the finest cells
+    depth : levels below the root
     """
     area, effort = request.area, request.effort
     slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
@@ -64,7 +65,7 @@ def trace_trees(
         }
         del found
         for kind in list(parts):
-            # Estimates are released as soon as their trees are made
+            # Release estimates as soon as their trees are built
             made = _trees(*_pieces(parts.pop(kind), weights, grid), grid, request)
             name: Any = f"{kind}_{side}"
             functions |= {(band, name): tree for band, tree in made.items()}
@@ -74,7 +75,7 @@ def trace_trees(
 
 
 def _block(rank: int, depth: int, channels: int) -> int:
-    # Halvings within a block that fit the memory; all of them for rank 3
+    # Largest number of levels in a block whose sums fit into memory; all for rank 3
     if rank == 3:
         return depth
     within = depth
@@ -86,7 +87,8 @@ def _block(rank: int, depth: int, channels: int) -> int:
 def _pieces(
     blocks: list[FunctionEstimate], weights: Values, grid: Any
 ) -> tuple[Cells, list[Subcells]]:
-    # Cells of the whole tree from the estimates of all blocks, and their subcells
+    # Select the cells of the whole tree from the estimates of all blocks; return them
+    # and their subcells
     rank, depth = grid.rank, grid.depth
     levels = pruned_levels(_whole(blocks, grid), weights, rank=rank, levels=depth)
     cells = selected_cells(levels, rank=rank)
@@ -108,7 +110,7 @@ def _pieces(
 
 
 def _whole(blocks: list[FunctionEstimate], grid: Any) -> NodeValues:
-    # Morton codes of the finest cells in the whole tree
+    # Join the blocks: convert codes within a block to codes within the whole tree
     if len(blocks) == 1:
         return blocks[0].finest
     inner = grid.rank * grid.block
@@ -128,7 +130,7 @@ def _whole(blocks: list[FunctionEstimate], grid: Any) -> NodeValues:
 def _trees(
     cells: Cells, pieces: list[Subcells], grid: Any, request: TraceRequest
 ) -> dict[str, ScatteringTree]:
-    # Values of each band on the same cells; relative errors are those of luminance
+    # All bands share the same cells and the relative errors of luminance
     channels = cells.value.T
     luminous = weighted_sum(channels, RGB.shares, axis=0)
     relative = np.divide(

@@ -1,14 +1,14 @@
 """Selection of tree cells by cost-complexity pruning.
 
 Small cells resolve peaks; large cells have less noise. A block of cells is merged if
-this lowers the expected squared error: one cell in place of many has the error of their
-differences, as far as these exceed the noise; many cells have the error of their own
-noise. The noise is known from the sums of squared path weights in the finest cells.
+this lowers the expected squared error. A merged cell loses the true differences between
+its parts, whereas separate cells keep their noise. The noise is estimated from the sums
+of squared path weights in the smallest cells.
 
-The tree of least cost is chosen, with the cost as the sum over its cells of 2λ times
-the noise of their mean minus the square of the mean, both times the number of finest
-cells. For λ = 1 this is an unbiased estimate of the squared error up to a constant
-(Mallows' Cp); a larger λ suppresses cells that are bright by chance.
+The tree of least cost is selected. The cost is a sum over cells of (2λ × variance of
+the cell's mean − square of the mean) × number of smallest cells in the cell. For λ = 1
+it is an unbiased estimate of the squared error up to a constant (Mallows' Cp); a larger
+λ suppresses cells that are bright by chance.
 
 References: C. L. Mallows, "Some comments on Cp", Technometrics 15 (4), 1973; D. L.
 Donoho, "CART and best-ortho-basis: a connection", Annals of Statistics 25 (5), 1997.
@@ -21,20 +21,20 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Indices, Mask, Values
 
-# λ of the cost. For a blind at 2,000 paths per cell errors were least from 1 to 2, with
-# a third of the cells at 2.
+# λ of the cost. For a blind with 2,000 paths per cell, errors were smallest for λ from
+# 1 to 2; λ = 2 gave a third as many cells as λ = 1.
 _CAUTION = 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class NodeValues:
-    """Values of the nodes of one level that received light; all others are zero.
+    """Values of the nodes of one level with scattered light; other nodes are zero.
 
     Attributes
     ----------
-    place : Morton code of each node, ascending
-    mean : of each channel over the finest cells below [1/sr]
-    noise : sum of the variances of the luminance of the finest cells
+    place : Morton codes of the nodes in ascending order
+    mean : mean of each channel over the smallest cells below the node [1/sr]
+    noise : sum of the luminance variances of the smallest cells below the node
     """
 
     place: Int[np.ndarray, " node"]
@@ -44,12 +44,12 @@ class NodeValues:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """Nodes of one level, and whether their branches are kept.
+    """Nodes of one level, and whether their children are kept.
 
     Attributes
     ----------
-    light : of the nodes
-    split : whether the branches of each are kept
+    light : values of the nodes
+    split : whether the children of each node are kept
     """
 
     light: NodeValues
@@ -59,12 +59,12 @@ class Level:
 def pruned_levels(
     finest: NodeValues, weights: Values, *, rank: int, levels: int
 ) -> list[Level]:
-    """Return the levels from the roots to the finest cells, with the nodes to split.
+    """Return the levels from the roots to the smallest cells, with the nodes to split.
 
     Parameters
     ----------
-    finest : values of the finest cells
-    weights : of each channel in the luminance
+    finest : values of the smallest cells
+    weights : weight of each channel in the luminance
     """
     cost = _cost(finest.mean @ weights, finest.noise, 1)
     found = [Level(finest, np.zeros(len(cost), dtype=bool))]
@@ -74,7 +74,7 @@ def pruned_levels(
         found.append(Level(light, apart < together))
         cost = np.minimum(apart, together)
     if rank == 3 and levels > 0:
-        # The upper half of the root is unused, so that its mean is meaningless
+        # Split the root: half of it is unused, so that its mean is meaningless
         found[-1].split[:] = True
     return found[::-1]
 
@@ -82,7 +82,7 @@ def pruned_levels(
 def _coarser(
     below: NodeValues, cost: Float[np.ndarray, " node"], *, rank: int
 ) -> tuple[NodeValues, Float[np.ndarray, " above"]]:
-    # The parent level, and the cost of the branches
+    # Values of the parent nodes, and the summed cost of their children
     above = below.place >> rank
     first = np.flatnonzero(np.diff(above, prepend=-1))
     mean, noise, apart = (
@@ -98,14 +98,14 @@ def _cost(luminous: Values, noise: Values, cells: int) -> Values:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """The cells below some roots.
+    """Cells below one or more roots.
 
     Attributes
     ----------
-    value : of each cell and channel [1/sr]
+    value : value of each cell and channel [1/sr]
     noise : variance of the luminance of each cell
     place : Morton code of each cell on its level
-    height : of each cell above the finest cells
+    height : number of levels from the smallest cells up to each cell
     """
 
     value: Float[np.ndarray, "cell channel"]
@@ -115,7 +115,7 @@ class Cells:
 
 
 def selected_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
-    """Return the cells of levels from the roots to the finest cells."""
+    """Return the cells of the pruned tree below the roots."""
     branches = np.arange(1 << rank)
     at = np.arange(roots)
     found: list[tuple[np.ndarray, ...]] = []
@@ -134,7 +134,7 @@ def selected_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
 
 
 def _nodes(light: NodeValues, place: Indices) -> tuple[Indices, Mask]:
-    # Index of nodes in a level, and whether they exist
+    # Index of each node in a level, and whether the level contains it
     if not len(light.place):
         return np.zeros_like(place), np.zeros(len(place), dtype=bool)
     at = np.searchsorted(light.place, place)

@@ -1,10 +1,9 @@
 """Geometry of venetian blinds and microlouvres, horizontal or vertical.
 
 At tilt 0 slats are perpendicular to the window. Positive tilts lower the outer edge of
-horizontal slats, which blocks the sun, and turn that of vertical slats to the left,
-seen from the room. Microlouvres are woven metal mats of small bars; no direct light
-passes above their cut-off angle, the profile angle above which each bar shades the gap
-below it.
+horizontal slats, which blocks the sun, and turn the outer edge of vertical slats to the
+left, as seen from the room. Microlouvres are woven metal screens of small bars. They
+block direct light above the cut-off angle, a profile angle.
 """
 
 import math
@@ -27,10 +26,11 @@ from clerestory.bsdfgen.system_parameters import (
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Polygon, Scene
 
-# Thickness over width of slats with different sides if none is given.
+# Default ratio of thickness to width for slats with different sides.
 _THIN = 1e-3
 
-# Width and height of the unit cell over its depth, so that few paths cross its sides.
+# Smallest ratio of the unit cell's width and height to its depth, so that few paths
+# cross its sides.
 _SLENDER = 8.0
 
 _MOST_SLATS = 100_000
@@ -53,24 +53,25 @@ def venetian(
     slats: int | None = None,
     length: float | None = None,
 ) -> System:
-    """Return a blind as the unit cell of an endless one, or as a finite sample.
+    """Return the unit cell of an infinite blind, or a finite sample of a blind.
 
     Parameters
     ----------
     slat_width : chord of a slat [m]
-    spacing : distance of the slats [m]
-    tilt_deg : see the module; -90 to 90
-    rise : of the middle of a curved slat above its chord [m]; negative if it sags
-    thickness : of a slat [m]
-    reflectance : of the upper side of slats at tilt 0; of the right side of vertical
-        ones
-    reflectance_below : of the other side; the same if None
-    solar_reflectance, solar_reflectance_below : in the solar band; None for the visible
-        band only
-    specularity, roughness : of both sides, as of Radiance's plastic
+    spacing : distance between slats [m]
+    tilt_deg : slat angle, −90 to 90; 0 is perpendicular to the window, and positive
+        angles lower the outer edge, or turn that of vertical slats to the left
+    rise : height of the middle of a curved slat above its chord [m]; negative if below
+    thickness : slat thickness [m]
+    reflectance : reflectance of the upper side at tilt 0, or of the right side of
+        vertical slats
+    reflectance_below : reflectance of the opposite side; default: `reflectance`
+    solar_reflectance, solar_reflectance_below : reflectances in the solar band; None
+        for the visible band only
+    specularity, roughness : parameters of Radiance's material `plastic`, for both sides
     vertical : whether the slats are vertical
-    slats : number of slats of a finite sample; None for an endless blind
-    length : of the slats of a finite sample [m]; the height of the blind if None
+    slats : number of slats of a finite sample; None for an infinite blind
+    length : slat length of a finite sample [m]; default: number of slats × spacing
 
     Examples
     --------
@@ -83,12 +84,16 @@ def venetian(
     if not -90 <= tilt_deg <= 90:
         raise InputError(f"tilt_deg = {tilt_deg}; -90 to 90 expected")
     if abs(rise) > slat_width / 2:
-        raise InputError(f"rise = {rise}; at most half the slat width expected")
+        raise InputError(
+            f"rise = {rise}; at most half the slat width, {slat_width / 2}, expected"
+        )
     below = reflectance if reflectance_below is None else reflectance_below
     solar = solar_reflectance
     solar_below = solar if solar_reflectance_below is None else solar_reflectance_below
     if solar is None and solar_below is not None:
-        raise InputError("solar_reflectance_below without solar_reflectance")
+        raise InputError(
+            "solar_reflectance_below without solar_reflectance; both expected"
+        )
     upper, lower = (
         Plastic(name, channel_values(what, value, band), specularity, roughness)
         for name, what, value, band in (
@@ -138,8 +143,8 @@ def venetian(
 
 
 class _Layout(NamedTuple):
-    # Slats in the area, and slats beyond it on either side that extend into it; width
-    # of the area, and range of the slats
+    # Number of slats in the area; number of slats on each side of the area that extend
+    # into it; width of the area; range of x that the slats cover
     slats: int
     beyond: int
     across: float
@@ -165,7 +170,7 @@ def _sample(spacing: float, slats: int, length: float | None) -> _Layout:
 
 def _section(width: float, rise: float, thickness: float, tilt: float) -> Points2:
     # Points (y, z) of a slat around its middle: the upper side from the inner to the
-    # outer edge, then the lower side back
+    # outer edge, then the lower side from the outer to the inner edge
     line = arc(width, rise)[::-1]
     lift = np.array([0, thickness / 2])
     points = line + lift
@@ -209,15 +214,15 @@ def microlouvre(
     reflectance: Share = 0.1,
     solar_reflectance: float | None = None,
 ) -> System:
-    """Return the unit cell of an endless microlouvre.
+    """Return the unit cell of an infinite microlouvre.
 
     Parameters
     ----------
-    depth, thickness : of a bar [m]
+    depth, thickness : dimensions of a bar [m]
     cutoff_deg : profile angle above which no direct light passes
-    tilt_deg : of the bars; positive if the outer edge is the lower one
-    reflectance : of the bars
-    solar_reflectance : in the solar band; None for the visible band only
+    tilt_deg : tilt of the bars; positive if the outer edge is lower
+    reflectance : reflectance of the bars
+    solar_reflectance : reflectance in the solar band; None for the visible band only
 
     Examples
     --------
@@ -228,8 +233,8 @@ def microlouvre(
     check_positive(depth=depth, thickness=thickness)
     if not (0 < cutoff_deg < 90 and abs(tilt_deg) < 90):
         raise InputError(
-            f"cutoff_deg = {cutoff_deg} at tilt_deg = {tilt_deg}; 0 to 90, and"
-            " less than 90, expected"
+            f"cutoff_deg = {cutoff_deg}, tilt_deg = {tilt_deg}; a cut-off angle"
+            " between 0 and 90° and a tilt between -90 and 90° expected"
         )
     louvre = venetian(
         slat_width=depth,
@@ -247,8 +252,7 @@ def microlouvre(
 
 
 def _spacing(depth: float, thickness: float, cutoff: float, tilt_deg: float) -> float:
-    # A ray at the cut-off falls by tan(cutoff) per length; a bar covers, across it, the
-    # projection of its tilted rectangular section
+    # At the cut-off angle the projections of adjacent bars across the ray just touch
     turn = cutoff + math.radians(tilt_deg)
     across = depth * abs(math.sin(turn)) + thickness * abs(math.cos(turn))
     return across / math.cos(cutoff)

@@ -10,6 +10,7 @@ from rich.table import Table
 from clerestory.cli.plan_text import plan_table
 from clerestory.cli.progress import progress_display
 from clerestory.cli.requests import study as requests
+from clerestory.metrics.sensor_metrics import error_of_group_mean
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
 from clerestory.study.config import Study, read_study
 from clerestory.study.demo_study import write_demo
@@ -80,7 +81,7 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
 
 
 def _summary(results: Results) -> Table:
-    # Means over each grid, with the means of their standard errors
+    # Means over each grid, with their standard errors
     data = results.data
     table = Table(title=results.title, title_justify="left")
     target = f"{data.attrs['target_lux']:g}"
@@ -106,5 +107,8 @@ def _summary(results: Results) -> Table:
 
 def _figure(part: xr.Dataset, name: str, factor: float) -> str:
     value = factor * float(part[name].mean())
-    error = factor * float(part[f"{name}_error"].mean())
-    return f"{value:.1f} ± {error:.1f}"
+    components = None
+    if name == "mean_illuminance" and "mean_components" in part:
+        components = part["mean_components"].values.astype(float)
+    error = error_of_group_mean(part[f"{name}_error"].values.astype(float), components)
+    return f"{value:.1f} ± {factor * error:.1f}"

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from clerestory.metrics.climate_based_metrics import (
     TARGET_LUX,
@@ -75,6 +75,28 @@ def sensor_metrics(
         "hours": int(np.count_nonzero(hours)),
     }
     return result.assign_attrs(attrs)
+
+
+def error_of_group_mean(
+    errors: Float[np.ndarray, " sensor"],
+    components: Float[np.ndarray, "component sensor"] | None = None,
+) -> float:
+    """Standard error of the mean over a group of sensors.
+
+    Parameters
+    ----------
+    errors : standard error of each sensor
+    components : error components of each sensor; without them, the errors of all
+        sensors are taken as fully correlated, which gives an upper bound
+
+    >>> error_of_group_mean(np.array([3.0, 5.0]))
+    4.0
+    >>> error_of_group_mean(np.array([3.0, 3.0]), np.array([[3.0, 0.0], [0.0, 3.0]]))
+    2.1213203435596424
+    """
+    if components is None:
+        return float(errors.mean())
+    return float(np.linalg.norm(components.mean(axis=1)))
 
 
 def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:

@@ -12,6 +12,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX, USEFUL_RANGES
+from clerestory.metrics.sensor_metrics import error_of_group_mean
 from clerestory.report.content import ReportContent
 from clerestory.report.uncertain_value import Figure
 
@@ -39,10 +40,9 @@ class MetricMap:
 
     def mean(self, members: Int[np.ndarray, " member"]) -> Figure:
         """Mean over some sensors; without error components, fully correlated ones."""
-        error = self.errors[members].mean()
-        if self.components is not None:
-            error = np.linalg.norm(self.components[:, members].mean(axis=1))
-        return Figure(float(self.values[members].mean()), float(error), self.unit)
+        known = None if self.components is None else self.components[:, members]
+        error = error_of_group_mean(self.errors[members], known)
+        return Figure(float(self.values[members].mean()), error, self.unit)
 
 
 def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:

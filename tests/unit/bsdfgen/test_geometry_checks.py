@@ -108,7 +108,7 @@ def test_surfaces_in_each_other_are_named():
     )
     [text] = doubts(SLAT, inner)
     assert '"slat" and' in text
-    assert '"stripe" lie in one plane and overlap' in text
+    assert '"stripe" are coplanar and overlap' in text
 
 
 def test_neighbours_at_an_edge_do_not_overlap():

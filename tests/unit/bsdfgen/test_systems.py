@@ -121,8 +121,8 @@ def test_threads_do_not_touch():
     ("kind", "values", "message"),
     [
         ("blind", {}, "unknown system"),
-        ("venetian", {"slat_width": 0.08}, "without 'spacing'"),
-        ("venetian", {**BLIND, "tilt": 3}, "has no 'tilt'"),
+        ("venetian", {"slat_width": 0.08}, "lacks the parameter 'spacing'"),
+        ("venetian", {**BLIND, "tilt": 3}, "has no parameter 'tilt'"),
         ("venetian", {**BLIND, "tilt_deg": "x"}, "a number expected"),
         ("venetian", {**BLIND, "vertical": 1}, "true or false expected"),
         ("venetian", {**BLIND, "tilt_deg": 91}, "-90 to 90"),
@@ -131,7 +131,7 @@ def test_threads_do_not_touch():
         ("venetian", {"slat_width": -1, "spacing": 1}, "above 0 m"),
         ("venetian", {**BLIND, "reflectance": 1.5}, "values from 0 to 1"),
         ("perforated", {"hole": 0.01}, "less than the pitch"),
-        ("fabric", {"openness": 1.0, "reflectance": 0.5}, "below 1"),
+        ("fabric", {"openness": 1.0, "reflectance": 0.5}, "0 ≤ openness < 1"),
         (
             "diffuse_pane",
             {"transmittance": 0.8, "reflectance": 0.4},
@@ -139,7 +139,7 @@ def test_threads_do_not_touch():
         ),
         ("prismatic", {"index": 0.5}, "above 1"),
         ("mirrored_channels", {"mirror_depth": 1.0}, "at most the thickness"),
-        ("microlouvre", {"cutoff_deg": 95}, "0 to 90"),
+        ("microlouvre", {"cutoff_deg": 95}, "between 0 and 90"),
     ],
 )
 def test_impossible_systems_are_refused(kind, values, message):
@@ -192,7 +192,9 @@ def test_any_values_make_a_system_or_are_refused(kind, values):
 def test_toml_files_name_what_is_wrong(tmp_path):
     file = tmp_path / "blind.toml"
     file.write_text('kind = "venetian"\nslat_width = 0.08\n')
-    with pytest.raises(InputError, match=r"blind\.toml: venetian without 'spacing'"):
+    with pytest.raises(
+        InputError, match=r"blind\.toml: venetian lacks the parameter 'spacing'"
+    ):
         read_system(file)
     file.write_text("kind = [")
     with pytest.raises(InputError, match=r"blind\.toml: not TOML"):
