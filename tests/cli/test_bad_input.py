@@ -112,22 +112,22 @@ BAD = {
     "one factor": (
         nothing,
         "multiply diffuser.xml -o E.mtx",
-        "1 matrices; two to five",
+        "1 matrices in a product; two to five",
     ),
     "six factors": (
         nothing,
         "multiply " + "diffuser.xml " * 6 + "-o E.mtx",
-        "6 matrices; two to five expected",
+        "6 matrices in a product; two to five expected",
     ),
     "sum without a second product": (
         nothing,
         "multiply diffuser.xml diffuser.xml + -o E.mtx",
-        "0 matrices; two to five expected",
+        "0 matrices in a product; two to five expected",
     ),
     "pictures in a sum": (
         nothing,
         "multiply V_%03d.hdr diffuser.xml + V_%03d.hdr diffuser.xml -o I_%03d.hdr",
-        "a set of pictures in a sum",
+        "set of pictures in a sum",
     ),
     "factor is no matrix": (
         nothing,

@@ -83,7 +83,10 @@ def test_two_simulations_stand_side_by_side(call, room, run):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["measured.csv"], "nothing to compare with; SIMULATED expected"),
+        (
+            ["measured.csv"],
+            "no simulation; argument SIMULATED",
+        ),
         (["measured.csv", "run", "--name", "a", "--name", "b"], "2 names for 1"),
         (["missing.csv", "run"], "cannot be read"),
         (["measured.csv", "nowhere"], "cannot be read"),
@@ -131,4 +134,4 @@ def test_an_unknown_ending_is_refused(call, room):
     (room / "a.dwg").write_text("")
     outcome = call("import", "a.dwg", "-o", "out")
     assert outcome.status == 2
-    assert 'ending ".dwg"; one of .hbjson' in outcome.err
+    assert 'extension ".dwg"; one of .hbjson' in outcome.err

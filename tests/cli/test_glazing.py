@@ -66,7 +66,10 @@ def test_products_and_folders_are_described(call, room, glass):
     ("words", "message"),
     [
         (["none.dat"], "none.dat: cannot be read"),
-        (["glass.dat", "--gas", "argon=x"], "a name and a share as argon=0.9 expected"),
+        (
+            ["glass.dat", "--gas", "argon=x"],
+            "name and fraction such as argon=0.9",
+        ),
         (["glass.dat", "x.toml"], "one file expected"),
     ],
 )

@@ -42,7 +42,7 @@ def test_sensors_go_to_a_table_and_a_folder(call, room, folder):
     ("words", "message"),
     [
         (["nothing"], "cannot be read"),
-        (["year", "--states", "short.csv"], "2 steps; one for each of 8760 hours"),
+        (["year", "--states", "short.csv"], "2 time steps; 8760 hourly steps expected"),
         (["year", "--grid", "attic"], "no grid called attic"),
         (["year", "--from", "18", "--to", "8"], "schedule from 18 to 8"),
     ],

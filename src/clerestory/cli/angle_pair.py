@@ -1,4 +1,4 @@
-"""Directions on the command line: polar angle and azimuth with a comma between."""
+"""Directions on the command line: polar angle and azimuth, separated by a comma."""
 
 from clerestory.errors import InputError
 
@@ -8,7 +8,7 @@ def angle_pair(text: str) -> tuple[float, float]:
 
     Raises
     ------
-    InputError : not two numbers
+    InputError : the text is not two numbers
 
     Examples
     --------

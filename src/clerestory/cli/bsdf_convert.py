@@ -1,4 +1,4 @@
-"""`clerestory bsdf convert` and `reduce`: other bases, tensor trees, fewer cells."""
+"""`clerestory bsdf convert` and `reduce`: conversion and reduction of BSDFs."""
 
 from dataclasses import replace
 
@@ -43,7 +43,7 @@ def reduce(request: ReduceBsdf) -> None:
     for (channel, name), part in bsdf.functions.items():
         if not isinstance(part, ScatteringTree):
             raise InputError(
-                "a matrix; a tensor tree expected: convert it with --to tree first",
+                "BSDF matrix; a tensor tree expected (convert with --to tree)",
                 file=request.file,
             )
         result = reduce_tree(part, request.percent)

@@ -57,20 +57,20 @@ def generate(request: GenerateBsdf) -> None:
 
 
 def _system(request: GenerateBsdf) -> System:
-    # One source of geometry, and its sample area
+    # Geometry from exactly one source, and its sample area
     files, dimensions = request.files or [], request.dimensions
     periodic = request.periodic
     kinds = keywords(request.kinds)
     named = {kind: text for kind, text in kinds.items() if text is not None}
     if bool(files) + (request.system is not None) + len(named) > 1:
-        raise InputError("several systems given; scene files or one of them expected")
+        raise InputError("several systems given; scene files or one system expected")
     if request.system is not None:
         return read_system(request.system)
     for kind, text in named.items():
         return make_system(kind, {} if text == _DEFAULTS else parse_parameters(text))
     if not files and dimensions is None:
         raise InputError(
-            "no system; Radiance files or one such as --venetian"
+            "no system; Radiance files or an option such as --venetian"
             " slat_width=0.08,spacing=0.072 expected"
         )
     scene = read_rad(*files)
@@ -87,7 +87,9 @@ def _bands(texts: list[str] | None) -> dict[str, Weights] | None:
             if len(numbers) != 3 or not all(
                 isinstance(n, int | float) for n in numbers
             ):
-                raise InputError(f"band {text!r}; such as solar=0.3/0.4/0.3 expected")
+                raise InputError(
+                    f"band {text!r}; a text such as solar=0.3/0.4/0.3 expected"
+                )
             found[name.lower()] = tuple(map(float, numbers))
     return found or None
 

@@ -16,7 +16,7 @@ from clerestory.hemisphere.klems import klems
 
 
 def info_lines(bsdf: Bsdf) -> Iterator[str]:
-    """Yield what a BSDF holds: product, bases, and how much light passes."""
+    """Yield a description of a BSDF: product, bases and main values."""
     product = bsdf.product
     rows = {
         "name": product.name,
@@ -38,7 +38,7 @@ def info_lines(bsdf: Bsdf) -> Iterator[str]:
 def finding_lines(
     file: Path, findings: Sequence[Finding], *, all_of_them: bool
 ) -> Iterator[str]:
-    """Yield a line for every finding, or for those that matter."""
+    """Yield one line per finding, by default only for findings that affect results."""
     shown = [f for f in findings if f.matters or all_of_them]
     yield from (f"{file}: {finding}" for finding in shown)
     if not any(finding.matters for finding in findings):
@@ -60,7 +60,7 @@ def findings_json(reports: Sequence[tuple[Path, Sequence[Finding], str]]) -> str
 
 
 def comparison_lines(result: Comparison, names: tuple[str, str]) -> Iterator[str]:
-    """Yield the differences of two layers in words."""
+    """Yield the differences between two layers in words."""
     first, second = result.diffuse
     yield f"{names[1]} against {names[0]}"
     yield f"  {'diffuse light':34}{first:.4f} and {second:.4f}"
@@ -78,7 +78,7 @@ def _status(findings: Sequence[Finding]) -> str:
 
 
 def _summary(bsdf: Bsdf, channel: str, function: Function) -> str:
-    # Basis, and the share scattered from the normal and under a uniform sky
+    # Basis, and values for normal and for uniform diffuse incidence
     part = bsdf.functions[channel, function]
     on = part if isinstance(part, ScatteringMatrix) else None
     table = on or bsdf.function(function, channel=channel, partition=klems("full"))

@@ -1,7 +1,7 @@
-"""Commands made from requests: a dataclass of options and the function that serves it.
+"""Commands defined by requests: a dataclass of options and a handler function.
 
-The module of the function is loaded when the command is called, so that help needs
-nothing but the requests.
+The module of the handler is loaded when the command is called, so that help loads only
+the requests.
 """
 
 import importlib
@@ -17,14 +17,14 @@ from clerestory.options import Argument, Option, description
 
 @dataclass(frozen=True)
 class Command:
-    """A command.
+    """Definition of a command.
 
     Attributes
     ----------
-    request : dataclass of its options, whose docstring is the help
-    served_by : "module:function" in `clerestory.cli`; takes the request, returns the
-        exit status or None
-    example : of its arguments
+    request : dataclass of the options; its docstring is the help text
+    served_by : handler "module:function" in `clerestory.cli`, which takes the request
+        and returns the exit status or None
+    example : example of the arguments
     """
 
     request: type
@@ -40,7 +40,7 @@ class Command:
         )
 
     def _function(self) -> Callable[..., int | None]:
-        # Typer reads the options from the signature
+        # Typer derives the options from the signature
         def call(**given: object) -> int | None:
             module, _, function = self.served_by.partition(":")
             served_by = importlib.import_module(f"clerestory.cli.{module}")
@@ -57,7 +57,7 @@ class Command:
 
 
 def option_parameters(request: Any) -> Iterator[inspect.Parameter]:
-    """Yield a parameter with Typer's annotation for each field, groups expanded.
+    """Yield a parameter with Typer annotation per field, nested requests expanded.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def option_parameters(request: Any) -> Iterator[inspect.Parameter]:
 
 
 def assemble(request: Any, given: Mapping[str, object]) -> Any:
-    """Return a request whose fields have the values given by name, groups included."""
+    """Return a request with the given values by name, including nested requests."""
     values = {
         each.name: assemble(hint, given) if is_dataclass(hint) else given[each.name]
         for each, hint in _fields(request)
@@ -100,7 +100,7 @@ def _fields(request: Any) -> list[tuple[Field[Any], Any]]:
 def _typer_info(name: str, described: Option | Argument) -> Any:
     if isinstance(described, Argument):
         return typer.Argument(help=described.help, metavar=described.metavar)
-    # A bare "--" says that the option has no long name
+    # The name "--" marks an option without long name
     names = tuple(each for each in described.names if each != "--")
     if not any(each.startswith("--") for each in described.names):
         names = (f"--{name.replace('_', '-')}", *names)

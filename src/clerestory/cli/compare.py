@@ -39,7 +39,9 @@ def compare(request: Compare) -> None:
             typer.echo(f"sensors: {sensors} ({count})")
         return
     if not simulated:
-        raise InputError("nothing to compare with; SIMULATED expected")
+        raise InputError(
+            "no simulation; argument SIMULATED (results or CSV files) expected"
+        )
     if name and len(name) != len(simulated):
         raise InputError(
             f"{len(name)} names for {len(simulated)} simulations; one each expected"
@@ -73,7 +75,7 @@ def _simulated(path: Path) -> Series:
 
 
 def _label(path: Path, all_paths: list[Path]) -> str:
-    # Name of the method where it is unique, otherwise that of the folder
+    # Name of the method if it is unique, otherwise name of the folder
     if path.suffix.lower() == ".csv":
         return path.stem
     methods = [

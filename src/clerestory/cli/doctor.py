@@ -1,4 +1,4 @@
-"""`clerestory doctor`: whether this machine has what ray tracing needs."""
+"""`clerestory doctor`: checks of compute devices and libraries."""
 
 import typer
 

@@ -9,7 +9,7 @@ from clerestory.progress import Progress
 def effort_of(
     options: EffortOptions, executor: Executor, progress: Progress | None
 ) -> Effort:
-    """Return the effort that the options ask for, with workers and progress."""
+    """Return the effort set by the options, with executor and progress function."""
     return Effort(
         samples=options.samples,
         relative_error=options.relative_error,

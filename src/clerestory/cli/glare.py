@@ -38,7 +38,7 @@ def glare(request: GlareRequest) -> None:
     if indices.fill is not None and indices.illuminance is not None:
         raise InputError("both --illuminance and --fill; one of them expected")
     if request.check is not None and len(files) > 1:
-        raise InputError(f"one check picture for {len(files)} pictures; one expected")
+        raise InputError(f"--check with {len(files)} pictures; one picture expected")
     if request.annual is not None:
         _write_annual(files, request.annual, options, quiet=request.quiet)
         return
@@ -63,7 +63,7 @@ def glare(request: GlareRequest) -> None:
 
 
 def _options(request: GlareRequest) -> EvalglareOptions:
-    # -T names the task too
+    # -T also sets the task
     if request.shown_task is None:
         return request.options
     sources = replace(request.options.sources, task=request.shown_task)
@@ -99,7 +99,7 @@ def _record(found: Evaluation) -> dict[str, object]:
 
 
 def _csv(records: list[dict[str, object]]) -> str:
-    # One line per picture, without the tables within a record
+    # One line per picture, without nested tables
     flat: list[Mapping[str, object]] = [
         {name: x for name, x in record.items() if not isinstance(x, list | dict)}
         for record in records

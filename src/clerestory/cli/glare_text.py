@@ -12,11 +12,11 @@ from clerestory.glare.result import Glare
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.veiling import veiling_luminance
 
-# Column of evalglare for each quantity
+# Quantity of each column of evalglare
 _SHORT = {q.column: q.name for q in REPORTED if q.column and q.in_short_line}
 _LONG = {q.column: q.name for q in REPORTED if q.column}
 
-# Columns of `FieldLuminances`, and the column that follows them
+# Columns of `FieldLuminances`, and the column after these
 _FIELD = ("av_lum_pos", "av_lum_pos2", "med_lum", "med_lum_pos", "med_lum_pos2")
 _AFTER_FIELD = "ugp2"
 _TABLE = (
@@ -73,8 +73,8 @@ def source_lines(result: Glare) -> list[str]:
 
 
 def _shares(result: Glare) -> tuple[np.ndarray, np.ndarray]:
-    # What each source alone adds to the contrast term of DGP, over that of all and
-    # over DGP
+    # Contribution of each source to the contrast term of DGP, relative to that of all
+    # sources and relative to DGP
     sources, k = result.sources, result.coefficients
     scale = result.illuminance**k.a3
     each = k.c2 * np.log10(1 + sources.weight() / scale)
@@ -102,7 +102,7 @@ def source_rows(sources: GlareSources) -> list[dict[str, float]]:
 
 
 def region_line(name: str, part: RegionStatistics) -> str:
-    """Return the statistics of a band, a mask or a zone as evalglare names them."""
+    """Return the statistics of a band, mask or zone in the format of evalglare."""
     words = (
         "omega",
         "av_lum",

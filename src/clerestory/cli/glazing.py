@@ -93,14 +93,14 @@ def info(request: GlazingInfo) -> None:
 def _system(files: list[Path], gap: float, gas: str) -> GlazingSystem:
     if any(path.suffix.lower() == ".toml" for path in files):
         if len(files) > 1:
-            raise InputError("a description in TOML stands alone; one file expected")
+            raise InputError("TOML file with other files; one file expected")
         return read_system(files[0])
     layers = [read_layer(path) for path in files]
     return system_with_equal_gaps(layers, gap=Gap(gap * _MILLIMETRE, _gases(gas)))
 
 
 def _gases(text: str) -> dict[str, float]:
-    # "argon" alone is all argon
+    # A name without fraction stands for 100 % of this gas
     shares: dict[str, float] = {}
     for part in text.split(","):
         name, _, share = part.partition("=")
@@ -108,7 +108,7 @@ def _gases(text: str) -> dict[str, float]:
             shares[name.strip()] = float(share) if share else 1.0
         except ValueError as error:
             raise InputError(
-                f"gas {part.strip()!r}; a name and a share as argon=0.9 expected"
+                f"gas {part.strip()!r}; name and fraction such as argon=0.9 expected"
             ) from error
     return shares
 

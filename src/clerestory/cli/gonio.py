@@ -73,7 +73,7 @@ def check(request: requests.CrossValidation) -> None:
     measurements = _read(request.measurement)
     if output is not None and len(measurements) > 1:
         raise InputError(
-            f"{len(measurements)} functions for one figure; files of one expected"
+            f"files of {len(measurements)} functions; one function per figure expected"
         )
     for measurement in measurements:
         with progress_display(quiet=request.quiet) as progress:
@@ -127,7 +127,7 @@ def export(request: requests.ExportBsdf) -> None:
             before, after = (b.diffuse(name, channel=channel) for b in (bsdf, mean))
             said.append(
                 f"{channel} {name.replace('_', ' ')}: diffuse {before:.5f}"
-                f" before the mean with its reverse, {after:.5f} after"
+                f" before averaging with the reverse function, {after:.5f} after"
             )
         bsdf = mean
     comment = f"clerestory gonio export to {request.to}"
@@ -147,7 +147,7 @@ def plot(request: requests.PlotMeasurement) -> None:
     if scan >= len(measurement.scans):
         raise InputError(f"scan {scan}; 0 to {len(measurement.scans) - 1} expected")
     if between and len(between) != 2:
-        raise InputError(f"{len(between)} times --between; twice expected")
+        raise InputError(f"option --between given {len(between)} times; twice expected")
     with progress_display(quiet=request.quiet) as progress:
         fitted = fit_measurement(
             measurement,

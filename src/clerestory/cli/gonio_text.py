@@ -1,4 +1,4 @@
-"""Text of `clerestory gonio`: coverage, fits, errors."""
+"""Text of `clerestory gonio`: coverage, fits and errors."""
 
 from collections.abc import Iterator, Sequence
 
@@ -15,7 +15,7 @@ _ERRORS = "{:>7}{:>7}{:>9}{:>9}{:>10}{:>8}{:>8}{:>11}{:>9}"
 
 
 def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[str]:
-    """Yield what a measurement holds and covers."""
+    """Yield a description of a measurement and its coverage."""
     title = measurement.function.replace("_", " ")
     yield f"{measurement.name or 'sample'}: {measurement.channel} {title}"
     yield f"  {len(coverage.scans)} incident directions, symmetry " + (
@@ -44,7 +44,7 @@ def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[
 
 
 def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
-    """Yield what a file of fits holds."""
+    """Yield a description of fits."""
     for fit in fits:
         network = fit.interpolant.network
         count = [len(lobes) for lobes in network.lobes]

@@ -42,7 +42,7 @@ def illum(request: Illum) -> None:
 
 
 def _panes(room: Scene, both: Scene, file: Path) -> Scene:
-    # The surfaces of the last file, whose materials are those of the scene
+    # Surfaces of the pane file; all their materials must be defined in the scene
     found = both.surfaces[len(room.surfaces) :]
     for surface in found:
         if surface.material not in room.materials:

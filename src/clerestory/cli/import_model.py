@@ -1,4 +1,4 @@
-"""`clerestory import`: models of other programs as scenes and studies."""
+"""`clerestory import`: conversion of models of other programs to scenes and studies."""
 
 from pathlib import Path
 
@@ -31,7 +31,7 @@ def import_model(request: ImportModel) -> None:
         return
     if kind not in _MESHES:
         known = ", ".join((*_HONEYBEE, *_MESHES))
-        raise InputError(f'ending "{kind}"; one of {known} expected', file=model)
+        raise InputError(f'extension "{kind}"; one of {known} expected', file=model)
     given = MaterialMap({}) if materials is None else read_material_map(materials)
     scene = _mesh_scene(model, kind, given, colours=materials is None)
     _tell(write_scene(scene, output), quiet)
@@ -42,7 +42,7 @@ def _mesh_scene(model: Path, kind: str, given: MaterialMap, *, colours: bool) ->
     if kind == ".obj":
         if given.up == "y":
             raise InputError(
-                '"up" is for glTF; an OBJ file with z up expected', file=model
+                'key "up" applies only to glTF; OBJ files have z up', file=model
             )
         return read_obj(
             model, materials=given.materials, colours=colours, scale=given.scale

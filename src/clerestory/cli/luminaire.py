@@ -10,7 +10,7 @@ from clerestory.formats.photometry.read import read_luminaire
 from clerestory.report.figure_file import write_figure
 from clerestory.report.luminaire_plot import polar_figure
 
-# Keywords of IES files that are printed, and their names here
+# IES keywords that are printed, and their labels
 _SHOWN = {"MANUFAC": "manufacturer", "LUMINAIRE": "luminaire", "LAMP": "lamp"}
 
 

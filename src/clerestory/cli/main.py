@@ -1,4 +1,4 @@
-"""Entry point of `clerestory`: one command, its errors as messages, its exit status.
+"""Entry point of `clerestory`: runs a command and maps errors to messages and status.
 
 Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings are one
 line each on the error stream.
@@ -20,10 +20,10 @@ from clerestory.errors import ClerestoryError, ClerestoryWarning
 TRACEBACK = "CLERESTORY_TRACEBACK"
 INTERRUPTED = 130
 
-# Options that take every word up to the next option
+# Options that take all words up to the next option
 _GREEDY = ("--scene", "--window")
 
-# Typer's base of usage errors, which it does not export
+# Base class of usage errors, which Typer does not export
 _UsageError: type[Exception] = next(
     cls for cls in typer.BadParameter.__mro__ if cls.__name__ == "ClickException"
 )
@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Parameters
     ----------
-    arguments : those after the program's name; of this process if not given
+    arguments : command-line arguments; default: arguments of this process
     """
     words = spread(list(sys.argv[1:] if arguments is None else arguments))
     if words == ["--version"]:
@@ -54,14 +54,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _interrupted()
         except _UsageError as error:
             return _usage(error)
-        except Exception as error:  # what no other handler expects
+        except Exception as error:  # unexpected errors
             kind = type(error).__name__
             text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 for the traceback"
             return _fail(text, 1, error)
 
 
 def spread(words: list[str]) -> list[str]:
-    """Repeat an option that takes several files before each of them.
+    """Repeat an option that takes several files before each file.
 
     >>> spread(["--scene", "a.rad", "b.rad", "-o", "V.mtx"])
     ['--scene', 'a.rad', '--scene', 'b.rad', '-o', 'V.mtx']
@@ -82,7 +82,7 @@ def _show_warning(message: Warning | str, *_place: Any, **_more: Any) -> None:
 
 
 def _usage(error: Any) -> int:
-    # Usage errors of Typer in one line, with the command whose help explains them
+    # Usage error of Typer in one line, with a hint to the help of the command
     if type(error).__name__ == "NoArgsIsHelpError":
         error.show()
         return int(error.exit_code)

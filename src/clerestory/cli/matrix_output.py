@@ -1,4 +1,4 @@
-"""Matrices written by the suffix of the file: .nc, else Radiance's format."""
+"""Writers of matrices in NetCDF (.nc) or Radiance format, by file extension."""
 
 import importlib
 from pathlib import Path
@@ -13,12 +13,12 @@ from clerestory.sky.patch_radiance import SkyMatrix
 def write_any_matrix(
     path: Path, matrix: TransferMatrix, *, encoding: Encoding, command: str
 ) -> None:
-    """Write a matrix; `.nc` keeps labels and errors, Radiance's format does not.
+    """Write a matrix; labels and errors are kept only in `.nc` files.
 
-    Radiance's programs expect all components, so a single channel is repeated.
+    Radiance programs expect three components, so a single channel is repeated.
     """
     if path.suffix.lower() == ".nc":
-        # NetCDF takes long to load, which only its files should wait for
+        # Imported on demand, because the NetCDF library loads slowly
         importlib.import_module("clerestory.matrix.netcdf").write_netcdf(path, matrix)
         return
     shape = len(matrix.bands), *matrix.values.shape[1:]
@@ -28,7 +28,7 @@ def write_any_matrix(
 
 
 def write_sky(path: Path, sky: SkyMatrix, *, encoding: Encoding, command: str) -> None:
-    """Write a sky matrix in the same formats; .nc alone holds all channels at once."""
+    """Write a sky matrix; Radiance format is written row by row to limit memory."""
     if path.suffix.lower() == ".nc":
         dense = sky.to_transfer_matrix()
         write_any_matrix(path, dense, encoding=encoding, command=command)
@@ -40,7 +40,7 @@ def write_sky(path: Path, sky: SkyMatrix, *, encoding: Encoding, command: str) -
 def write_sky_luminance(
     path: Path, sky: SkyMatrix, *, encoding: Encoding, command: str
 ) -> None:
-    """Write the luminance of the patches, in the same formats with one component."""
+    """Write the luminance of the patches of a sky matrix, with one component."""
     if path.suffix.lower() == ".nc":
         write_any_matrix(path, sky.luminance(), encoding=encoding, command=command)
         return

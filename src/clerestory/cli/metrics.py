@@ -1,4 +1,4 @@
-"""`clerestory metrics`: daylight metrics of a run, or of a honeybee results folder."""
+"""`clerestory metrics`: daylight metrics of a run or of a honeybee results folder."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ _HOURS_A_YEAR = 8760
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    # Illuminance of one grid, its error, and that of the sun alone if known
+    # Illuminance of one grid, its error, and direct-sun illuminance if known
     name: str
     lux: xr.DataArray
     error: xr.DataArray | None
@@ -68,7 +68,9 @@ def metrics(request: Metrics) -> None:
         if not grid or one.name in grid
     ]
     if not grids:
-        raise InputError(f"no grid called {' or '.join(grid or [])}", file=results)
+        raise InputError(
+            f"no grid called {' or '.join(grid or [])} in the results", file=results
+        )
     hours = occupied_hours(
         grids[0].lux["time"].values, from_hour=from_hour, to_hour=to_hour
     )
@@ -116,13 +118,13 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
         return
     if states is not None or operate:
         raise InputError(
-            "results without states; a honeybee folder expected with --states, --lm83",
+            "--states or --lm83 with results of a run; a honeybee folder expected",
             file=path,
         )
     found = read_results(path)
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
-        # The limits of ASE assume the sun at its position, not spread over patches
+        # ASE requires the sun at its exact position, not spread over patches
         direct = part["direct_open"] if "sun_hours" in part else None
         step = float(found.data.attrs.get("step_minutes", 60)) / 60
         yield _Grid(name, part["illuminance"], part["standard_error"], direct, step)
@@ -144,7 +146,7 @@ def _rest(path: Path, from_hour: float, to_hour: float) -> Iterator[str]:
 
 
 def _views(data: xr.Dataset, from_hour: float, to_hour: float) -> Iterator[str]:
-    # Protection from glare of each view
+    # Glare protection level of each view
     hours = occupied_hours(data["time"].values, from_hour=from_hour, to_hour=to_hour)
     for view in data["view"].values:
         dgp = data["glare_dgp"].sel(view=view).values
@@ -163,15 +165,14 @@ def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
     schedule = read_schedule(path)
     if len(schedule.times) != _HOURS_A_YEAR:
         raise InputError(
-            f"{len(schedule.times)} steps; one for each of {_HOURS_A_YEAR} hours"
-            " expected",
+            f"{len(schedule.times)} time steps; {_HOURS_A_YEAR} hourly steps expected",
             file=path,
         )
     return dict(schedule.states)
 
 
 def _operated(folder: HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
-    # Direct light per group and state; what has no states cannot be shaded
+    # Direct illuminance per group and state; groups without states are unshaded
     groups = folder.dynamic_paths(name)
     if not groups:
         return {}
@@ -186,8 +187,8 @@ def _brightest_half(path: Path, lux: xr.DataArray) -> np.ndarray:
     diffuse = read_weather(path).diffuse_horizontal
     if len(diffuse) != lux.sizes["time"]:
         raise InputError(
-            f"{len(diffuse)} steps for results of {lux.sizes['time']}; the weather of"
-            " the results expected",
+            f"{len(diffuse)} time steps, but {lux.sizes['time']} in the results; the"
+            " weather file of the run expected",
             file=path,
         )
     return daylight_hours(diffuse)
@@ -231,7 +232,7 @@ def _room(
 
 
 def _part_of_year(grid: _Grid) -> str:
-    # Hours of a part of a year are fewer than the limit is meant for
+    # Note if the results cover less than a year, for which the ASE limit is defined
     hours = grid.lux.sizes["time"] * grid.step_hours
     short = hours < _HOURS_A_YEAR - 24
     return f" (of {hours / 24:.0f} days only)" if short else ""

@@ -51,7 +51,7 @@ def multiply(request: Multiply) -> None:
 
 
 def read_any_matrix(path: Path) -> TransferMatrix:
-    """Return a matrix by the suffix; of a BSDF file its front transmission."""
+    """Return the matrix in a file; for BSDF files, the front transmission."""
     match path.suffix.lower():
         case ".nc":
             return read_netcdf(path)
@@ -71,9 +71,11 @@ def _terms(factors: list[Path]) -> list[list[Path]]:
             terms[-1].append(factor)
     for term in terms:
         if not 2 <= len(term) <= 5:
-            raise InputError(f"{len(term)} matrices; two to five expected")
+            raise InputError(f"{len(term)} matrices in a product; two to five expected")
     if len(terms) > 1 and any(is_picture_set(factor) for factor in factors):
-        raise InputError("a set of pictures in a sum; one product of it expected")
+        raise InputError(
+            "set of pictures in a sum of products; a single product expected"
+        )
     return terms
 
 
@@ -85,19 +87,19 @@ def _sum(terms: list[list[Path]]) -> TransferMatrix:
             raise MatrixError(
                 f"the product from {term[0]} has {other.rows.describe()} by"
                 f" {other.columns.describe()}; {first.rows.describe()} by"
-                f" {first.columns.describe()} expected, as the first one"
+                f" {first.columns.describe()} expected, as for the first product"
             )
     return joint_sum(products)
 
 
 def _product(matrices: list[TransferMatrix], files: list[Path]) -> TransferMatrix:
-    # A sky of a year is as large as all other factors: keep its precision
+    # Keep the precision of the last factor, usually a large annual sky matrix
     *first, last = matrices
     for (one, left), (other, right) in pairwise(zip(files, matrices, strict=True)):
         if not left.columns.fits(right.rows):
             raise MatrixError(
                 f"{one} has {left.columns.describe()} as columns, {other} has"
-                f" {right.rows.describe()} as rows; the same expected on both sides"
+                f" {right.rows.describe()} as rows; equal axes expected"
             )
     product = reduce(matmul, first)
     if last.values.dtype != product.values.dtype:

@@ -77,6 +77,6 @@ def calibrate(request: requests.CalibratePicture) -> None:
     write_picture(picture, request.output)
     if not request.quiet:
         typer.echo(
-            f"{request.output}: times {result.factor:.5g} for"
-            f" {result.illuminance:g} lux, which changed by {result.drift:.1%}"
+            f"{request.output}: factor {result.factor:.5g} for"
+            f" {result.illuminance:g} lux; illuminance changed by {result.drift:.1%}"
         )

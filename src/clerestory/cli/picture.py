@@ -63,7 +63,9 @@ def tonemap(request: requests.ToneMap) -> None:
     """Tone-map a picture."""
     method, white = request.method, request.white
     if white is not None and method == "human":
-        raise InputError("--white with --method human; filmic or linear expected")
+        raise InputError(
+            "--white with --method human; method filmic or linear expected"
+        )
     picture = read_picture(request.file)
     with progress_display(quiet=request.quiet) as display:
         progress = display("tone mapping")
@@ -84,7 +86,9 @@ def falsecolour(request: requests.FalseColour) -> None:
     picture = read_picture(request.file)
     decades, palette = request.decades, request.palette
     if decades is not None and request.start:
-        raise InputError("--from with --log; the number of decades sets the start")
+        raise InputError(
+            "--from with --log; the number of decades sets the smallest value"
+        )
     scale: ColourScale = (
         linear_scale(
             picture,

@@ -6,7 +6,7 @@ from clerestory.study.run_plan import PlannedMatrix, StudyPlan
 
 
 def plan_table(plan: StudyPlan) -> Table:
-    """Return a line for each matrix, and the sums below."""
+    """Return a table with one line per matrix, and the totals as caption."""
     where = (
         f"{plan.workers} workers, {plan.device}" if plan.workers > 1 else plan.device
     )
@@ -43,7 +43,7 @@ def _count(paths: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in words.
+    """Return a duration in words.
 
     >>> duration(0.4), duration(75), duration(8000)
     ('1 s', '75 s', '2.2 h')

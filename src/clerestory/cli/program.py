@@ -1,4 +1,4 @@
-"""Commands and groups of `clerestory`, loaded as far as a command line needs them."""
+"""Commands and groups of `clerestory`, loaded on demand."""
 
 import importlib
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ import typer
 from clerestory import __version__
 from clerestory.cli.command import Command
 
-# Module of `clerestory.cli.requests` of each command without a group, as in the help
+# Request module of each command without group, in the order of the help
 _TOP = {
     "new": "study",
     "run": "study",
@@ -28,12 +28,12 @@ _GROUPS = ("trace", "sky", "bsdf", "glazing", "gonio", "luminaire", "picture")
 
 
 def program(words: list[str] | None = None) -> typer.Typer:
-    """Return the application: the whole of it, or what serves a command line.
+    """Return the application, complete or limited to the commands of a command line.
 
     Parameters
     ----------
-    words : arguments of the program; only what their first word names is loaded, and
-        for any other first word the commands of groups are left out
+    words : command-line arguments; only the command or group that the first word names
+        is loaded. For another first word, groups are added without their commands.
     """
     app = typer.Typer(
         name="clerestory",

@@ -1,4 +1,4 @@
-"""Progress display: a bar on a terminal, otherwise a line every ten seconds."""
+"""Progress display: a bar on a terminal, otherwise one line every ten seconds."""
 
 import importlib
 import sys
@@ -12,19 +12,18 @@ import typer
 
 from clerestory.progress import Progress
 
-# Work that ends sooner shows nothing [s]
+# Delay before progress is shown [s]
 _PATIENCE = 2.0
 
-# Lines in a log follow each other at this distance [s]
+# Interval between lines in a log [s]
 _LINE_EVERY = 10.0
 
 
 @contextmanager
 def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Progress]]:
-    """Yield a function that starts the display of a phase, given its name.
+    """Yield a function that starts the progress display of a phase of a given name.
 
-    What it returns is called with the share done, 0…1, and a note such as the
-    rate.
+    It returns a function to be called with the completed fraction, 0…1, and a note.
     """
     if quiet:
         yield lambda _name: _nothing
@@ -40,7 +39,7 @@ def _nothing(_share: float, _note: str) -> None:
 
 
 def _bars() -> Any:
-    # Rich takes a tenth of a second to load, which only terminals should wait for
+    # Imported on demand, because Rich takes 0.1 s to load
     rich = importlib.import_module("rich.progress")
     columns = (
         rich.TextColumn("{task.description}"),
@@ -55,7 +54,7 @@ def _bars() -> Any:
 
 
 def _bar(bars: Any, name: str) -> Progress:
-    # Shown by the clock, so that even work that reports late is seen to go on
+    # Shown by a timer, independently of the first progress report
     task = bars.add_task(name, total=1.0, visible=False, note="")
     timer = threading.Timer(_PATIENCE, lambda: bars.update(task, visible=True))
     timer.daemon = True

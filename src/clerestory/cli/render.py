@@ -26,7 +26,7 @@ from clerestory.sky.weather_formats import read_weather
 
 
 def render(request: Render) -> None:
-    """Render a picture, and its standard errors if wanted."""
+    """Render a picture, and optionally its standard errors."""
     begin = time.perf_counter()
     room = read_rad(*request.scene) + sky_of(request.sky)
     view = view_of(request.view)
@@ -50,7 +50,7 @@ def render(request: Render) -> None:
 
 
 def sky_of(chosen: SkyChoice) -> Scene:
-    """Return the scene of the sky, empty where none is chosen."""
+    """Return the scene of the sky; empty if no sky is chosen."""
     sky, time_text, weather = chosen.sky, chosen.time, chosen.weather
     if (time_text is None) != (weather is None) or (sky and time_text):
         raise InputError("either --sky, or --time with --weather, or neither expected")
@@ -59,7 +59,7 @@ def sky_of(chosen: SkyChoice) -> Scene:
             instant = datetime.fromisoformat(time_text)
         except ValueError:
             raise InputError(
-                f"--time {time_text}; a date and time as 2026-09-21T12:00 expected"
+                f"--time {time_text}; a date and time such as 2026-09-21T12:00 expected"
             ) from None
         return sky_at(read_weather(weather), instant)
     if sky is None:

@@ -65,7 +65,9 @@ def vector(request: requests.SkyVectorRequest) -> None:
     altitude, azimuth = (float(angle) for angle in np.radians(request.sun))
     if request.kind == "perez":
         if request.diffuse is None or request.direct is None:
-            raise InputError("sky perez without --diffuse and --direct; both expected")
+            raise InputError(
+                "sky perez without --diffuse or --direct; both options expected"
+            )
         sky = perez_moment(
             sun_altitude=altitude,
             sun_azimuth=azimuth,
@@ -141,7 +143,7 @@ def _placement(size: float | None) -> tuple[SunPlacement, float]:
 
 
 def selected_weather(file: Path, days: requests.Days, moment: str | None) -> Weather:
-    """Return the weather of one time step, or of some days; warn of a wrong clock."""
+    """Return the weather of one time step or several days; check its time stamps."""
     weather = read_weather(file)
     warn_of_clock(weather)
     first, last = days.first_day, days.last_day
@@ -155,7 +157,7 @@ def selected_weather(file: Path, days: requests.Days, moment: str | None) -> Wea
 
 
 def _numbers(option: str, text: str) -> tuple[float, float, float]:
-    # One number stands for all three channels
+    # A single number applies to all three channels
     try:
         values = [float(word) for word in text.split(",")]
     except ValueError:

@@ -1,4 +1,4 @@
-"""`clerestory sky plot`: heat maps of the year, and skies in false colour."""
+"""`clerestory sky plot`: annual heat maps, and false-colour images of skies."""
 
 from clerestory.cli.requests.sky import WeatherPlot
 from clerestory.cli.sky import selected_weather
@@ -7,7 +7,7 @@ from clerestory.report.sky_plots import dome_figure, year_figure
 
 
 def plot(request: WeatherPlot) -> None:
-    """Plot the year, or the sky of one time step."""
+    """Plot the year or the sky of one time step."""
     data = selected_weather(request.weather, request.days, request.time)
     figure = year_figure(data) if request.time is None else dome_figure(data)
     write_figure(figure, request.output)

@@ -21,7 +21,7 @@ from clerestory.study.study_run import run_study
 
 
 def new(request: requests.NewStudy) -> None:
-    """Write a study file and what belongs to it."""
+    """Write a study file and its input files."""
     begun = begin_study(
         request.folder,
         scene=request.scene,

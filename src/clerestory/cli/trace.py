@@ -133,7 +133,7 @@ def sun(request: requests.SunCoefficients) -> None:
 
 @dataclass(frozen=True)
 class _Run:
-    # A command that traces: its workers, its progress display, its output
+    # Execution context of a tracing command: executor, progress display, output
     kind: str
     file: common.MatrixFile
     executor: Executor
@@ -141,7 +141,7 @@ class _Run:
     begin: float
 
     def effort(self, options: common.EffortOptions, title: str) -> Effort:
-        """Return the effort of a matrix, with a progress display of its own."""
+        """Return the effort of a matrix, with its own progress display."""
         return effort_of(options, self.executor, self.progress(title))
 
     def write(
@@ -149,7 +149,7 @@ class _Run:
         traced: dict[str, TransferMatrix],
         receiver: Camera | Sensors | None = None,
     ) -> None:
-        """Write matrices, one file each, and print a summary."""
+        """Write each matrix to a file, and print a summary."""
         output, command = self.file.output, f"clerestory trace {self.kind}"
         for name, matrix in traced.items():
             path = output
@@ -203,7 +203,7 @@ def _write_pictures(path: Path, matrix: TransferMatrix, camera: Camera) -> None:
 
 
 def _summary(matrix: TransferMatrix) -> str:
-    # Size, and the error of the row sums: what a uniform source would give
+    # Size, and the error of the row sums (response to a uniform source)
     size = f"{matrix.rows.describe()} by {matrix.columns.describe()}"
     luminance = matrix.weighted(matrix.bands.shares)
     if luminance.components is None:
@@ -212,6 +212,6 @@ def _summary(matrix: TransferMatrix) -> str:
     error = np.sqrt(np.square(luminance.components[:, 0].sum(axis=2)).sum(axis=0))
     lit = total > 0
     if not lit.any():
-        return f"{size}; no light arrives"
+        return f"{size}; all values are zero"
     relative = float(np.median(error[lit] / total[lit]))
     return f"{size}; standard error of the row sums {relative:.2%} (median)"

@@ -1,4 +1,4 @@
-"""Requests of the commands: their options, help texts and examples.
+"""Requests of the commands: options, help texts and examples.
 
-Nothing here loads NumPy, so that help appears at once.
+These modules do not import NumPy, so that help is printed without delay.
 """

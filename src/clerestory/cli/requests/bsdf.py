@@ -14,7 +14,7 @@ BsdfFiles = Annotated[list[Path], Argument("BSDF files.", "FILE…")]
 
 @dataclass(frozen=True, kw_only=True)
 class Drawing:
-    """What a figure of BSDFs shows."""
+    """Content of a figure of BSDFs."""
 
     patch: list[int] | None = option(
         None,
@@ -29,11 +29,11 @@ class Drawing:
         metavar="THETA,PHI",
     )
     function: common.Function = option(
-        "transmission_front", "Which of the four functions."
+        "transmission_front", "Transmission or reflection function."
     )
     channel: str = option("visible", "Visible, solar, nir, …")
     curve: bool = option(
-        False, "Draw direct-hemispherical values over angles, not discs."
+        False, "Draw direct-hemispherical values over the angle instead of discs."
     )
 
 
@@ -46,7 +46,7 @@ class BsdfInfo:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckBsdf:
-    """Check BSDF files: energy, reciprocity, order of sides, labels, copies, gaps.
+    """Check BSDF files: energy, reciprocity, sides, labels, duplicates, gaps.
 
     One line per finding. Exit status: 0 no finding, 1 findings that can change results,
     2 a file cannot be read.
@@ -54,14 +54,14 @@ class CheckBsdf:
 
     files: BsdfFiles
     every: bool = option(
-        False, "Print remarks too, not only findings that matter.", "--all"
+        False, "Print all findings, not only those that affect results.", "--all"
     )
     as_json: bool = option(False, "Print JSON.", "--json")
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlotBsdf:
-    """Plot scattering as discs in false colour, or the transmittance over angles."""
+    """Plot scattering as false-colour discs, or the transmittance over angles."""
 
     file: common.BsdfFile
     output: common.FigureOutput
@@ -70,7 +70,7 @@ class PlotBsdf:
 
 @dataclass(frozen=True, kw_only=True)
 class CompareBsdfs:
-    """Compare one or more BSDFs with the first: differences, and a figure."""
+    """Compare BSDFs with the first one: print differences, draw a figure."""
 
     files: BsdfFiles
     output: Path | None = option(None, "Figure with the layers side by side.", "-o")
@@ -79,26 +79,26 @@ class CompareBsdfs:
 
 @dataclass(frozen=True, kw_only=True)
 class ViewBsdf:
-    """Write an interactive view: choose an incident direction, see the scattering."""
+    """Write an interactive HTML view of the scattering per incident direction."""
 
     file: common.BsdfFile
-    output: Path = required("HTML file; it needs no network.", "-o")
+    output: Path = required("Self-contained HTML file to write.", "-o")
 
 
 @dataclass(frozen=True, kw_only=True)
 class InsertBsdf:
-    """Insert the data of one BSDF file into another, which keeps everything else.
+    """Insert the data of one BSDF file into another file, used as a template.
 
-    A layer traced by genBSDF becomes one that WINDOW reads, with the material,
-    thickness and emissivities of the template.
+    This makes layers traced by genBSDF readable by WINDOW, with the material, thickness
+    and emissivities of the template.
     """
 
     source: Path = argument("File whose data are inserted.", "SOURCE")
-    template: Path = argument("File that receives them.", "TEMPLATE")
+    template: Path = argument("File into which they are inserted.", "TEMPLATE")
     output: Path = required("File to write.", "-o")
-    channels: str = option("", "Such as visible,solar; all if not given.")
+    channels: str = option("", "Channels, such as visible,solar; default: all.")
     source_channel: str | None = option(
-        None, "Channel of SOURCE to be used for all channels.", "--from-channel"
+        None, "Channel of SOURCE used for all channels.", "--from-channel"
     )
 
 
@@ -121,20 +121,20 @@ class ReduceBsdf:
 
     file: common.BsdfFile
     output: common.BsdfOutput
-    percent: float = option(95.0, "Share of the smallest cells to merge.", "-t")
+    percent: float = option(95.0, "Percentage of the smallest cells to merge.", "-t")
 
 
 @dataclass(frozen=True, kw_only=True)
 class PackageBsdf:
-    """Make a scene file of a BSDF: surfaces that scatter by it, and its geometry.
+    """Write a scene file of a BSDF: surfaces with the BSDF, and its geometry.
 
-    The layer is centred on the origin, y up, its room side towards +z. Geometry in the
-    file is placed between a front and a back surface.
+    The layer is centred at the origin, y up, room side towards +z. Geometry in the file
+    is placed between a front and a back surface.
     """
 
     file: common.BsdfFile
     output: Path | None = option(
-        None, "Scene file; standard output if not given.", "-o"
+        None, "Scene file to write; default: standard output.", "-o"
     )
     xform: str = option("", 'Transformation, such as "-rx 90 -t 1 0 2".')
 

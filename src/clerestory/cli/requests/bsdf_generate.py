@@ -20,7 +20,7 @@ def _kind(example: str) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class ParametricSystem:
-    """A system by its kind and parameters; one of the fields, or none."""
+    """A parametric system; at most one field is given."""
 
     venetian: str | None = _kind("slat_width=0.08,spacing=0.072,tilt_deg=45")
     microlouvre: str | None = _kind("cutoff_deg=40, or default")
@@ -45,25 +45,25 @@ class Tracing:
     colour: bool = option(False, "Write CIE X and Z too; u' and v' for trees.")
     samples: int | None = option(
         None,
-        "Paths per incident patch or cell; 2000 if neither …",
+        "Paths per incident patch or cell (default 2000); or …",
         metavar="N",
         least=1,
     )
     relative_error: float | None = option(
         None,
-        "… nor this: root mean square error of all values over their mean.",
+        "… root mean square error of all values relative to their mean.",
         metavar="X",
     )
     bounces: common.Bounces = None
     symmetry: bool = option(
         True,
-        "Trace one of two patches that are mirror images by the symmetry of the"
-        " geometry.",
+        "Trace only one of two patches that are mirror images by the symmetry of"
+        " the geometry.",
         "--symmetry/--no-symmetry",
     )
     reciprocal: bool = option(False, "Average with the reverse function.")
     reduction: float = option(
-        0.0, "Percentage of a tree's smallest cells to merge.", "--reduce"
+        0.0, "Percentage of the smallest tree cells to merge.", "--reduce"
     )
     geometry: bool = option(
         True, "Include the geometry in the file.", "--geometry/--no-geometry"
@@ -88,12 +88,12 @@ class GenerateBsdf:
     kinds: ParametricSystem
     dimensions: tuple[float, float, float, float, float, float] | None = option(
         None,
-        "Sample area [m], as genBSDF's -dim; the bounding box if not given.",
+        "Sample area [m], like genBSDF -dim; default: the bounding box.",
         "--dim",
         metavar="XMIN XMAX YMIN YMAX ZMIN ZMAX",
     )
     periodic: bool = option(
-        False, "Repeat the sample area periodically: no light is lost."
+        False, "Repeat the sample area periodically, so that no light is lost."
     )
     band: list[str] | None = option(
         None,
@@ -101,8 +101,8 @@ class GenerateBsdf:
         metavar="NAME=R/G/B",
     )
     tracing: Tracing
-    errors: Path | None = option(None, "Standard errors to write, as a BSDF file.")
-    rad: Path | None = option(None, "Radiance file of the geometry to write.")
+    errors: Path | None = option(None, "BSDF file of the standard errors to write.")
+    rad: Path | None = option(None, "Radiance scene file of the geometry to write.")
     quiet: common.Quiet = False
 
 

@@ -32,7 +32,7 @@ _VIEW = Option(
 )
 ViewText = Annotated[str, _VIEW]
 Resolution = Annotated[
-    int, Option("Larger of the picture's columns and rows.", "--resolution", least=1)
+    int, Option("Larger of the numbers of columns and rows.", "--resolution", least=1)
 ]
 Samples = Annotated[
     int | None, Option("Paths per row of the matrix; or …", metavar="N", least=1)
@@ -40,28 +40,27 @@ Samples = Annotated[
 RelativeError = Annotated[
     float | None,
     Option(
-        "… trace until this relative standard error is reached; 0.01 if neither is"
-        " given.",
+        "… target relative standard error (default 0.01), at which tracing stops.",
         metavar="X",
     ),
 ]
 Bounces = Annotated[
     int | None,
     Option(
-        "Maximum number of bounces, counted as Radiance's -ab; unlimited if not given.",
+        "Maximum number of bounces, as Radiance -ab; default: unlimited.",
         metavar="N",
         least=0,
     ),
 ]
 Seed = Annotated[
     int,
-    Option("Seed of the random numbers; equal seeds give equal results.", least=0),
+    Option("Seed of the random numbers; results are reproducible.", least=0),
 ]
 DeviceName = Annotated[Device, Option("Compute device.")]
 ClusterAddress = Annotated[
     str | None,
     Option(
-        "Scheduler of a Dask cluster that traces, such as tcp://10.0.0.1:8786.",
+        "Scheduler of a Dask cluster for tracing, such as tcp://10.0.0.1:8786.",
         metavar="ADDRESS",
     ),
 ]
@@ -85,7 +84,7 @@ MatrixEncoding = Annotated[
     Encoding, Option("Encoding of a Radiance matrix file (not of .nc).", "--format")
 ]
 PictureFile = Annotated[
-    Path, Argument("Picture: Radiance's .hdr or .pic, or OpenEXR.", "PICTURE")
+    Path, Argument("Picture: Radiance (.hdr, .pic) or OpenEXR (.exr).", "PICTURE")
 ]
 BsdfFile = Annotated[Path, Argument("BSDF file to read.", "FILE")]
 BsdfOutput = Annotated[Path, Option("BSDF file to write.", "-o")]
@@ -98,7 +97,7 @@ class SensorsOrView:
 
     sensors: Path | None = option(
         None,
-        "Sensor file, x y z dx dy dz per line; or a picture by --view.",
+        "Sensor file, x y z dx dy dz per line; or use --view.",
         metavar="F",
     )
     view: Annotated[str | None, _VIEW] = None
@@ -116,17 +115,15 @@ class SkyChoice:
     )
     time: str | None = option(
         None,
-        "In place of --sky, with --weather: a time such as 2026-09-21T12:00.",
+        "Time such as 2026-09-21T12:00; with --weather, instead of --sky.",
         metavar="T",
     )
-    weather: Path | None = option(
-        None, "Weather file that holds the time.", metavar="F"
-    )
+    weather: Path | None = option(None, "Weather file for --time.", metavar="F")
 
 
 @dataclass(frozen=True, kw_only=True)
 class EffortOptions:
-    """How long to trace, and where."""
+    """Sampling effort, and compute device."""
 
     samples: Samples = None
     relative_error: RelativeError = None

@@ -14,24 +14,30 @@ from clerestory.options import argument, option
 class GlareRequest:
     """Find the glare sources of fisheye pictures and print DGP, DGI, UGR, VCP and CGI.
 
-    Options have the letters and the meaning of evalglare's; only its -q is
-    --background here.
+    Options have the names and the meaning of evalglare options, except that its -q is
+    --background.
     """
 
     files: list[Path] = argument("Fisheye pictures, .hdr, .pic or .exr.", "PICTURE…")
     form: Literal["text", "json", "csv"] = option(
         "text", "text prints the lines of evalglare.", "--format"
     )
-    detail: bool = option(False, "Print all indices, and the table of sources.", "-d")
+    detail: bool = option(
+        False, "Print all indices and the table of glare sources.", "-d"
+    )
     options: EvalglareOptions
     shown_task: Circle | None = option(
-        None, "As --task; blue in the check picture.", "-T", "--", metavar="X Y ANGLE"
+        None,
+        "Like --task, and colour the task zone blue in the check picture.",
+        "-T",
+        "--",
+        metavar="X Y ANGLE",
     )
     check: Path | None = option(
-        None, "Picture with coloured sources to write.", "-c", metavar="F"
+        None, "Check picture to write, with coloured glare sources.", "-c", metavar="F"
     )
     colour: tuple[float, float, float] | None = option(
-        None, "One colour for all sources.", "-u", metavar="R G B"
+        None, "Uniform colour of all glare sources.", "-u", metavar="R G B"
     )
     only_illuminance: bool = option(
         False, "Print only the vertical eye illuminance.", "-V", "--"

@@ -14,7 +14,7 @@ class StackLayers:
     """Combine layers into one BSDF, and print its transmittance and reflectance."""
 
     layer: list[Path] = argument(
-        "Layers from outdoors to the room: .json, .dat, .xml; or one .toml.", "LAYER…"
+        "Layers from outdoors to indoors: .json, .dat, .xml; or one .toml.", "LAYER…"
     )
     output: Path | None = option(None, "BSDF file to write.", "-o")
     gap: float = option(12.7, "Thickness of all gaps [mm].", least=0.01)
@@ -23,12 +23,12 @@ class StackLayers:
     standard: Literal["nfrc", "en410"] = option(
         "nfrc", "Standard of the spectral averages."
     )
-    bands: bool = option(False, "Combine band averages, not each wavelength.")
+    bands: bool = option(False, "Combine band averages instead of wavelengths.")
     tree: int | None = option(
-        None, "Tensor tree of 2^N cells per side, by a random walk.", least=1, most=6
+        None, "Tensor tree of 2^N cells per axis, by random walks.", least=1, most=6
     )
     walkers: int = option(256, "Random walks per incident cell, for --tree.", least=8)
-    thermal: bool = option(False, "Print U, SHGC and temperatures too.")
+    thermal: bool = option(False, "Also print U-value, SHGC and temperatures.")
     seed: Seed = 1
     quiet: Quiet = False
 

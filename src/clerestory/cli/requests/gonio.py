@@ -13,11 +13,11 @@ Symmetry = Literal[
 ]
 SymmetryOption = Annotated[
     Symmetry | None,
-    Option("Symmetry of the layer; inferred from the directions if not given."),
+    Option("Symmetry of the layer; default: inferred from the directions."),
 ]
 Lobes = Annotated[int, Option("Maximum number of lobes per incident direction.")]
 Smoothing = Annotated[
-    float, Option("Factor on the width of lobes; 1 makes a uniform sum.")
+    float, Option("Factor on the width of the lobes; with 1, their sum is smooth.")
 ]
 Processes = Annotated[int, Option("Number of processes.", "-n", least=1)]
 
@@ -31,16 +31,16 @@ class MeasurementFiles:
     )
     form: str | None = option(
         None,
-        "Format of the files, such as pabopto or astm; recognized from the first"
-        " file if not given.",
+        "Format of the files, such as pabopto or astm; default: detected from the"
+        " first file.",
         "--format",
         metavar="NAME",
     )
     function: common.Function | None = option(
-        None, "Function measured, if the files do not name it."
+        None, "Measured function, if the files do not state it."
     )
     facing: Literal["room", "sky"] = option(
-        "room", "Side towards which the sample's normal points."
+        "room", "Side to which the normal of the sample points."
     )
     blank: Path | None = option(None, "Readings without the sample (RT-300S).")
     merge: bool = option(False, "Merge scans of the same incident direction.")
@@ -60,7 +60,7 @@ class Fit:
 class MeasurementInfo:
     """Describe the coverage of measurements: angles, gaps, noise, symmetry, flux.
 
-    Exit status: 1 if quality checks find what can change results.
+    Exit status: 1 if a finding of the quality checks can change results.
     """
 
     measurement: MeasurementFiles
@@ -85,10 +85,10 @@ class CrossValidation:
     symmetry: SymmetryOption = None
     lobes: Lobes = 200
     smoothing: list[float] | None = option(
-        None, "Smoothing factor to try; repeatable. 1 if not given."
+        None, "Smoothing factor to test; repeatable. Default: 1."
     )
     more: int = option(
-        0, "Number of further directions to recommend for scans.", "--next", least=0
+        0, "Number of directions to recommend for further scans.", "--next", least=0
     )
     processes: Processes = 1
     quiet: common.Quiet = False
@@ -98,13 +98,13 @@ class CrossValidation:
 class ExportBsdf:
     """Write fits as one BSDF file for Radiance, WINDOW and Clerestory."""
 
-    files: list[Path] = argument("Files of clerestory gonio fit.", "FIT…")
+    files: list[Path] = argument("Files written by clerestory gonio fit.", "FIT…")
     output: Path = required("BSDF file to write, .xml.", "-o")
     to: Literal["full", "half", "quarter", "tree"] = option(
         "full", "Klems basis, or a tensor tree."
     )
     halvings: common.Halvings = 5
-    tolerance: float = option(0.05, "Merge cells that differ by less.")
+    tolerance: float = option(0.05, "Relative difference below which cells are merged.")
     reciprocal: bool = option(False, "Average with the reverse function.")
     conserve: bool = option(
         False, "Scale down directions that scatter more than they receive."
@@ -115,7 +115,7 @@ class ExportBsdf:
 
 @dataclass(frozen=True, kw_only=True)
 class PlotMeasurement:
-    """Plot measured points, fitted lobes and the mesh, or light between two scans."""
+    """Plot measured points, fitted lobes and mesh, or an interpolation."""
 
     measurement: MeasurementFiles
     output: common.FigureOutput

@@ -17,11 +17,13 @@ class LuminaireInfo:
 
 @dataclass(frozen=True, kw_only=True)
 class PlotLuminaire:
-    """Draw the polar diagram, in the planes of 0° and 90° or in those given."""
+    """Draw the polar diagram in given planes; default: 0° and 90°."""
 
     file: Path = argument("IES or EULUMDAT file.")
     output: FigureOutput
-    plane: list[float] | None = option(None, "Horizontal angle [°]; repeatable.")
+    plane: list[float] | None = option(
+        None, "Horizontal angle of a plane [°]; repeatable."
+    )
 
 
 HELP = "Luminaires: IES and EULUMDAT files."

@@ -1,4 +1,4 @@
-"""Requests of `clerestory picture` that make luminance pictures from photographs."""
+"""Requests of `clerestory picture` for photographs as luminance pictures."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,22 +17,22 @@ Mapping = Literal[
 class MergePhotographs:
     """Merge photographs of different exposures into one high-dynamic-range picture.
 
-    Its radiances are known up to one factor, which `picture calibrate` finds.
+    Radiances are known up to a common factor, which `picture calibrate` determines.
     """
 
     files: list[Path] = argument("Exposure bracket, .jpg, .png or .tif.", "PHOTO…")
     output: common.PictureOutput
     times: list[float] | None = option(
         None,
-        "Exposure time of each photograph in turn [s], repeatable; from the EXIF"
-        " data if not given.",
+        "Exposure time of each photograph in order [s], repeatable; default: from"
+        " the EXIF data.",
         "--time",
         metavar="S",
     )
     response: str = option(
         "debevec",
         "Camera response: recovered by debevec or robertson, srgb, linear, or a"
-        " file (.csv as written here, .rsp of hdrgen).",
+        " file (.csv of --save-response, .rsp of hdrgen).",
         metavar="R",
     )
     save_response: Path | None = option(
@@ -44,7 +44,7 @@ class MergePhotographs:
 
 @dataclass(frozen=True, kw_only=True)
 class ReprojectPhotograph:
-    """Reproject a fisheye photograph to a view that a glare evaluation accepts."""
+    """Reproject a fisheye photograph to a view for glare evaluation."""
 
     file: common.PictureFile
     output: common.PictureOutput
@@ -57,12 +57,14 @@ class ReprojectPhotograph:
     )
     circle: tuple[float, float, float] | None = option(
         None,
-        "Image circle: column and row of its centre from the upper left, radius at"
-        " 90°. The largest centred circle if not given.",
+        "Image circle: column and row of the centre from the upper left, and radius"
+        " at 90°. Default: the largest centred circle.",
         metavar="X Y R",
     )
-    view: str = option("-vta -vh 180 -vv 180", "View to make.", metavar="VIEW")
-    resolution: int = option(1000, "Columns and rows.", metavar="N", least=21)
+    view: str = option("-vta -vh 180 -vv 180", "Target view.", metavar="VIEW")
+    resolution: int = option(
+        1000, "Number of columns and of rows.", metavar="N", least=21
+    )
     vignetting: list[float] | None = option(
         None,
         "Coefficient of θ², θ⁴, … of the lens transmission, repeatable.",
@@ -78,7 +80,9 @@ class CalibratePicture:
     file: common.PictureFile
     output: common.PictureOutput
     before: float = required("Illuminance at the lens before the bracket [lux].")
-    after: float | None = option(None, "… and after it; as before if not given.")
+    after: float | None = option(
+        None, "Illuminance after the bracket [lux]; default: as before."
+    )
     resolution: int | None = option(
         None, "Reduce to this many columns.", metavar="N", least=21
     )

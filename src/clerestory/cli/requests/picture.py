@@ -18,7 +18,7 @@ class PictureInfo:
     """Describe pictures: size, view, and the distribution of luminance."""
 
     files: PictureFiles
-    header: bool = option(False, "Print the lines of the header too.")
+    header: bool = option(False, "Also print the lines of the header.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,18 +40,16 @@ class ToneMap:
     output: ImageOutput
     method: Literal["human", "filmic", "linear"] = option(
         "human",
-        "Visibility matching of human vision, the response of a film, or linear.",
+        "Visibility matching (human vision), film response curve, or linear.",
     )
     white: float | None = option(
-        None, "Luminance of white [cd/m²] for filmic and linear; else automatic."
+        None, "Luminance of white [cd/m²] for filmic and linear; default: automatic."
     )
-    veil: bool = option(False, "human: add the veiling glare in the eye.")
+    veil: bool = option(False, "human: add veiling luminance by scattering in the eye.")
     screen_white: float = option(
-        100.0, "human: the display's maximum luminance [cd/m²]."
+        100.0, "human: maximum luminance of the display [cd/m²]."
     )
-    screen_contrast: float = option(
-        100.0, "human: the display's maximum over minimum luminance."
-    )
+    screen_contrast: float = option(100.0, "human: contrast ratio of the display.")
     quiet: common.Quiet = False
 
 
@@ -64,53 +62,53 @@ class FalseColour:
     style: Literal["fill", "steps", "lines", "bands"] = option(
         "fill", "Continuous colours, colour steps, contour lines or contour bands."
     )
-    to: float | None = option(None, "Largest value of the scale; else automatic.")
+    to: float | None = option(None, "Largest value of the scale; default: automatic.")
     start: float = option(0.0, "Smallest value of a linear scale.", "--from")
     decades: float | None = option(
         None, "Logarithmic scale over this many decades.", "--log", metavar="N"
     )
     divisions: int = option(10, "Steps of a linear scale.", least=1, most=100)
-    palette: str = option("turbo", "A colour map of Matplotlib; gnuplot is like pm3d.")
+    palette: str = option("turbo", "Matplotlib colour map; gnuplot resembles pm3d.")
     extremes: bool = option(False, "Mark the minimum and the maximum.", "-e")
-    legend: bool = option(
-        True, "Put a legend beside the picture.", "--legend/--no-legend"
-    )
+    legend: bool = option(True, "Add a legend.", "--legend/--no-legend")
     quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class SumPictures:
-    """Add pictures of one size with weights; the view is that of the first."""
+    """Add pictures of equal size with weights; the first view is kept."""
 
     files: PictureFiles
     output: common.PictureOutput
     weight: list[float] | None = option(
-        None, "Factor of each picture, in order; 1 if none is given."
+        None, "Factor of each picture, in order; default: 1."
     )
     quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReducePicture:
-    """Reduce the resolution of a picture by averaging over areas; exposure is kept."""
+    """Reduce the resolution of a picture by area averaging."""
 
     file: common.PictureFile
     output: common.PictureOutput
     factor: float | None = option(
-        None, "Reduction of both columns and rows; or …", least=1
+        None, "Reduction factor of columns and rows; or …", least=1
     )
-    size: tuple[int, int] | None = option(None, "… columns and rows.", metavar="C R")
+    size: tuple[int, int] | None = option(
+        None, "… new numbers of columns and rows.", metavar="C R"
+    )
     quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class CropPicture:
-    """Crop a picture; its view becomes that of the part."""
+    """Crop a picture; the view is adapted."""
 
     file: common.PictureFile
     output: common.PictureOutput
     corner: tuple[int, int] = required(
-        "First column from the left and first row from the top, from 0."
+        "First column (from the left) and first row (from the top), counted from 0."
     )
     size: tuple[int, int] = required("Columns and rows to keep.")
     quiet: common.Quiet = False

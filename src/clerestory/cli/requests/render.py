@@ -27,52 +27,53 @@ class Render:
         False, "Render the irradiance of surfaces, as rpict -i does."
     )
     denoise: bool = option(
-        False, "Denoise the picture for display; its header records it."
+        False, "Denoise the picture for display; the header records the denoising."
     )
     quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class Illum:
-    """Precompute window emitters: trace once what windows emit, as mkillum does.
+    """Precompute window emitters: trace the emission of windows, like mkillum.
 
-    Render with the file written in place of the file of the panes. Without --samples or
+    To render, replace the file of the panes by the written file. Without --samples or
     --relative-error, paths are traced until the standard error of a direction is on
     average 3 %.
     """
 
     scene: common.SceneFiles
     panes: Path = required(
-        "Scene file of the window panes, in materials of the scene; fronts face the"
-        " room.",
+        "Scene file of the window panes, with materials of the scene; their fronts"
+        " face the room.",
         metavar="F",
     )
     output: Path = required(
-        "Scene file to write; its data files are written beside it.", "-o"
+        "Scene file to write; data files are written to the same folder.", "-o"
     )
     sky: common.SkyChoice
     zone: float = option(
-        float("inf"), "Longest edge of a part with an emission table of its own [m]."
+        float("inf"),
+        "Maximum edge length of a pane part with its own emission table [m].",
     )
-    rings: int = option(18, "Rings of directions; twice as many directions in azimuth.")
+    rings: int = option(18, "Number of polar rings; twice as many azimuths.")
     effort: common.EffortOptions
     quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class Multiply:
-    """Multiply two to five matrices from left to right, and add such products.
+    """Multiply two to five matrices from left to right; add products.
 
-    V.mtx T.xml D.mtx S.smx gives the irradiance [W/m²] of every sensor at every
-    time step, as dctimestep does; times 47.4, 119.9 and 11.6 it is illuminance. With
-    a set of pictures V_%03d.hdr first, OUT is a set too, one picture per time step.
-    Behind a shade with several ports, F-a.nc D-a.nc + F-b.nc D-b.nc is the D of the
-    window.
+    V.mtx T.xml D.mtx S.smx gives the irradiance [W/m²] of every sensor at every time
+    step, like dctimestep; RGB weights of 47.4, 119.9 and 11.6 give illuminance. If the
+    first factor is a set of pictures V_%03d.hdr, OUT is a set of one picture per time
+    step. For a shade with several ports, F-a.nc D-a.nc + F-b.nc D-b.nc is the daylight
+    matrix of the window.
     """
 
     factors: list[Path] = argument(
-        "Matrix files (.mtx .smx .nc), a BSDF (.xml) for its transmission, or first"
-        " a set of pictures (V_%03d.hdr). A + adds products.",
+        "Matrix files (.mtx .smx .nc), BSDF files (.xml, transmission), or, as first"
+        " factor, a set of pictures (V_%03d.hdr). + adds products.",
         "A B [C D E] [+ A B …]",
     )
     output: common.MatrixOutput

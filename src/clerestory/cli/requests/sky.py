@@ -21,19 +21,22 @@ Subdivision = Annotated[
 SunSize = Annotated[
     float | None,
     Option(
-        "Put the sun, of this diameter [°], into its nearest patch: 0.533 is the real"
-        " sun, 0 the whole patch. Spread over the four nearest patches if not given.",
+        "Diameter of the sun [°], placed in the nearest patch: 0.533 is the real sun, 0"
+        " fills the patch. Default: the sun is spread over the four nearest patches.",
         metavar="DEG",
     ),
 ]
 SunFormula = Annotated[
     Literal["spa", "radiance"],
-    Option("Formula of the sun position; radiance reproduces gendaymtx exactly."),
+    Option("Sun position formula; radiance reproduces gendaymtx exactly."),
 ]
 Rotation = Annotated[
-    float, Option("Angle of the scene's +y east of north [°].", metavar="DEG")
+    float,
+    Option(
+        "Azimuth of the +y axis of the scene, clockwise from north [°].", metavar="DEG"
+    ),
 ]
-NoDirect = Annotated[bool, Option("The sky without the direct sun.")]
+NoDirect = Annotated[bool, Option("Exclude the direct sun.")]
 Moment = Annotated[
     str | None,
     Option("One time step, local standard time.", metavar='"MM-DD HH:MM"'),
@@ -42,7 +45,7 @@ Moment = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class Days:
-    """First and last day of a part of the weather."""
+    """First and last day of the selected weather data."""
 
     first_day: str | None = option(None, "First day.", "--from", metavar="MM-DD")
     last_day: str | None = option(None, "Last day.", "--to", metavar="MM-DD")
@@ -55,7 +58,7 @@ class SkyMatrixRequest:
     weather: WeatherFile
     output: common.MatrixOutput
     subdivision: Subdivision = 4
-    sun_only: bool = option(False, "The direct sun only.")
+    sun_only: bool = option(False, "Include only the direct sun.")
     no_direct: NoDirect = False
     sun_size: SunSize = None
     sun_formula: SunFormula = "spa"
@@ -69,13 +72,17 @@ class SkyMatrixRequest:
     sky_colour: str = option(
         "0.960,1.004,1.118", "Factor of each channel of the sky.", metavar="R,G,B"
     )
-    solar: bool = option(False, "The whole solar spectrum instead of the visible.")
+    solar: bool = option(
+        False, "Use the whole solar spectrum instead of the visible range."
+    )
     rotation: Rotation = 0.0
     days: Days
     time: Moment = None
-    daylight_only: bool = option(False, "Only time steps with the sun up.")
-    average: bool = option(False, "One column, the mean of all time steps.")
-    luminance: bool = option(False, "Luminance [cd/m²], one number instead of three.")
+    daylight_only: bool = option(
+        False, "Include only time steps with the sun above the horizon."
+    )
+    average: bool = option(False, "Write one column, the mean of all time steps.")
+    luminance: bool = option(False, "Write luminance [cd/m²] instead of RGB radiance.")
     encoding: common.MatrixEncoding = "float"
     quiet: common.Quiet = False
 
@@ -84,26 +91,26 @@ class SkyMatrixRequest:
 class SkyVectorRequest:
     """Sky vector of one instant: radiance of ground and sky patches [W/(m²·sr)].
 
-    For an instant of a weather file: `sky matrix WEATHER --time`.
+    For a time step of a weather file, use `sky matrix WEATHER --time`.
     """
 
     kind: str = argument(
-        "uniform, overcast, intermediate, clear, a CIE general sky 1..15, or perez.",
+        "uniform, overcast, intermediate, clear, CIE general sky 1..15, or perez.",
         "SKY",
     )
     output: common.MatrixOutput
     sun: tuple[float, float] = required(
-        "Altitude of the sun, and its azimuth clockwise from north [°].",
+        "Altitude of the sun, and azimuth clockwise from north [°].",
         metavar="ALT AZI",
     )
     diffuse: float | None = option(
         None,
-        "Diffuse horizontal visible irradiance [W/m²], lux over 179; gensky's if"
-        " not given.",
+        "Diffuse horizontal visible irradiance [W/m²], lux divided by 179; default:"
+        " as gensky.",
         least=0,
     )
     direct: float | None = option(
-        None, "Direct normal visible irradiance [W/m²]; gensky's if not given.", least=0
+        None, "Direct normal visible irradiance [W/m²]; default: as gensky.", least=0
     )
     no_direct: NoDirect = False
     turbidity: float = option(2.45, "Linke turbidity of clear skies.")
@@ -118,25 +125,25 @@ class SkyVectorRequest:
 
 @dataclass(frozen=True, kw_only=True)
 class SunTable:
-    """Table of the sun's altitude and azimuth at every time step, as CSV [°].
+    """Table of solar altitude and azimuth at every time step, as CSV [°].
 
-    With --occurring or --reinhart a table of suns: the position of each, the number of
-    time steps in which it shines, and its irradiance.
+    With --occurring or --reinhart, table of suns: position, number of time steps, and
+    irradiance of each sun.
     """
 
     weather: WeatherFile
     output: common.MatrixOutput
     occurring: bool = option(
-        False, "The distinct sun positions, instead of all time steps."
+        False, "Write distinct sun positions instead of all time steps."
     )
     tolerance: float = option(
         0.0,
-        "Suns no farther apart than this are one sun [°]; with --occurring.",
+        "Angular distance within which suns are merged [°]; with --occurring.",
         metavar="DEG",
     )
     reinhart: int | None = option(
         None,
-        "Suns at the centres of Reinhart sky patches: 5185 for 6.",
+        "Write suns at the centres of Reinhart sky patches (6: 5185 suns).",
         metavar="1..6",
         least=1,
         most=6,
@@ -155,7 +162,7 @@ class WeatherDescription:
 
 @dataclass(frozen=True, kw_only=True)
 class WeatherPlot:
-    """Heat map of sun and sky over the year; with --time, the sky in false colour."""
+    """Annual heat map of sun and sky; with --time, the sky in false colour."""
 
     weather: WeatherFile
     output: common.MatrixOutput

@@ -1,4 +1,4 @@
-"""Requests of the commands for studies: from a new study file to its metrics."""
+"""Requests of the commands for studies, reports, metrics and imports."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,10 +9,11 @@ from clerestory.cli.requests import common
 from clerestory.options import Option, argument, option, required
 
 DeviceChoice = Annotated[
-    common.Device | None, Option("Device in place of the study's.", "--device")
+    common.Device | None, Option("Compute device; overrides the study.", "--device")
 ]
 SeedChoice = Annotated[
-    int | None, Option("Seed in place of the study's.", "--seed", least=0)
+    int | None,
+    Option("Seed of the random numbers; overrides the study.", "--seed", least=0),
 ]
 
 
@@ -20,17 +21,17 @@ SeedChoice = Annotated[
 class NewStudy:
     """Write a study file: the room, its window, a grid over the floor, the weather.
 
-    The scene is the room without the glazing of the window, which the BSDF replaces.
-    A window whose front does not face the room is reversed in a copy.
+    The scene is the room without the window glazing, which the BSDF replaces. Windows
+    whose front does not face the room are reversed in a copy.
     """
 
-    folder: Path = argument("Folder for the study; made if missing.", "DIR")
+    folder: Path = argument("Folder for the study; created if missing.", "DIR")
     scene: common.SceneFiles
     window: common.WindowFiles
     bsdf: Path = required("BSDF file (.xml).")
     weather: Path = required("Weather file (.epw, .wea, .csv).")
     sensors: Path | None = option(
-        None, "Sensor file in place of a grid over the floor."
+        None, "Sensor file, instead of a grid over the floor."
     )
     spacing: float = option(0.5, "Spacing of the grid [m].", least=0.05)
     height: float = option(0.76, "Height of the grid above the floor [m].", least=0)
@@ -41,18 +42,19 @@ class NewStudy:
 class RunStudy:
     """Run a study: trace, multiply by a year of sky, write results and a report.
 
-    Matrices that are in OUT/matrices are not traced again; a run that was interrupted
-    resumes.
+    Matrices in OUT/matrices are reused, so that an interrupted run can be resumed.
     """
 
-    study: Path = argument("The study.", "STUDY.toml")
+    study: Path = argument("Study file.", "STUDY.toml")
     out: Path | None = option(
-        None, "Folder for the results; NAME_results beside NAME.toml if not given."
+        None, "Folder for the results; default: NAME_results beside NAME.toml."
     )
     device: DeviceChoice = None
     seed: SeedChoice = None
     cluster: common.ClusterAddress = None
-    plan: bool = option(False, "Print what will be traced and the cost, and stop.")
+    plan: bool = option(
+        False, "Print the matrices to trace and their cost without running."
+    )
     quiet: common.Quiet = False
 
 
@@ -73,7 +75,7 @@ class Demo:
 
 @dataclass(frozen=True, kw_only=True)
 class WriteReport:
-    """Write the report of an earlier run again, from the files in its folder.
+    """Write the report of an earlier run from its results.
 
     Pictures are taken from the folder `pictures` beside results.nc.
     """
@@ -88,57 +90,57 @@ class Metrics:
     """Print daylight autonomy, UDI, sDA, ASE, EN 17037 and LEED points per grid."""
 
     results: Path = argument(
-        "Folder of a run (results.nc), or honeybee's results folder.", "RESULTS"
+        "Folder of a run (results.nc), or honeybee results folder.", "RESULTS"
     )
-    grid: list[str] | None = option(None, "Only these grids.")
+    grid: list[str] | None = option(None, "Grid to evaluate; repeatable. Default: all.")
     from_hour: float = option(8.0, "Start of the day [h].", "--from", least=0, most=24)
     to_hour: float = option(18.0, "End of the day [h].", "--to", least=0, most=24)
     target: float = option(
         300.0, "Target illuminance of daylight autonomy [lux].", least=1
     )
     weather: Path | None = option(
-        None, "Weather file for EN 17037, which counts half of the daylight hours."
+        None, "Weather file for EN 17037, to determine the daylight hours."
     )
-    states: Path | None = option(
-        None, "CSV of shading states over the year (honeybee)."
-    )
+    states: Path | None = option(None, "CSV file of annual shading states (honeybee).")
     operate: bool = option(
-        False, "Operate blinds by the rule of LM-83 (honeybee).", "--lm83"
+        False, "Operate blinds according to LM-83 (honeybee).", "--lm83"
     )
     leed: Literal["v4", "v4.1"] = option("v4.1", "Version of LEED.")
-    output: Path | None = option(None, "CSV with one line per sensor.", "-o")
-    honeybee: Path | None = option(None, "Write a results folder that honeybee loads.")
+    output: Path | None = option(None, "CSV file to write, one line per sensor.", "-o")
+    honeybee: Path | None = option(None, "Results folder to write for honeybee.")
     quiet: common.Quiet = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class Compare:
-    """Compare a study with measurements: shares within 5, 10 and 20 %, bias.
+    """Compare a study with measurements: bias, shares within 5, 10 and 20 %.
 
-    A clock shift that would improve the agreement is reported, never applied.
+    A time shift that would improve the agreement is reported but not applied.
     """
 
     measured: Path = argument(
-        "CSV with a column of times and one per sensor; or a mapping (.toml) of"
+        "CSV file with one column of times and one per sensor; or mapping (.toml) of"
         " files and columns to sensors.",
         "MEASURED",
     )
     simulated: list[Path] | None = argument(
-        "Folders of runs (results.nc), or CSV files; several side by side.",
+        "Folders of runs (results.nc), or CSV files; one or more.",
         "SIMULATED…",
         default=None,
     )
     output: Path = option(
         Path("comparison"), "Folder for the page, tables and figures.", "-o"
     )
-    name: list[str] | None = option(None, "Name of a simulation; one each.")
-    above: float = option(100.0, "Ignore measured values below [lux].", least=0)
-    shift: float = option(0.0, "Shift the measured times by [min].")
+    name: list[str] | None = option(
+        None, "Name of each simulation, in order; repeatable."
+    )
+    above: float = option(100.0, "Smallest measured value to include [lux].", least=0)
+    shift: float = option(0.0, "Shift of the measured times [min].")
     coverage: float = option(
-        0.75, "Least share of a time step with measurements.", least=0, most=1
+        0.75, "Smallest fraction of a time step with measurements.", least=0, most=1
     )
     sensors: Path | None = option(
-        None, "Write the sensors of a mapping's scans to this file, and stop."
+        None, "Write only the sensors of the mapping to this file."
     )
     quiet: common.Quiet = False
 
@@ -151,7 +153,7 @@ class ImportModel:
     study. Objects that cannot be converted are listed.
     """
 
-    model: Path = argument("A .hbjson, .obj, .gltf or .glb file.", "MODEL")
+    model: Path = argument("Model file: .hbjson, .obj, .gltf or .glb.", "MODEL")
     output: Path = required("Folder for the files.", "-o")
     weather: Path | None = option(
         None, "Weather file for the study of a honeybee model."

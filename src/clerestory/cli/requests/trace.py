@@ -20,7 +20,9 @@ class ViewMatrix:
     scene: common.SceneFiles
     window: common.WindowFiles
     receiver: common.SensorsOrView
-    direct: bool = option(False, "Direct light only: V_d of the five-phase method.")
+    direct: bool = option(
+        False, "Trace only direct light: V_d of the five-phase method."
+    )
     effort: common.EffortOptions
     file: common.MatrixFile
 
@@ -52,11 +54,10 @@ class DaylightCoefficients:
 
 @dataclass(frozen=True, kw_only=True)
 class FacadeMatrix:
-    """Façade matrix: radiance of window patches per radiance of patches of ports.
+    """Façade matrix: radiance of window patches per radiance of port patches.
 
-    Ports enclose the space in front of the window that holds a shade. Several ports
-    are written to one file each: F.nc becomes F-top.nc; with several windows,
-    F-south-top.nc.
+    Ports enclose the space of a shade in front of the window. Several ports are written
+    to one file each: F.nc becomes F-top.nc; with several windows, F-south-top.nc.
     """
 
     scene: common.SceneFiles
@@ -72,8 +73,8 @@ class FacadeMatrix:
 class SunCoefficients:
     """Direct-sun coefficients: irradiance per direct normal irradiance of each sun.
 
-    The suns are those of the weather, at their true positions. With --view, radiance of
-    pixels per normal irradiance [1/sr].
+    The suns of the weather file are at their exact positions. With --view, radiance of
+    pixels per direct normal irradiance [1/sr].
     """
 
     scene: common.SceneFiles
@@ -82,10 +83,10 @@ class SunCoefficients:
     weather: Path = required("Weather file that gives the sun positions.", metavar="F")
     receiver: common.SensorsOrView
     tolerance: float = option(
-        0.25, "Suns no farther apart than this are one sun [°].", least=0
+        0.25, "Angular distance within which suns are merged [°].", least=0
     )
     peak: bool = option(
-        False, "Extract the direct peak of the BSDF: it stays as sharp as the sun."
+        False, "Extract the direct transmission peak of the BSDF (peak extraction)."
     )
     samples: int = option(64, "Paths per row and sun.", metavar="N", least=1)
     seed: common.Seed = 1
