@@ -221,7 +221,7 @@ def test_a_layer_is_packaged_for_a_scene(call, room, slats):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["diffuser.xml", "-o", "x.rad"], "diffuser.xml: the BSDF file gives no width"),
+        (["diffuser.xml", "-o", "x.rad"], "diffuser.xml: the BSDF file has no width"),
         (["ball.xml", "--xform", "-t 0"], "3 number(s) expected"),
         (["ball.xml", "--xform", "spin"], "an option of xform expected"),
     ],

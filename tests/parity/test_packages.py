@@ -77,7 +77,7 @@ def test_xform_turns_and_remakes_what_is_in_place(tmp_path):
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        ("mgf2rad", "a.rad:2: mgf2rad: the command names no file"),
+        ("mgf2rad", "a.rad:2: mgf2rad: the command has no file"),
         ("mgf2rad -e 2 a.mgf", 'a.rad:2: mgf2rad: the option "-e"'),
         ("pkgBSDF gone.xml", 'a.rad:2: the file "gone.xml" is missing'),
         ("genbox grey b 1 2", "a.rad:2: genbox: the command ends where size along z"),
@@ -90,8 +90,8 @@ def test_xform_turns_and_remakes_what_is_in_place(tmp_path):
         ("ies2rad gone.ies", 'a.rad:2: the file "gone.ies" is missing'),
         ("genclock -t 12", 'a.rad:2: "genclock" in the command'),
         ("genworm grey w 0 0 t -1 5", "a.rad:2: genworm: the radius is -1"),
-        ("genrev grey r 1/t 1 5", "a.rad:2: genrev: a formula has no value"),
-        ("gensurf grey s s t +* 5 5", 'a.rad:2: "*" is found where a value'),
+        ("genrev grey r 1/t 1 5", "a.rad:2: genrev: a formula is undefined"),
+        ("gensurf grey s s t +* 5 5", 'a.rad:2: unexpected "*"; a value'),
         ("genblinds grey b 1 1 1 0 45", "a.rad:2: genblinds: number of slats is 0"),
         ("genprism grey p 3 0 0 1 0 1 1 -l 1 0 0", "a.rad:2: genprism: the vector"),
     ],

@@ -158,5 +158,5 @@ def test_what_cannot_be_a_lamp_is_refused(device):
         precompute_illums(room(), pane("glass"), zone=0.0, device=device)
     with pytest.raises(InputError, match="1 rings"):
         precompute_illums(room(), pane("glass"), rings=1, device=device)
-    with pytest.raises(InputError, match="is no window made a lamp"):
+    with pytest.raises(InputError, match="is not a window emitter"):
         write_illums(pane("glass"), "never.rad")

@@ -1,9 +1,9 @@
-"""Function files as kernels: their expressions over Dr.Jit's arrays.
+"""Function files as kernels: evaluation of expressions with Dr.Jit arrays.
 
-An expression becomes arithmetic while a kernel is traced, in double precision as in
-Radiance. Both branches of a condition are computed unless it is known beforehand, so a
-function that calls itself must end by a condition on plain numbers. Where there is no
-value (a division by zero, a root of a negative number) the ray counts as faulty.
+Expressions are converted to arithmetic while a kernel is traced, in double precision as
+in Radiance. Both branches of a condition are computed unless the condition is constant,
+so recursion must end by a condition on plain numbers. A ray without a value (division
+by zero, root of a negative number) is marked as faulty.
 """
 
 from collections.abc import Mapping
@@ -31,11 +31,11 @@ from clerestory.radiance.cal.syntax import (
     parse_definitions,
 )
 
-# Calls within calls, and nodes of one expression with all it calls
+# Largest depth of calls, and number of nodes of an expression with all its calls
 _DEEPEST = 60
 _MOST_NODES = 20_000
 
-# What rayinit.cal offers beyond the calculator, in the language itself
+# Functions of rayinit.cal that are not built into the calculator
 _START = parse_definitions(
     PRELUDE
     + """
@@ -72,11 +72,11 @@ _START = parse_definitions(
 
 @dataclass(eq=False)
 class FunctionCode:
-    """Expressions of a function file, to be computed in a kernel.
+    """Expressions of a function file, evaluated in a kernel.
 
     Attributes
     ----------
-    program : definitions that they use
+    program : definitions used by the expressions
     inputs : variables of the rays, as arrays of doubles
     arguments : real arguments of the primitive
     """
@@ -93,18 +93,18 @@ class FunctionCode:
 
         Raises
         ------
-        InputError : a function that kernels do not have, or one without an end
+        InputError : a function is not available in kernels, or a recursion has no end
         """
         return self._node(node, None)
 
     def call(self, name: str, given: list[Value]) -> Value:
-        """Return the value of a function of arrays."""
+        """Return the value of a function for array arguments."""
         names = tuple(f"$argument{i}" for i in range(len(given)))
         self._known |= dict(zip(names, given, strict=True))
         return self._node(Call(name, tuple(Name(n) for n in names)), None)
 
     def arity(self, name: str) -> int:
-        """Return how many arguments a function needs."""
+        """Return the number of arguments of a function."""
         found = self._definition(name)
         if found is not None:
             return len(found.parameters or ())
@@ -165,7 +165,7 @@ class FunctionCode:
     def _call(self, call: Call, frame: Frame | None) -> Value:
         name, around = call.name, frame
         while around is not None and name in around.parameters:
-            # The function that a parameter stands for
+            # The parameter may stand for a function
             handed = around.arguments[around.parameters.index(name)]
             name = handed.name if isinstance(handed, Name) else ""
             around = around.outer
@@ -212,7 +212,7 @@ class FunctionCode:
         )
 
     def _selection(self, given: tuple[Node, ...], frame: Frame | None) -> Value:
-        # select(0, …) counts its choices
+        # select(0, …) returns the number of choices
         which = self._node(given[0], frame)
         if isinstance(which.value, float | int):
             number = int(which.value + 0.5)
@@ -254,7 +254,7 @@ def _combined(one: Value, sign: str, other: Value) -> Value:
 
 
 def _power(base: Value, exponent: Value) -> Value:
-    # Whole exponents take any base, others none below 0
+    # Integer exponents accept any base, other exponents only bases of 0 or more
     bad, power = either_bad(base.bad, exponent.bad), exponent.value
     if isinstance(power, float | int) and isinstance(base.value, float | int):
         made = float(np.power(float(base.value), power))

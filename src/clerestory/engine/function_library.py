@@ -1,6 +1,6 @@
-"""Functions of the calculator over Dr.Jit's arrays, for `function_code`.
+"""Functions of the calculator for Dr.Jit arrays, used by `function_code`.
 
-They take and return values with what is faulty in them; plain numbers stay plain.
+Arguments and results carry a mask of faulty values; plain numbers stay plain.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,26 +16,26 @@ from clerestory.radiance.cal.noise import TABLES, noise, slope_of
 
 @dataclass(frozen=True)
 class Value:
-    """A number or an array of them, and where it is faulty."""
+    """A number or array of numbers, with a mask of faulty values."""
 
     value: Any
     bad: Any = False
 
 
 def either_bad(one: Any, other: Any) -> Any:
-    """Return where one of two is faulty; plain truth values stay plain."""
+    """Return the union of two masks of faulty values; plain truth values stay plain."""
     if one is False:
         return other
     return one if other is False else one | other
 
 
 def where(condition: Any, yes: Any, no: Any) -> Any:
-    """Return one of two by a condition, in double precision."""
+    """Select one of two values by a condition, in double precision."""
     return dr.select(condition, mi.Float64(yes), mi.Float64(no))
 
 
 def _guarded(function: Callable[..., Any], wrong: Callable[..., Any], safe: float):
-    # A function of one number that is 0 and faulty where `wrong` says
+    # Function of one number, which is 0 and faulty where `wrong` is true
     def compute(x: Value) -> Value:
         bad = wrong(x.value)
         if isinstance(bad, bool):
@@ -59,7 +59,7 @@ def _plain(function: Callable[..., Any], arity: int = 1):
 
 
 def _folded(function: Callable[[Any, Any], Any]):
-    # Of any number of arguments
+    # Function of any number of arguments
     def compute(*given: Value) -> Value:
         total = given[0]
         for each in given[1:]:
@@ -72,7 +72,7 @@ def _folded(function: Callable[[Any, Any], Any]):
 
 
 def _random(x: Any) -> Any:
-    # Radiance's rand(x): its hash of a number
+    # Radiance's rand(x): a hash of a number
     mixed = x * (1 / (1 + x * x) + 2.71828182845904)
     share = 1e5 / (mixed + 0.785398163397447 - dr.floor(mixed))
     return share - dr.floor(share)

@@ -1,7 +1,7 @@
 """Cells of a room for path guiding, by position and normal.
 
-Sampling probabilities learned at a few points of a cell hold for all its surfaces of
-similar normal.
+Sampling probabilities learned at a few points of a cell are used for all points of the
+cell with similar normals.
 """
 
 from dataclasses import dataclass
@@ -11,25 +11,25 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
-# Size of a cell [m], grown where an axis would need more than so many; points beyond
-# the outermost share of those given belong to the cells at the rim.
+# Cell size [m], increased if an axis would need more cells than the limit; points
+# beyond the outermost quantile of the given points belong to the boundary cells.
 _SIZE, _MOST = 0.75, 16
 _OUTLYING = 0.01
 
-# Ways to face: along the axes, either way.
+# Number of normal classes: both senses of three axes.
 _FACINGS = 6
 
 
 @dataclass
 class GuidingCells:
-    """A grid, with six cells at each of its positions, one for each axis and sense.
+    """A grid with six cells per position, one for each axis and sense of the normal.
 
     Attributes
     ----------
     low : corner of the grid [m]
-    size : of the cells along each axis [m]
-    shape : cells along each axis
-    count : of all cells
+    size : cell size along each axis [m]
+    shape : number of cells along each axis
+    count : number of all cells
     """
 
     low: mi.Point3f
@@ -39,7 +39,7 @@ class GuidingCells:
 
     @classmethod
     def around(cls, point: Float[np.ndarray, "n 3"]) -> "GuidingCells":
-        """Return cells around points; without any, cells of one position."""
+        """Return cells around points; without points, the cells of one position."""
         if len(point) == 0:
             return cls._of(np.zeros(3), np.ones(3), np.ones(3, dtype=int))
         low, high = np.quantile(point, [_OUTLYING, 1 - _OUTLYING], axis=0)
@@ -64,7 +64,7 @@ class GuidingCells:
         return cells
 
     def number(self, point: mi.Point3f, normal: mi.Vector3f) -> mi.UInt32:
-        """Return the cell of a point of a surface with a normal."""
+        """Return the cell of a surface point from its position and normal."""
         place = (point - self.low) / self.size
         number = mi.UInt32(0)
         for here, cells in zip(place, self.shape, strict=True):

@@ -1,4 +1,4 @@
-"""Illuminated scenes: a scene with everything that emits light, and its path tracer."""
+"""Illuminated scenes: a scene with all its light sources, and its path tracer."""
 
 from dataclasses import dataclass
 
@@ -15,13 +15,13 @@ from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.sun_sampling import Suns
 from clerestory.scene.model import Scene
 
-# Paths below this share of their first throughput go on only by Russian roulette.
+# Russian roulette applies to paths below this fraction of their initial throughput.
 _ROULETTE = 0.2
 
 
 @dataclass
 class Illumination:
-    """A scene on the device, with everything that emits light."""
+    """A scene on the device, with all its light sources."""
 
     model: LoweredScene
     distant: DistantEmitters
@@ -30,7 +30,9 @@ class Illumination:
 
     @classmethod
     def of(cls, scene: Scene, origin: Float[np.ndarray, "3"]) -> "Illumination":
-        """Return the illumination of a scene, around a point of it."""
+        """Return the illumination of a scene, with device coordinates around
+        `origin`.
+        """
         return cls(
             lower(scene, origin=origin),
             DistantEmitters.of(scene),

@@ -1,8 +1,7 @@
-"""A scene of plain values becomes a Mitsuba scene and the tables kernels need.
+"""Conversion of a scene to a Mitsuba scene and the tables of the kernels.
 
-Coordinates are moved so that the region of interest lies at the origin: ray
-offsets grow with the distance from it, and models far from their origin are
-common.
+Coordinates are translated so that the region of interest is at the origin: ray offsets
+grow with the distance from the origin, and models far from their origin are common.
 """
 
 from dataclasses import dataclass
@@ -25,7 +24,7 @@ from clerestory.scene.model import BsdfSurface, Emitter, Scene
 from clerestory.scene.tessellate import Mesh, meshes
 from clerestory.scene.window import Window
 
-# Shapes that are windows or lamps carry these names and their number.
+# Name prefixes of window and emitter shapes; the index follows.
 _WINDOW, _LAMP, _PROXY, _LAYER = "window", "lamp", "proxy", "layer"
 
 
@@ -36,18 +35,19 @@ class LoweredScene:
     Attributes
     ----------
     scene : Mitsuba's scene
-    window_of_shape : by Mitsuba's shape number: 1 + window, or 0
-    first_face : by Mitsuba's shape number: where its faces begin in `reach`
-    reach : of each face, its largest coordinate [m], which its rounding grows with
-    panes : whether shadow rays may pass something
-    grey : whether all materials are, so that one channel says all
-    windows : tables of the receiving windows, None without any
+    window_of_shape : by Mitsuba shape index: 1 + window, or 0
+    first_face : by Mitsuba shape index: index of the shape's first face in `reach`
+    reach : largest coordinate of each face [m], to which rounding is proportional
+    panes : whether shadow rays may be transmitted
+    grey : whether all materials are grey, so that one channel is enough
+    windows : tables of the receiving windows; None if there are none
     emitters : tables of emitting surfaces
-    emitter_of_shape : by Mitsuba's shape number: 1 + emitter, or 0
-    thickness_of_shape : by Mitsuba's shape number, for BSDFs that stand for geometry
-        behind (positive) or before them: how far it reaches [m]; 0 for all others
-    layer_of_shape : by Mitsuba's shape number: whether it is a BSDF without thickness
-    flags_of_shape : by Mitsuba's shape number: the flags of its material
+    emitter_of_shape : by Mitsuba shape index: 1 + emitter, or 0
+    thickness_of_shape : by Mitsuba shape index: thickness of proxied geometry behind
+        (positive) or in front of (negative) a BSDF [m]; 0 for all other shapes
+    layer_of_shape : by Mitsuba shape index: whether the material is a BSDF without
+        thickness
+    flags_of_shape : by Mitsuba shape index: BSDF flags of the material
     """
 
     scene: mi.Scene
@@ -71,16 +71,16 @@ def lower(
     origin: Float[np.ndarray, "3"],
     receivers: tuple[Window, ...] = (),
 ) -> LoweredScene:
-    """Return the device's scene around `origin`, built now or for the job before.
+    """Return the device scene around `origin`, possibly cached from the previous job.
 
     Parameters
     ----------
-    origin : point of the scene that comes to lie at the device's origin [m]
-    receivers : windows that are surfaces of the scene and end the paths that meet them
+    origin : point of the scene at the origin of device coordinates [m]
+    receivers : windows that are surfaces of the scene and terminate paths
 
     Raises
     ------
-    InputError : the scene is not in three channels; see `channels.band_groups`
+    InputError : the scene has not three channels; see `channels.band_groups`
     """
     if scene.bands != RGB:
         raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")
@@ -126,12 +126,13 @@ def _lowered(
     for number, (vertices, faces) in enumerate(shapes):
         content[f"{_WINDOW}{number}"] = _mesh(vertices, faces, black)
     if len(content) == 1:
-        # Mitsuba wants a shape: one small triangle, far below everything
+        # Mitsuba requires a shape: add a small triangle far below the scene
         corner = np.array([[0, 0, 0], [1e-3, 0, 0], [0, 1e-3, 0]]) - [0, 0, 1e4]
         content["nothing"] = _mesh(corner, np.array([[0, 1, 2]]), black)
     lowered = mi.load_dict(content)
 
-    # Number the shapes that are windows, lamps or proxies, and the faces of all shapes
+    # Index the shapes that are windows, emitters or proxies, and the faces of all
+    # shapes
     ids = dr.reinterpret_array(mi.UInt32, lowered.shapes_dr()).numpy()
     size = int(ids.max()) + 1
     windows, lamps, first_face = np.zeros((3, size), dtype=np.uint32)

@@ -1,4 +1,4 @@
-"""Jobs of transfer matrices, and the relative errors they are traced to.
+"""Jobs of transfer matrices, and the definitions of their relative errors.
 
     V  sensors or pixels × interior patches       ViewJob, PixelViewJob
     D  exterior patches × sky                     DaylightJob
@@ -23,26 +23,26 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Rows darker than this share of the mean row need not reach the relative error
+# Rows below this fraction of the mean row need not reach the relative error
 _DARK = 0.01
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _SensorJob(EstimatedJob):
-    # Rows of sensors; each goes on until its irradiance is as good as asked for, under
-    # windows or a sky of uniform radiance
+    # Rows of sensors; each is traced until the irradiance from windows or a sky of
+    # uniform radiance reaches the relative error
     together: ClassVar[bool] = False
 
     sensors: Sensors
 
     def error(self, sums: Sums) -> Float[np.ndarray, " row"]:
-        """Relative error of each sensor's irradiance from all columns."""
+        """Relative error of each sensor's irradiance, summed over all columns."""
         return row_errors(sums)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ViewJob(_SensorJob):
-    """From irradiance sensors to the patches of windows (columns: window by window)."""
+    """From irradiance sensors to window patches (columns: window by window)."""
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_view")
 
@@ -72,7 +72,7 @@ class CoefficientsJob(_SensorJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _WindowJob(EstimatedJob):
-    # Rows of a window's patches, from their outer side
+    # Rows of a window's patches on the outer side
     together: ClassVar[bool] = True
 
     window: Window
@@ -80,8 +80,8 @@ class _WindowJob(EstimatedJob):
     def error(self, sums: Sums) -> float:
         """Error of the window's irradiance from one column, relative to the mean.
 
-        The root mean square over the columns: it holds for a sun that stands in any
-        patch, not only for a uniform sky.
+        The root mean square over the columns: it applies to the sun in any patch, not
+        only to a uniform sky.
         """
         projected = self.window.partition.projected_solid_angles()
         irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
@@ -105,7 +105,9 @@ class DaylightJob(_WindowJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FacadeJob(_WindowJob):
-    """From the outer side of a window's patches to those of ports before it."""
+    """From the outer side of a window's patches to the patches of the ports in front of
+    it.
+    """
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_facade")
 
@@ -125,7 +127,7 @@ class PixelViewJob(EstimatedJob):
     Attributes
     ----------
     columns, rows : size of the picture
-    direct : whether paths stop at the first surface
+    direct : whether paths end at the first surface
     """
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_pixel_view")
@@ -149,16 +151,16 @@ class PixelViewJob(EstimatedJob):
 
 
 def patches_of(windows: tuple[Window, ...]) -> int:
-    """Return how many patches windows have in all."""
+    """Return the total number of patches of all windows."""
     return sum(len(window.partition) for window in windows)
 
 
 def mean_error(values: np.ndarray, *, axis: int) -> float:
-    """Return the root mean square of standard errors, over the mean value.
+    """Return the ratio of the root mean square of standard errors to the mean value.
 
     Parameters
     ----------
-    axis : of the batches
+    axis : index of the batch axis
     """
     mean = float(values.mean())
     error = float(np.sqrt(np.mean(variance(values, axis=axis))))
@@ -168,7 +170,7 @@ def mean_error(values: np.ndarray, *, axis: int) -> float:
 def row_errors(sums: Sums) -> Float[np.ndarray, " row"]:
     """Return the relative error of each row, summed over its columns.
 
-    Rows darker than 1 % of the mean are judged as if they had that much.
+    For rows below 1 % of the mean row, the error is relative to 1 % of the mean row.
     """
     irradiance = sums.collected()
     mean = irradiance.mean(axis=1)

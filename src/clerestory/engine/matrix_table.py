@@ -1,8 +1,8 @@
-"""BSDFs on patches for kernels: values, and where to look for incident light.
+"""BSDF matrices for kernels: evaluation, and sampling of incident directions.
 
-The four functions of a layer stand one behind the other, each a matrix of exit
-rows and incident columns. A path arrives against the light, so it knows the exit
-and draws the incident patch in proportion to what that patch sends there.
+The four functions of a layer are stored consecutively, each as a matrix of exiting rows
+and incident columns. Paths run against the light: for a given exiting direction, the
+incident patch is sampled in proportion to its contribution.
 """
 
 from collections.abc import Sequence
@@ -21,8 +21,8 @@ class MatrixTable:
 
     Parameters
     ----------
-    functions : by number of the function, three matrices for colours or one; None
-        where the layer has no such function
+    functions : by index of the function, three matrices (colour) or one; None if the
+        layer has no such function
     """
 
     def __init__(self, functions: Sequence[tuple[ScatteringMatrix, ...] | None]):
@@ -37,8 +37,7 @@ class MatrixTable:
                 values[number] = np.stack([p.values for p in part], axis=-1)
                 proposal[number] = np.mean(values[number], axis=-1)
 
-        # Share of the light of an exit that comes through each incident patch and those
-        # before it
+        # Cumulative fraction of the exiting light over the incident patches
         flux = proposal * measure
         total = flux.sum(axis=-1, keepdims=True)
         running = np.cumsum(flux, axis=-1) / np.where(total > 0, total, 1)
@@ -55,11 +54,13 @@ class MatrixTable:
         self.share = on_device(mi.Float, total)
 
     def known(self, function, leaving):
-        """Return the row of a function for light that leaves along a direction."""
+        """Return the row of a function for an exiting direction."""
         return function * self.exits + self.exit.find(leaving)
 
     def gathered(self, function, leaving):
-        """Return the share of uniform light that leaves along a direction."""
+        """Return the radiance in an exiting direction for uniform incident radiance of
+        one.
+        """
         return dr.gather(mi.Float, self.share, self.known(function, leaving))
 
     def evaluate(self, function, incident, leaving):
@@ -71,7 +72,9 @@ class MatrixTable:
         return self._value(cell), dr.gather(mi.Float, self.density, cell)
 
     def sample(self, function, leaving, u, v):
-        """Return a point of the disc that light comes from, its value and density."""
+        """Sample an incident direction; return its point on the disc, value and
+        density.
+        """
         row = self.known(function, leaving) * self.incidents
         patch = mi.UInt32(
             dr.binary_search(

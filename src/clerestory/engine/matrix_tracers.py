@@ -1,7 +1,7 @@
-"""Tracers of matrices: of sensors, pixels and windows to windows and sky.
+"""Tracers of matrices from sensors, pixels and windows to windows and sky.
 
-Each function takes a job, builds its scene on the device once, and returns what traces
-its units. Sums leave the device once, when a unit is done.
+Each function builds the scene of a job on the device once, and returns the tracer of
+its units. Sums are transferred from the device once per unit.
 """
 
 from collections.abc import Callable
@@ -35,16 +35,16 @@ from clerestory.engine.windows import window_shapes
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.errors import DeviceError
 
-# Streams of random numbers: errors of V and D must not agree. Those of pictures and of
-# their direct part may have the numbers of either.
+# Streams of random numbers: errors of V and D must be independent. Pictures and their
+# direct part may use the numbers of either.
 _SENSORS, _WINDOWS = 0, 1
 _PIXELS, _PIXELS_DIRECT = 0, 1
 
-# Nor may those of F and D, which both start at patches of windows
+# Errors of F and D, which both start at window patches, must also be independent
 _FACADE_SEED = 0x5FACADE5
 
-# Paths below this share of their first throughput go on only by Russian roulette. For
-# windows in a room, the cost (time × variance) was flat from 0.25 to 1 and a fifth
+# Russian roulette applies to paths below this fraction of their initial throughput. For
+# windows of a room, the cost (time × variance) is constant from 0.25 to 1 and a fifth
 # higher below 0.1; paths to the sky are short, and roulette would only add noise.
 _ROULETTE_TO_WINDOWS = 0.4
 _ROULETTE_TO_SKY = 0.1
@@ -53,37 +53,38 @@ Launch = Callable[[MatrixSink, PathNumbers, Lanes, Unit], None]
 
 
 def prepare_view(job: ViewJob) -> Tracer:
-    """Return what traces from sensors to windows."""
+    """Return the tracer from sensors to windows."""
     origin = np.mean(job.sensors.position, axis=0)
     return _from_sensors(job, _to_windows(lower_for(job, origin)), origin)
 
 
 def prepare_coefficients(job: CoefficientsJob) -> Tracer:
-    """Return what traces from sensors to the sky."""
+    """Return the tracer from sensors to the sky."""
     origin = np.mean(job.sensors.position, axis=0)
     model = lower(job.scene, origin=origin)
     return _from_sensors(job, _to_sky(model, SkyTable.of(job.sky)), origin)
 
 
 def prepare_daylight(job: DaylightJob) -> Tracer:
-    """Return what traces from a window to the sky."""
+    """Return the tracer from a window to the sky."""
     origin = window_origin(job.scene, job.window)
     model = lower(job.scene, origin=origin)
     return _from_window(job, _to_sky(model, SkyTable.of(job.sky)), job.seed, origin)
 
 
 def prepare_facade(job: FacadeJob) -> Tracer:
-    """Return what traces from a window to ports before it."""
+    """Return the tracer from a window to the ports in front of it."""
     origin = middle_of_window(job.window)
     model = lower(job.scene, origin=origin, receivers=job.ports)
     return _from_window(job, _to_windows(model), job.seed ^ _FACADE_SEED, origin)
 
 
 def prepare_pixel_view(job: PixelViewJob) -> Tracer:
-    """Return what traces from pixels to windows.
+    """Return the tracer from pixels to windows.
 
-    The direct part ends at the first surface: the windows that the eye sees, and light
-    straight from them that the surface reflects to the eye by all of its material.
+    The direct part contains visible windows, and window light reflected once, by
+    diffuse
+    and specular reflection, at the first surface.
     """
     origin = np.asarray(job.view.position, dtype=float)
     tracer = _to_windows(lower_for(job, origin), direct_only=job.direct)
@@ -104,7 +105,7 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
 def lower_for(
     job: ViewJob | PixelViewJob, origin: Float[np.ndarray, "3"]
 ) -> LoweredScene:
-    """Return the scene of a job with its windows as receivers, around a point."""
+    """Return the device scene of a job with its windows as receivers."""
     return lower(job.scene, origin=origin, receivers=job.windows)
 
 
@@ -165,13 +166,13 @@ def _from_sensors(
 def matrix_tracer(
     job: EstimatedJob, launch: Launch, *, stream: int, seed: int | None = None
 ) -> Tracer:
-    """Return what traces units of a matrix and fetches their sums.
+    """Return the tracer of the units of a matrix, which returns their sums.
 
     Parameters
     ----------
-    launch : traces the paths of a unit into the sink
-    stream : of random numbers
-    seed : that of the job by default
+    launch : function that traces the paths of a unit into the sink
+    stream : stream of random numbers
+    seed : seed of the random numbers; default: the job's seed
     """
     _, batches, columns, channels = job.shape
     start = job.seed if seed is None else seed

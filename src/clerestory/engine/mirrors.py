@@ -1,7 +1,8 @@
-"""Plane mirrors of a scene, for the sun's images in them.
+"""Plane mirrors of a scene, and the mirror images of the sun.
 
-Mirrors are treated as Radiance's virtual sources are: in a plane mirror the sun's image
-is a sun again. Only suns and single reflections are treated so; paths find all else.
+As with Radiance's virtual sources, the image of the sun in a plane mirror is treated as
+another sun, for single reflections only. All other light in mirrors is found by BSDF
+sampling.
 """
 
 from dataclasses import dataclass
@@ -17,11 +18,11 @@ from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.visibility import first_opaque, offset
 from clerestory.scene.model import Mirror, Polygon, Ring, Scene
 
-# Mirrors of more orientations than this are curved in effect; paths find the sun in
-# the smallest.
+# Largest number of mirror orientations, as in curved mirrors; in the smallest mirrors
+# the sun is found by BSDF sampling.
 MOST = 64
 
-# Normals whose dot product differs from one by less are the same (0.08°).
+# Normals are equal if their scalar product differs from one by less (0.08°).
 _SAME = 1e-6
 
 
@@ -31,9 +32,9 @@ class Mirrors:
 
     Attributes
     ----------
-    count : of orientations
-    normal : unit vectors
-    cumulative : share of the area up to and with each
+    count : number of orientations
+    normal : unit normal of each orientation
+    cumulative : cumulative fraction of the mirror area
     """
 
     count: int
@@ -52,7 +53,7 @@ class Mirrors:
             if isinstance(surface, Polygon | Ring):
                 _add(normals, areas, _area_vector(surface))
         order = np.argsort(areas)[::-1][:MOST]
-        # Kernels take no empty tables: without mirrors, one that is never used
+        # Kernels need non-empty tables: add an unused entry if there are no mirrors
         kept = np.array([normals[i] for i in order] or [[0.0, 0.0, 1.0]])
         share = np.array([areas[i] for i in order] or [1.0])
         cumulative = np.cumsum(share) / share.sum()
@@ -66,13 +67,13 @@ class Mirrors:
         return made
 
     def choose(self, pick):
-        """Return the normal of a mirror, and the chance of choosing it."""
+        """Return the normal of a sampled mirror orientation, and its probability."""
         number, chance, _ = choose(self.cumulative, self.count, pick)
         return dr.gather(mi.Vector3f, self.normal, number), chance
 
     @dr.syntax
     def holds(self, normal, active):
-        """Return whether mirrors with a normal are sampled."""
+        """Return whether mirrors with the given normal are sampled."""
         found = mi.Bool(False)
         number = mi.UInt32(0)
         while active & ~found & (number < self.count):
@@ -83,12 +84,12 @@ class Mirrors:
 
 
 def is_mirror(bsdf):
-    """Return whether a BSDF is that of a mirror: one peak, before the front."""
+    """Return whether a BSDF is a mirror: a single delta reflection at the front."""
     return (bsdf.flags() & +mi.BSDFFlags.All) == +mi.BSDFFlags.DeltaReflection
 
 
 def is_same(normal, other):
-    """Return whether two unit vectors are the same but for rounding."""
+    """Return whether two unit vectors are equal up to rounding."""
     return dr.dot(normal, other) > 1 - _SAME
 
 
@@ -97,9 +98,9 @@ def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
 
     Returns
     -------
-    share : of the light that comes from the mirror, its reflectance included; zero
-        where there is no such mirror
-    point : on the mirror, moved off its front [m]
+    share : transmittance to the mirror times its reflectance; zero if there is no
+        such mirror
+        point : point on the mirror, offset from its front [m]
     """
     share, ray, hit = first_opaque(
         model, start, lambda origin: mi.Ray3f(origin, direction), active
@@ -128,7 +129,7 @@ def _area_vector(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
 def _add(
     normals: list[np.ndarray], areas: list[float], vector: Float[np.ndarray, "3"]
 ) -> None:
-    # Add to the mirrors of the same orientation, or as a new one
+    # Add the area to an equal orientation, or add a new orientation
     area = float(np.linalg.norm(vector))
     if area == 0:
         return

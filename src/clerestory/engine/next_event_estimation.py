@@ -1,8 +1,9 @@
 """Next-event estimation and multiple importance sampling.
 
-A *source* is whatever paths collect: windows, patches of the sky, suns, emitters. It
-returns the light that a path meets by itself, and samples directions in which its light
-arrives at a vertex, with their density. Both are combined here, and nowhere else.
+A *source* is anything from which paths collect light: windows, sky patches, suns,
+emitters. A source returns the light met by a path (BSDF sampling), and samples
+directions to itself from a vertex (next-event estimation). Both techniques are combined
+here, and nowhere else.
 
 References: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 chapter 9 (balance and power heuristics); M. Pharr, W. Jakob, G. Humphreys, Physically
@@ -22,21 +23,22 @@ Heuristic = Callable[[mi.Float, mi.Float], mi.Float]
 
 
 def balance_heuristic(own, other):
-    """Return the share of a technique beside another one, over its own density [sr].
+    """Return the balance heuristic weight of two techniques, divided by `own` [sr].
 
     Parameters
     ----------
-    own, other : densities of both techniques [1/sr]
+    own, other : densities of the technique and of the other technique [1/sr]
     """
     return dr.rcp(own + other)
 
 
 def power_heuristic(own, other):
-    """Return the share of a technique by the squares of densities, over its own [sr].
+    """Return the power heuristic weight (exponent 2), divided by `own` [sr].
 
-    A layer that passes light straight on sends a path into the small disc of a sun now
-    and then. By densities alone, it would bring a twentieth of the sun's light so, in
-    a pixel of some hundreds; by their squares, next to nothing.
+    Paths transmitted unscattered by a layer occasionally meet the small solar disc.
+    With
+    the balance heuristic, one pixel in some hundreds would receive a twentieth of the
+    sun's light in this way; with the power heuristic the contribution is negligible.
     """
     return dr.rcp(own * (1 + dr.square(other / own)))
 
@@ -47,8 +49,8 @@ class Densities:
 
     Attributes
     ----------
-    path : of continuing the path
-    sunlit : of looking for sunlit surfaces in portals
+    path : density of continuing the path
+    sunlit : density of rays towards sunlit surfaces in portals
     """
 
     path: mi.Float
@@ -57,21 +59,22 @@ class Densities:
 
 @dataclass
 class Vertex:
-    """A point at which light arrives, and how it is scattered.
+    """A point at which light arrives and is scattered.
 
     Attributes
     ----------
-    point : [m]
-    leave : function of direction and mask that returns the point moved off its surface
+    point : position [m]
+    leave : function of direction and mask that returns the point offset from its
+        surface
     scatter : function of a direction that returns BSDF × cosine for light straight from
         a source, and the density of BSDF sampling
     densities : function of direction, density of BSDF sampling and mask that returns
         all densities of the vertex
     active : whether light is sampled
-    shape : Mitsuba's shape number; None for a sensor
-    flags : Mitsuba's flags of its material
-    cell, chance : guiding cell, and chance that a path continues towards a portal
-    opaque : whether it only reflects
+    shape : Mitsuba shape index; None for a sensor
+    flags : Mitsuba BSDF flags of the material
+    cell, chance : guiding cell, and probability that a path continues towards a portal
+    opaque : whether the material only reflects
     continues : whether the path may take another segment
     """
 
@@ -95,13 +98,13 @@ class Path:
     Attributes
     ----------
     ray : the segment
-    throughput : what light that arrives along it counts
+    throughput : weight of light that arrives along the ray
     point : the previous vertex at which directions were sampled [m]
-    pdf : density of the segment's direction there [1/sr]; 0 if no source could be
-        sampled in it
-    camera : whether it is a camera ray, or one that was only mirrored or passed
-        straight since
-    memory : by the name of a source, what it remembers of the previous vertex
+    pdf : density of the segment's direction at that vertex [1/sr]; 0 if sources were
+        not sampled there
+    camera : whether it is a camera ray, followed only by mirror reflection or straight
+        transmission
+    memory : state of each source from the previous vertex, by name of the source
     """
 
     ray: mi.Ray3f
@@ -114,14 +117,15 @@ class Path:
 
 @dataclass
 class Scattering:
-    """How a path continued at a vertex.
+    """Continuation of a path at a vertex.
 
     Attributes
     ----------
-    direction, factor : of the next segment, and of the throughput
-    densities : of the direction
-    flags : of the sampled part of the material
-    null, delta : whether it passed straight, or was mirrored or refracted
+    direction, factor : direction of the next segment, and factor of the throughput
+    densities : densities of the direction
+    flags : BSDF flags of the sampled component
+    null, delta : whether the path was transmitted straight; whether it was mirrored or
+        refracted
     """
 
     direction: mi.Vector3f
@@ -134,16 +138,16 @@ class Scattering:
 
 @dataclass
 class Emission:
-    """Light of a source that a path meets.
+    """Light of a source met by a path.
 
     Attributes
     ----------
     value : radiance, or 1 for a receiver of a matrix
-    active : where the source is met
-    pdf : density of sampling the source so at the previous vertex [1/sr]; None if it
-        is not sampled
+    active : mask of the paths that meet the source
+    pdf : density of next-event estimation of this direction at the previous vertex
+        [1/sr]; None if the source is not sampled
     column : of a matrix
-    heuristic : that shares the light between both
+    heuristic : heuristic that weights both techniques
     """
 
     value: mi.Color3f
@@ -153,7 +157,7 @@ class Emission:
     heuristic: Heuristic = balance_heuristic
 
     def share(self, path: Path):
-        """Return what of the light counts, beside next-event estimation."""
+        """Return the weight of the light, combined with next-event estimation."""
         if self.pdf is None:
             return mi.Float(1)
         shared = path.pdf * self.heuristic(path.pdf, self.pdf)
@@ -162,17 +166,18 @@ class Emission:
 
 @dataclass
 class LightSample:
-    """A direction in which light of a source arrives at a vertex.
+    """A sampled direction from a vertex to a source.
 
     Attributes
     ----------
     direction : unit vector to the source
-    pdf : density of all techniques of the source [1/sr], or a function that returns it
-        for the densities of the vertex, called after `arriving`
-    active : where there is something to gain
-    arriving : function of a vertex and mask that returns the radiance that arrives
+    pdf : total density of all sampling techniques of the source [1/sr], or a function
+        of the vertex densities that returns it, called after `arriving`
+    active : mask of useful samples
+    arriving : function of vertex and mask that returns the arriving radiance
     column : of a matrix
-    heuristic : that shares the light with continued paths; None if they never meet it
+    heuristic : heuristic that weights the sample and continued paths; None if continued
+        paths never meet the source
     """
 
     direction: mi.Vector3f
@@ -183,7 +188,9 @@ class LightSample:
     heuristic: Heuristic | None = balance_heuristic
 
     def estimate(self, vertex: Vertex, active):
-        """Return the light that the vertex scatters, and where there is any."""
+        """Return the light scattered by the vertex, and the mask where it is not
+        zero.
+        """
         value, own = vertex.scatter(self.direction)
         lit = active & self.active & (dr.max(value) > 0)
         arriving = self.arriving(vertex, lit)
@@ -199,7 +206,7 @@ class LightSample:
 
 
 class Source:
-    """What paths collect; sources override what applies to them."""
+    """Base class of light sources; subclasses override the applicable methods."""
 
     name: ClassVar[str]
 
@@ -210,7 +217,9 @@ class Source:
     def met(
         self, path: Path, si: mi.SurfaceInteraction3f, shape: mi.UInt32, active: mi.Bool
     ) -> tuple[Emission, mi.Bool] | None:
-        """Return the light of a surface that a path meets, and where the path ends."""
+        """Return the light of a surface met by a path, and the mask where the path
+        ends.
+        """
         return None
 
     def samples(
@@ -220,22 +229,23 @@ class Source:
 
         Parameters
         ----------
-        path : that led to the vertex; None at a sensor
+        path : path that led to the vertex; None at a sensor
         """
         return ()
 
     def begin(self, pdf: mi.Float, sunlit: mi.Float):
-        """Return the memory of a path's first segment.
+        """Return the source's state of a path at its first segment.
 
         Parameters
         ----------
-        pdf : of its direction; 0 for camera rays
-        sunlit : density of looking for sunlit surfaces in it; negative if none was
+        pdf : density of the segment's direction; 0 for camera rays
+        sunlit : density of rays towards sunlit surfaces in this direction; negative if
+            not sampled
         """
         return
 
     def remember(
         self, si: mi.SurfaceInteraction3f, vertex: Vertex, after: Scattering, memory
     ):
-        """Return the memory of a path after a vertex."""
+        """Return the source's state of a path after a vertex."""
         return memory

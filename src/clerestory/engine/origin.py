@@ -1,4 +1,4 @@
-"""Origin of the device's coordinates, near which single precision is exact."""
+"""Origin of device coordinates, near which single precision is sufficient."""
 
 import numpy as np
 from jaxtyping import Float
@@ -8,16 +8,18 @@ from clerestory.scene.model import Scene
 from clerestory.scene.surface import extent
 from clerestory.scene.window import Window
 
-# Windows nearer to the middle of their scene than this share one origin [m]: rays
-# leave surfaces there by half a millimetre at most
+# Windows within this distance of the scene's centre share one origin [m]: ray offsets
+# are at most half a millimetre there
 _NEAR = 128.0
 
-# Surfaces that the middle of a scene is estimated from
+# Number of surfaces for the estimate of the scene's centre
 _SURFACES = 1000
 
 
 def middle_of_scene(scene: Scene) -> Float[np.ndarray, "3"]:
-    """Return the median of the surfaces' middles [m]; far grounds hardly move it."""
+    """Return the median of the surfaces' centres [m], which is robust against far
+    grounds.
+    """
     if not scene.surfaces:
         return np.zeros(3)
     few = [scene.surfaces[n] for n in evenly_spaced(len(scene.surfaces), _SURFACES)]
@@ -25,16 +27,17 @@ def middle_of_scene(scene: Scene) -> Float[np.ndarray, "3"]:
 
 
 def middle_of_window(window: Window) -> Float[np.ndarray, "3"]:
-    """Return the mean of the middles of a window's polygons [m]."""
+    """Return the mean of the centres of a window's polygons [m]."""
     middles = [polygon.vertices.mean(axis=0) for polygon in window.polygons]
     return np.asarray(np.mean(middles, axis=0))
 
 
 def window_origin(scene: Scene, window: Window) -> Float[np.ndarray, "3"]:
-    """Return the origin for light that starts at a window [m].
+    """Return the origin of device coordinates for rays that start at a window [m].
 
-    The middle of the scene where that is near, so that all windows of a building see
-    the same numbers and the scene is built once for them; else the window's own.
+    The centre of the scene if it is near, so that the device scene is built once for
+    all
+    windows of a building; otherwise the centre of the window.
     """
     common, own = middle_of_scene(scene), middle_of_window(window)
     return common if np.linalg.norm(common - own) < _NEAR else own

@@ -1,7 +1,7 @@
 """Tables of hemisphere partitions, looked up in kernels.
 
-The same rings and counts that NumPy uses (`hemisphere.partition`) drive these
-look-ups; a test compares both over random directions.
+The tables are built from the rings and counts of `hemisphere.partition`; a test
+compares both look-ups for random directions.
 """
 
 from dataclasses import dataclass
@@ -20,11 +20,13 @@ class PatchTable:
 
     Attributes
     ----------
-    inner : sin² of the polar angle at the limits between rings, growing
-    count, first : patches in each ring and the number of its first, from the pole out
+    inner : sin² of the polar angle at the limits between rings, increasing
+    count, first : number of patches in each ring and index of its first patch, from the
+        pole
     low, high : sin² of the polar angle at the limits of each patch
-    phi, width : azimuth of the middle of each patch and its extent [rad]
-    compass : whether azimuth counts from +y towards +x, else from +x towards +y
+    phi, width : azimuth of each patch's centre, and its width in azimuth [rad]
+    compass : whether azimuth is measured from +y towards +x; otherwise from +x towards
+        +y
     """
 
     inner: list[float]
@@ -38,7 +40,7 @@ class PatchTable:
 
     @classmethod
     def of(cls, partition: RingPartition) -> "PatchTable":
-        """Return the kernel's table of a partition."""
+        """Return the kernel table of a partition."""
         outwards = partition.theta[0] < partition.theta[-1]
         order = slice(None) if outwards else slice(None, None, -1)
         count, first = partition.count[order], partition.first[order]
@@ -62,8 +64,10 @@ class PatchTable:
         )
 
     def find(self, direction):
-        """Return the patch of a direction of the upper hemisphere, in its frame."""
-        # Count the limits that the direction lies beyond
+        """Return the patch of a direction of the upper hemisphere, in local
+        coordinates.
+        """
+        # Count the limits below the direction's sin²
         sin2 = dr.square(direction.x) + dr.square(direction.y)
         ring = mi.UInt32(0)
         for limit in self.inner:
@@ -80,7 +84,7 @@ class PatchTable:
         return first + mi.UInt32(within)
 
     def sample(self, patch, u, v):
-        """Return a direction within a patch, distributed like the cosine."""
+        """Return a cosine-distributed direction within a patch."""
         low, high = (
             dr.gather(mi.Float, self.low, patch),
             dr.gather(mi.Float, self.high, patch),
@@ -98,13 +102,14 @@ class PatchTable:
 
 @dataclass
 class SkyTable:
-    """The patches of a sky with the ground as patch 0, for kernels.
+    """Sky patches, with the ground as patch 0, for kernels.
 
     Attributes
     ----------
-    rows : rows of patches, the zenith included
-    count, first : patches in each row and the number of its first, from the horizon up
-    size : all patches, the ground included
+    rows : number of rows of patches, including the zenith
+    count, first : number of patches in each row and index of its first patch, from the
+        horizon
+    size : number of patches, including the ground
     """
 
     rows: int
@@ -114,7 +119,7 @@ class SkyTable:
 
     @classmethod
     def of(cls, partition) -> "SkyTable":
-        """Return the kernel's table of a `SkyPartition`."""
+        """Return the kernel table of a `SkyPartition`."""
         dome = partition.dome
         return cls(
             rows=len(dome.count),
@@ -124,8 +129,8 @@ class SkyTable:
         )
 
     def find(self, direction):
-        """Return the patch that a direction points to; 0 at and below the horizon."""
-        # All rows but the zenith's half one are equally high
+        """Return the patch in a direction; 0 at and below the horizon."""
+        # All rows have equal height, except the zenith with half of it
         altitude = dr.asin(dr.clip(direction.z, -1, 1))
         row = mi.Int32(dr.floor(altitude * ((2 * self.rows - 1) / dr.pi)))
         row = mi.UInt32(dr.clip(row, 0, self.rows - 1))

@@ -1,12 +1,12 @@
 """Learned sampling probabilities of portals, by cells of a room.
 
-The best probabilities to share samples among several estimates of a sum are in
-proportion to the root mean square of each (the single-sample model with disjoint parts:
-the variance Σ mᵢ/pᵢ is least for pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i).
-The parts are the light from each portal and that from anywhere else. A pilot run
-measures their moments at surface points of the room, in cells of position and normal:
-for continued paths, and for rays that look for sunlit surfaces. Few paths are enough:
-probabilities that are a little wrong cost a little noise, never light.
+The optimal probabilities for sampling one of several disjoint parts of a sum are
+proportional to the root mean square of each part: the variance Σ mᵢ/pᵢ is smallest for
+pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i. The parts are the light from each
+portal and the light from all other directions. A pilot run measures the moments at
+surface points of the room, in cells of position and normal, for continued paths and for
+rays towards sunlit surfaces. Few paths are enough: inexact probabilities increase
+noise, but cause no bias.
 
 Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 chapter 9.
@@ -27,14 +27,14 @@ from clerestory.engine.sampler import PathNumbers, points
 from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import launching, vectors
 
-# Paths continue towards portals at most this often, for that leaves less to the BSDF;
-# portals that nowhere have more than the least share are left out.
+# Largest probability of continuing towards a portal instead of BSDF sampling; portals
+# whose probability never exceeds the smallest one are removed.
 _MOST, _LEAST = 0.25, 0.02
 
-# Pilot samples in the whole room that count as much as one sample in a cell.
+# Number of pilot samples of the whole room with the weight of one sample in a cell.
 _PRIOR = 8.0
 
-# Segments that a pilot path follows.
+# Number of segments of a pilot path.
 _SEGMENTS = 4
 
 
@@ -45,7 +45,7 @@ def learned_portals(
 
     Parameters
     ----------
-    places : points of the room's surfaces, from which light is gathered
+    places : surface points of the room at which light is gathered
     """
     trial = Portals.uniform(windows + patches)
     if trial is None or len(places) == 0:
@@ -75,14 +75,14 @@ def learned_portals(
 
 
 def _shares(size: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
-    # Probabilities in proportion to the sizes, 0 where all sizes are
+    # Probabilities proportional to the sizes; 0 if all sizes are 0
     shares: Float[np.ndarray, "cell part"]
     shares = size / np.maximum(size.sum(axis=1, keepdims=True), 1e-30)
     return shares
 
 
 def _even(shares: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
-    # Equal probabilities where all are zero
+    # Equal probabilities if all are zero
     none = shares.sum(axis=1, keepdims=True) == 0
     return np.where(none, 1 / shares.shape[1], shares)
 
@@ -90,9 +90,9 @@ def _even(shares: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell par
 def _pilot_samples(
     scene: Illumination, portals: Portals, places: SurfacePoints
 ) -> tuple[Float[np.ndarray, "place part"], Float[np.ndarray, "place portal"]]:
-    # Irradiance by one sample towards each portal, and one anywhere else: of a path
-    # that continues there, without next-event estimation at the place itself; and of a
-    # ray that looks for sunlit surfaces there
+    # Irradiance from one sample towards each portal and one in another direction: of a
+    # continued path, without next-event estimation at the first point; and of a ray
+    # towards sunlit surfaces
     parts = portals.count + 1
     every = dr.opaque(mi.UInt32, portals.count)
     lanes = dr.arange(mi.UInt32, len(places) * parts)
@@ -112,7 +112,7 @@ def _pilot_samples(
     )
     cosine = dr.dot(ray.d, normal)
     at_portals, _ = portals.pdf(origin, mi.UInt32(0), ray.d, mi.Bool(True))
-    # Where portals overlap, each has its share in proportion to its density
+    # Divide light from overlapping portals in proportion to their densities
     all_portals = mi.Float(every) * at_portals
     shared = dr.select(at_portals > 0, cosine / all_portals, 0)
     weight = dr.select(in_portal, shared, dr.select(at_portals > 0, 0, dr.pi))
@@ -140,8 +140,8 @@ def _root_mean_squares(
     cell: Int[np.ndarray, " place"],
     cells: int,
 ) -> Float[np.ndarray, "cell part"]:
-    # Root mean square of the samples of a cell, over that of all parts, with a prior of
-    # all samples: those in the sun count no more than those in the shade
+    # Root mean square of the samples of a cell, relative to the sum of all parts, with
+    # all samples as prior: sunlit points have the same weight as shaded points
     square = samples**2
     total = np.zeros((cells, samples.shape[1]))
     np.add.at(total, cell, square)

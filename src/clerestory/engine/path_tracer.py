@@ -1,9 +1,9 @@
 """Path tracer for radiance, irradiance and transfer matrices.
 
 Paths run against the light. At every vertex the sources are sampled (next-event
-estimation), then the path continues by BSDF sampling or path guiding; what it meets by
-itself shares the light with the former by multiple importance sampling. Contributions
-go to a sink: the columns of a matrix, or the radiance of a pixel or sensor.
+estimation), then the path continues by BSDF sampling or path guiding; both techniques
+are combined by multiple importance sampling. Contributions are added to a sink: the
+columns of a matrix, or the radiance of a pixel or sensor.
 
 References: J. Kajiya, "The rendering equation", SIGGRAPH 1986; M. Pharr, W. Jakob,
 G. Humphreys, Physically Based Rendering, 4th edition, 2023, section 13.4.
@@ -34,40 +34,39 @@ from clerestory.engine.vertices import (
 )
 from clerestory.engine.visibility import passes_proxy
 
-# Safety net for unlimited bounces: no path of a physical scene comes near it.
+# Safety limit for unlimited bounces, never reached in physical scenes.
 _MOST_VERTICES = 1000
 
-# Density of a first segment that leaves all sampled sources to the place it starts at.
+# Density of a first segment whose sampled sources are left to the starting point.
 SAMPLED_AT_START = 1e-20
 
-# Segments of paths whose bounces are not limited.
+# Number of segments of paths with unlimited bounces.
 _UNLIMITED = 1 << 30
 
 
 def segments_of(bounces: int | None, *, first: int = 1) -> int:
-    """Return the most segments between diffuse reflections.
+    """Return the largest number of segments between diffuse reflections.
 
     Parameters
     ----------
-    bounces : as Radiance's -ab; None for no limit
-    first : 1 if the first segment is no bounce, like a camera ray; 0 if it is one,
-        like a sensor's own gathering
+    bounces : number of bounces, as Radiance's -ab; None for no limit
+    first : 1 if the first segment is not a bounce (camera ray); 0 if it is a bounce
+        (ray from a sensor)
     """
     return _UNLIMITED if bounces is None else bounces + first
 
 
 @dataclass
 class PathTracer:
-    """Path loop over a scene, with its sources and ways to sample them.
+    """Path tracer of a scene, with its sources and sampling techniques.
 
     Attributes
     ----------
-    roulette : paths below this share of their first throughput go on only by Russian
-        roulette
-    direct_only : whether paths end at the first surface, where the sources count in
-        full
-    bounce_to_source : whether the segment to a source counts as one between diffuse
-        reflections, as to the windows of a matrix
+    roulette : fraction of the initial throughput below which Russian roulette applies
+    direct_only : whether paths end at the first surface, with all light from sources by
+        next-event estimation
+    bounce_to_source : whether the segment to a source is counted as a bounce, as for
+        the windows of a matrix
     split_lobes : see `continue_from_surface`
     """
 
@@ -121,7 +120,7 @@ class PathTracer:
         throughput: mi.Color3f,
         path: Path | None = None,
     ) -> mi.Color3f | None:
-        """Add the light that next-event estimation finds at a vertex."""
+        """Add the light from next-event estimation at a vertex."""
         active = vertex.active
         if self.bounce_to_source:
             active = active & vertex.continues
@@ -141,19 +140,19 @@ class PathTracer:
         segments: mi.UInt32,
         active: mi.Bool,
     ):
-        """Follow paths until they end; return the sum with what they collect.
+        """Follow paths until they end; return the sum with their contributions added.
 
         Parameters
         ----------
-        start : numbers of the paths' first vertex
-        segments : most segments between diffuse reflections
+        start : sample numbers of the paths' first vertex
+        segments : largest number of segments between diffuse reflections
         """
         model, scene = self.model, self.model.scene
 
         # ----------------------------- Loop state -----------------------------
         strongest = dr.maximum(dr.max(path.throughput), 1e-20)
-        depth = mi.UInt32(1)  # segments between diffuse reflections, this one included
-        number = mi.UInt32(1)  # vertices so far, the start included
+        depth = mi.UInt32(1)  # segments between diffuse reflections, including this one
+        number = mi.UInt32(1)  # vertices so far, including the start
 
         while active:
             hit = scene.ray_intersect_preliminary(path.ray, active=active)
@@ -173,7 +172,7 @@ class PathTracer:
                     total = _collect(sink, total, path, surface[0])
                     active &= ~surface[1]
 
-            # Sample the sources at the vertex; rays pass proxies that they see through
+            # Sample the sources at the vertex; rays pass through visible proxies
             thickness, passed, works = None, None, active
             if dr.hint(model.proxies, mode="scalar"):
                 thickness = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
@@ -192,7 +191,7 @@ class PathTracer:
             if dr.hint(self.direct_only and not model.panes, mode="scalar"):
                 active = mi.Bool(False)
             else:
-                # Continue the path; what it passes straight leaves it as it was
+                # Continue the path; straight transmission does not change its state
                 after = continue_from_surface(
                     self.portals, vertex, si, numbers, works,
                     split_lobes=self.split_lobes, passed=passed,
@@ -218,7 +217,7 @@ class PathTracer:
     def _continued(
         self, path: Path, vertex: Vertex, si, after: Scattering, active
     ) -> Path:
-        # The next segment of a path
+        # Next segment of a path
         sampled = ~after.delta
         if self.bounce_to_source:
             sampled &= vertex.continues
@@ -239,7 +238,7 @@ class PathTracer:
 
 
 def _collect(sink: Sink, total, path: Path, found: Emission | None):
-    # Add the light that a path meets by itself
+    # Add the light of a source met by the path
     if found is None:
         return total
     value = path.throughput * found.value * found.share(path)

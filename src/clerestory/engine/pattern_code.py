@@ -1,7 +1,7 @@
-"""Patterns of surfaces as kernels: functions and tables, evaluated where light meets.
+"""Patterns of surfaces as kernels: functions and tables, evaluated at intersections.
 
-A pattern sees what Radiance shows it: the point, the unperturbed normal, and the
-direction of sight, in the coordinates of the function.
+As in Radiance, the inputs are the point, the unperturbed normal and the ray direction,
+in the local coordinates of the function.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,8 @@ from clerestory.scene.material import Source
 from clerestory.scene.pattern import Pattern, Product
 from clerestory.scene.transform import Transform
 
-# From an interaction to the three or one values of a pattern, and where they are faulty
+# Function of an interaction that returns one or three values, and a mask of faulty
+# values
 Code = Callable[[Any], tuple[list[Any], Any]]
 
 
@@ -30,11 +31,11 @@ def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
 
     Parameters
     ----------
-    origin : point of the scene that lies at the device's origin [m]
+    origin : point of the scene at the origin of device coordinates [m]
 
     Raises
     ------
-    InputError : with the pattern's place, where a function has no kernel
+    InputError : a function is not available in kernels; the message locates the pattern
     """
     match pattern:
         case FunctionPattern():
@@ -50,7 +51,7 @@ def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
 def multiplier(
     pattern: Pattern, origin: Float[np.ndarray, "3"]
 ) -> Callable[[Any], Any]:
-    """Return the multiplier of colours that a pattern is; 1 where it has no value."""
+    """Return a pattern as a multiplier of colours; 1 where it has no value."""
     code = pattern_code(pattern, origin)
 
     def factor(si: Any) -> mi.Color3f:
@@ -63,7 +64,9 @@ def multiplier(
 
 
 def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], Any]:
-    """Return the share of a mixture's foreground; 0 where it has no value."""
+    """Return a pattern as the foreground fraction of a mixture; 0 where it has no
+    value.
+    """
     code = pattern_code(pattern, origin)
 
     def amount(si: Any) -> mi.Float:
@@ -76,7 +79,7 @@ def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], A
 def perturbation(
     pattern: Pattern, origin: Float[np.ndarray, "3"]
 ) -> Callable[[Any], Any]:
-    """Return three values as a vector of the scene, which perturbs a normal."""
+    """Return a pattern as a vector in scene coordinates that perturbs a normal."""
     if not isinstance(pattern, FunctionPattern):
         raise InputError(
             f"a {type(pattern).__name__} is no texture; functions expected"
@@ -115,7 +118,7 @@ def _function(pattern: FunctionPattern, origin: Float[np.ndarray, "3"]) -> Code:
 
 def _product(codes: list[Code]) -> Code:
     def code(si: Any) -> tuple[list[Any], Any]:
-        # A factor without a value is left out
+        # Omit a factor without a value
         total: list[Any] = [mi.Float64(1)] * 3
         for one in codes:
             values, bad = one(si)
@@ -140,7 +143,7 @@ def _split(values: list[Value]) -> tuple[list[Any], Any]:
 def _inputs(
     transform: Transform, si: Any, origin: Float[np.ndarray, "3"]
 ) -> dict[str, Any]:
-    # Radiance's ray variables in the function's coordinates
+    # Radiance's ray variables in the function's local coordinates
     back = np.linalg.inv(transform.matrix)
     scale = 1 / transform.scale
     sight = -si.sh_frame.to_world(si.wi)
@@ -169,7 +172,7 @@ def _turned(vector: Any, matrix: np.ndarray, shift: np.ndarray | None = None) ->
 
 
 def _try(code: Code, source: Source | None) -> None:
-    # Find out before a kernel is traced
+    # Detect errors before a kernel is traced
     try:
         code(dr.zeros(mi.SurfaceInteraction3f, 1))
     except InputError as error:
@@ -180,7 +183,7 @@ def _try(code: Code, source: Source | None) -> None:
 
 def _table(data: DataArray) -> Callable[[list[Any]], Any]:
     """Return the interpolation in a table as a function of positions."""
-    # Falling axes are turned round with their positions, as `scene.data_array` does
+    # Reverse decreasing axes with their positions, as in `scene.data_array`
     signs = [1.0 if axis[0] < axis[-1] else -1.0 for axis in data.axes]
     axes = [
         mi.Float64(np.ascontiguousarray(sign * axis))

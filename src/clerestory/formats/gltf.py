@@ -1,7 +1,7 @@
-"""Scenes from glTF 2.0 files (.gltf, .glb), with materials of one's own.
+"""Reader of glTF 2.0 files (.gltf, .glb).
 
-Triangles of all nodes of the scene, placed by their transforms, in metres, y up as glTF
-has it or turned to z up. Textures, animations, skins and cameras are passed over.
+Triangles of all nodes of the scene, transformed to metres and z up. Textures,
+animations, skins and cameras are ignored.
 
 Reference: Khronos Group, glTF 2.0 specification, 2021.
 """
@@ -45,7 +45,7 @@ class _Document:
     buffers: list[bytes]
 
     def element(self, key: str, index: Any) -> Item:
-        """Return one of the document's lists by its number."""
+        """Return an element of one of the document's lists."""
         elements = list(self.root.items(key))
         if type(index) is not int or not 0 <= index < len(elements):
             raise InputError(
@@ -67,10 +67,10 @@ def read_gltf(
 
     Parameters
     ----------
-    materials : by the name of the file's material; "*" stands for any other
-    colours : whether materials that are not given are made from the base colour in the
-        file, as matt plastic
-    scale : metres per unit of the file; glTF's own is 1
+    materials : by the name of the file's material; "*" for all others
+    colours : whether materials that are not given are diffuse, with the base colour in
+        the file
+    scale : metres per unit of the file; 1 by the glTF standard
     up : axis of the file that points up, "y" or "z"
 
     Raises
@@ -157,7 +157,7 @@ def _buffer(item: Item, binary: bytes | None, path: Path) -> bytes:
 
 
 def _nodes(document: _Document) -> list[tuple[Item, np.ndarray]]:
-    # Nodes with a mesh, and where they stand
+    # Nodes with a mesh, and their transforms
     root = document.root
     scenes = list(root.items("scenes"))
     if scenes:
@@ -171,7 +171,7 @@ def _nodes(document: _Document) -> list[tuple[Item, np.ndarray]]:
         number, place, depth = waiting.pop()
         node = document.element("nodes", number)
         if depth > _DEEPEST or len(found) > 1_000_000:
-            raise InputError(f"{node.where}: nodes within themselves", file=root.file)
+            raise InputError(f"{node.where}: cyclic nodes", file=root.file)
         place = place @ _transform(node)
         if "mesh" in node.value:
             found.append((node, place))
@@ -230,7 +230,7 @@ def _triangles(document: _Document, primitive: Item) -> tuple[np.ndarray, np.nda
     none = np.zeros((0, 3), int), np.zeros((0, 3))
     if mode not in (_TRIANGLES, _STRIP, _FAN):
         warnings.warn(
-            f"{primitive.file}: {primitive.where}: points and lines are left out",
+            f"{primitive.file}: {primitive.where}: points and lines are ignored",
             ClerestoryWarning,
             stacklevel=2,
         )

@@ -1,8 +1,7 @@
-"""Models of honeybee (HBJSON): rooms, apertures, doors, shades, grids and views.
+"""Reader of honeybee models (HBJSON).
 
-Surfaces become one scene. Apertures to the outdoors whose light a BSDF describes, or
-that have states, become window groups; others stay in the scene as glass. Faces between
-two rooms stand twice in a model and are taken once.
+Exterior apertures with a BSDF or with states become window groups; all other surfaces
+are the scene. Interior faces, which a model has twice, are read once.
 
 Reference: ladybug-tools, honeybee-schema, the JSON schema of honeybee models.
 """
@@ -47,13 +46,13 @@ _SETS = {"Wall": "wall_set", "Floor": "floor_set", "RoofCeiling": "roof_ceiling_
 @final
 @dataclass(frozen=True, eq=False)
 class ApertureGroup:
-    """Apertures that act as one window.
+    """Apertures that form one window group.
 
     Attributes
     ----------
-    name : of the group
+    name : name of the group
     polygons : outlines whose front faces the room [m]
-    up : direction that is up in its BSDF, None for the usual one
+    up : up vector of its BSDF; None: the default
     states : name and modifier of each; one for a window without states
     """
 
@@ -71,10 +70,10 @@ class HoneybeeModel:
     Attributes
     ----------
     name : of the model
-    scene : everything but the window groups
+    scene : all surfaces except the window groups
     windows : window groups
     grids, views : by name
-    unsupported : what was left out, in words
+    unsupported : descriptions of omitted items
     """
 
     name: str
@@ -101,12 +100,12 @@ class _Model:
     seen: set[str] = field(default_factory=set)
 
     def outline(self, geometry: Item) -> np.ndarray:
-        """Boundary of a Face3D with its own holes [m]."""
+        """Return the boundary of a Face3D with its holes [m]."""
         loops = [geometry.points("boundary", 3), *geometry.loops("holes")]
         return seamed([loop * self.scale for loop in loops])
 
     def put(self, vertices: np.ndarray, modifier: Modifier, name: str) -> None:
-        """Add a surface; a BSDF where no window stands lets all light pass."""
+        """Add a surface; one with a BSDF, outside windows, is omitted."""
         if isinstance(modifier, BsdfModifier):
             self.modifiers.unsupported.append(
                 f'the BSDF "{modifier.name}" of "{name}", which is no window to the'
@@ -118,13 +117,13 @@ class _Model:
 
 
 def read_hbjson(path: str | Path) -> HoneybeeModel:
-    """Return the model in an HBJSON file.
+    """Read the model in an HBJSON file.
 
-    A model that is smaller than a metre or larger than 10 km in its units is a warning.
+    Warns if the size of the model is less than a metre or more than 10 km.
 
     Raises
     ------
-    InputError : it is not JSON, or not a honeybee model
+    InputError : the file is not JSON, or not a honeybee model
     """
     root = read_json(path)
     if root.text("type", "Model") != "Model":
@@ -244,7 +243,7 @@ def _window(
     modifier: Modifier,
     states: tuple[tuple[str, Modifier], ...] = (),
 ) -> None:
-    # Openings of one plane and one behaviour are a window group
+    # Apertures of one plane with the same modifiers are a window group
     outline = model.outline(opening.item("geometry"))[::-1]
     own = _radiance(opening).text("dynamic_group_identifier", "")
     group = (own or modifier_name(modifier), *plane_of(outline))
@@ -293,7 +292,7 @@ def _shade(shade: Item, model: _Model, room_set: str, place: str) -> None:
     states = _states(own, model, name)
     if states:
         model.modifiers.unsupported.append(
-            f'the states of shade "{name}": the first stands'
+            f'the states of shade "{name}": the first is used'
         )
         modifier = states[0][1]
     model.put(model.outline(shade.item("geometry")), modifier, name)
@@ -316,7 +315,7 @@ def _shade_mesh(mesh: Item, model: _Model) -> None:
 
 
 def _twin_seen(item: Item, model: _Model) -> bool:
-    # Of two that share a surface, the first is taken
+    # Of two that share a surface, the first is used
     name = item.text("identifier")
     boundary = item.item("boundary_condition")
     if boundary.text("type", "Outdoors") != "Surface":

@@ -12,7 +12,7 @@ from clerestory.scene.view import View
 
 
 def read_grids(radiance: Item, scale: float) -> list[tuple[str, Sensors]]:
-    """Return the sensor grids by name, in metres; empty ones are left out."""
+    """Return the sensor grids by name, in metres; empty ones are omitted."""
     found: list[tuple[str, Sensors]] = []
     for grid in radiance.items("sensor_grids"):
         sensors = list(grid.items("sensors"))
@@ -69,9 +69,9 @@ def _unique(
 def seamed(
     loops: list[Float[np.ndarray, "_ 3"]],
 ) -> Float[np.ndarray, "point 3"]:
-    """Return one outline of several; holes hang on seams from the first corner.
+    """Return one outline with holes, connected by seams to the first corner.
 
-    Holes run against the outline, so that areas come out right by the sign too.
+    Holes have the opposite orientation, so that signed areas are also correct.
     """
     first = loops[0]
     outward = area_vector(first)
@@ -83,7 +83,7 @@ def seamed(
 
 
 def plane_of(outline: Float[np.ndarray, "point 3"]) -> tuple[float, ...]:
-    """Return normal and distance [m] of an outline, rounded to tell planes apart."""
+    """Return normal and distance [m] of an outline, rounded for comparison."""
     normal = area_vector(outline)
     normal /= max(float(np.linalg.norm(normal)), 1e-12)
     distance = float(normal @ outline.mean(axis=0))

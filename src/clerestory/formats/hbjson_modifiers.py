@@ -1,6 +1,6 @@
-"""Modifiers of honeybee models: materials by name, BSDF files, and what is standard.
+"""Modifiers of honeybee models: materials and BSDFs.
 
-The standard modifiers are those of honeybee-radiance's generic modifier set.
+Defaults are the modifiers of honeybee-radiance's generic modifier set.
 """
 
 from dataclasses import dataclass, field
@@ -55,7 +55,7 @@ Modifier = Material | BsdfModifier
 
 @dataclass
 class Modifiers:
-    """All modifiers of a model by name, and what could not be taken over."""
+    """All modifiers of a model by name, and descriptions of unsupported ones."""
 
     named: dict[str, Modifier] = field(default_factory=dict)
     sets: dict[str, Item] = field(default_factory=dict)
@@ -63,7 +63,7 @@ class Modifiers:
     unsupported: list[str] = field(default_factory=list)
 
     def of(self, own: Item, place: str, room_set: str = "") -> Modifier:
-        """Return the modifier of an object: its own, its room's set's, the standard's.
+        """Return the modifier of an object: its own, its room's or the default.
 
         Parameters
         ----------
@@ -160,7 +160,7 @@ def _gloss(item: Item) -> tuple[float, float]:
 
 
 def _trans(name: str, item: Item) -> Trans:
-    # The two shares of transmitted light are Radiance's own sixth and seventh numbers
+    # The two fractions of transmitted light are Radiance's sixth and seventh arguments
     share = item.number("transmitted_diff", 0.0)
     straight = item.number("transmitted_spec", 0.0)
     return Trans(name, _colour(item, "reflectance"), *_gloss(item), share, straight)
@@ -168,7 +168,7 @@ def _trans(name: str, item: Item) -> Trans:
 
 def _bsdf(name: str, item: Item, unsupported: list[str]) -> BsdfModifier:
     if item.number("thickness", 0.0) != 0:
-        unsupported.append(f'the thickness of BSDF "{name}": it stands as a flat sheet')
+        unsupported.append(f'the thickness of BSDF "{name}": it is a flat sheet')
     if item.value.get("transform") is not None:
         unsupported.append(f'the transform of BSDF "{name}"')
     up = item.vector("up_orientation", (0.0, 0.0, 1.0))

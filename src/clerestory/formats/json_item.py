@@ -1,4 +1,4 @@
-"""Values in a JSON document, each with the place where it stands for messages."""
+"""Validated access to JSON documents, with paths for error messages."""
 
 import json
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from clerestory.files import read_text
 @final
 @dataclass(frozen=True, eq=False)
 class Item:
-    """A JSON object, the file it is in, and where.
+    """A JSON object with its file and path.
 
     Attributes
     ----------
@@ -30,14 +30,14 @@ class Item:
     file: str
 
     def wrong(self, key: str, expected: str) -> InputError:
-        """Return the complaint about a member."""
+        """Return an error about a member."""
         place = f"{self.where}.{key}" if self.where else key
         shown = json.dumps(self.value.get(key), default=str)
         shown = shown if len(shown) <= 40 else shown[:37] + "…"
         return InputError(f"{place}: got {shown}; {expected} expected", file=self.file)
 
     def item(self, key: str) -> "Item":
-        """Return a member that is an object; an empty one where it is missing."""
+        """Return a member that is an object; an empty one if it is missing."""
         value = self.value.get(key)
         if value is None:
             value = {}
@@ -46,7 +46,7 @@ class Item:
         return Item(value, f"{self.where}.{key}".lstrip("."), self.file)
 
     def items(self, key: str) -> Iterator["Item"]:
-        """Return the objects of a member that is a list; none where it is missing."""
+        """Return the objects of a member that is a list; none if it is missing."""
         value = self.value.get(key)
         if value is None:
             return

@@ -1,11 +1,11 @@
-"""Reader of MGF, the Materials and Geometry Format, in which BSDF files hold geometry.
+"""Reader of MGF, the Materials and Geometry Format of BSDF files.
 
-A text is a list of statements. They set a current vertex, colour and material, open
-and close transforms and objects, and make surfaces. A transform may be an array: its
-statements are then gone through once for every instance.
+Statements set the current vertex, colour and material, open and close transforms and
+objects, and create surfaces. If a transform is an array, its statements are repeated
+for every instance.
 
-Surfaces have two sides here; what MGF declares one-sided can be seen from behind.
-Smooth shading and files included by name are left to other programs.
+All surfaces are two-sided, including those that MGF declares one-sided. Smooth shading
+and included files are not supported.
 
 References: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996; the
 materials are those of Radiance's mgf2rad.
@@ -40,7 +40,7 @@ from clerestory.scene.model import (
 from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
-# Statements gone through, arrays included.
+# Maximum number of statements, including repetitions of arrays.
 _MOST_STATEMENTS = 2_000_000
 
 
@@ -61,12 +61,12 @@ def parse_mgf(
     line: int = 1,
     transform: Transform | None = None,
 ) -> Scene:
-    """Return the scene that an MGF text describes.
+    """Return the scene of an MGF text.
 
     Parameters
     ----------
-    file, line : where the text starts, for messages
-    transform : where everything goes, after the transforms in the text
+    file, line : start of the text, for messages
+    transform : transform of the scene, after the transforms in the text
 
     Raises
     ------
@@ -74,7 +74,7 @@ def parse_mgf(
 
     Warns
     -----
-    ClerestoryWarning : statements that are unknown are left out
+    ClerestoryWarning : unknown statements are ignored
 
     Examples
     --------
@@ -127,7 +127,7 @@ def _statements(text: str, line: int) -> Iterator[tuple[int, list[str]]]:
 
 @dataclass
 class _Reading:
-    # What is in force, and what has been made so far
+    # Current contexts, and surfaces created so far
     file: str | Path | None
     place: TransformStack
     line: int = 1
@@ -139,7 +139,7 @@ class _Reading:
     unknown: set[str] = field(default_factory=set)
 
     def follow(self, words: list[str], at: int) -> int | None:
-        """Carry out a statement; return the statement to go back to, if any."""
+        """Execute a statement; return the next one if it is a repetition."""
         keyword, *arguments = words
         if keyword == "xf":
             return self.place.follow(arguments, at)
@@ -172,7 +172,7 @@ class _Reading:
             self.objects.pop()
 
     def face(self, keyword: str, words: list[str]) -> None:
-        """Make a face, or one with holes."""
+        """Add a face, or one with holes."""
         if keyword == "fh":
             words = joined_holes(words)
         if len(words) < 3:
@@ -180,7 +180,7 @@ class _Reading:
         self.add_face([self.defined.vertices[name] for name in words])
 
     def prism(self, keyword: str, words: list[str]) -> None:
-        """Make the faces of a prism."""
+        """Add the faces of a prism."""
         if len(words) < 4:
             raise InputError(f"{len(words)} words after {keyword}; 3 vertices expected")
         [length] = numbers(keyword, words[-1:], 1)
@@ -190,7 +190,7 @@ class _Reading:
             self.add_face(corner)
 
     def cone(self, keyword: str, words: list[str]) -> None:
-        """Make a cylinder or a cone."""
+        """Add a cylinder or a cone."""
         expected = 3 if keyword == "cyl" else 4
         if len(words) != expected:
             raise InputError(f"{len(words)} words after {keyword}; {expected} expected")
@@ -199,7 +199,7 @@ class _Reading:
         self.add_frustum(Frustum(base, radii[0], top, radii[1]))
 
     def round(self, keyword: str, words: list[str]) -> None:
-        """Make a sphere, a ring or a torus."""
+        """Add a sphere, a ring or a torus."""
         radii = numbers(keyword, words[1:], 1 if keyword == "sph" else 2)
         vertex = self.defined.vertices[words[0]]
         if keyword == "sph":
@@ -210,7 +210,7 @@ class _Reading:
         elif keyword == "ring":
             if vertex.normal is None or not 0 <= radii[0] < radii[1]:
                 raise InputError(
-                    f"ring from {radii[0]:g} to {radii[1]:g}; growing radii and a"
+                    f"ring from {radii[0]:g} to {radii[1]:g}; increasing radii and a"
                     " vertex with a normal expected"
                 )
             centre, normal = np.array(vertex.point), np.array(vertex.normal)
@@ -240,7 +240,7 @@ class _Reading:
     def add(
         self, letter: str, make: Callable[[str, str, Source | None], Surface]
     ) -> None:
-        """Add a surface in its place, of the current material."""
+        """Add a transformed surface of the current material."""
         made = make(self.key(), self.name(letter), self.source())
         self.surfaces.append(transformed(made, self.place.transform))
 
@@ -258,7 +258,7 @@ class _Reading:
         return ".".join([*path, f"{letter}{len(self.surfaces) + 1}"])
 
     def source(self) -> Source | None:
-        """Return where the statement stands; None outside of files."""
+        """Return file and line of the statement; None for other texts."""
         return None if self.file is None else Source(str(self.file), self.line)
 
 

@@ -1,7 +1,7 @@
-"""Colours of MGF: chromaticities, also of spectra and black bodies.
+"""Colours of MGF: chromaticities, spectra and black bodies.
 
-MGF mixes colours by their luminances. Mixed as spectra or as chromaticities the
-result is the same colour, so only the chromaticity is stored.
+MGF mixes colours by luminance, which gives the same chromaticity for spectra and
+chromaticities; only the chromaticity is stored.
 
 Reference: Planck's law with c₂ = 1.4388 cm·K.
 """
@@ -75,13 +75,13 @@ def from_temperature(kelvin: float) -> Chromaticity:
         raise InputError(f"colour temperature {kelvin:g} K; {_COOLEST:g} K or more")
     metres = OBSERVER_NM * 1e-9
     exponent = _SECOND_RADIATION_CONSTANT / (metres * kelvin)
-    # Scaled by the brightest wavelength, so that no power over- or underflows
+    # Relative to the maximum, to avoid overflow and underflow
     power = -5 * np.log(metres) - exponent - np.log1p(-np.exp(-exponent))
     return _of_light(np.exp(power - power.max()))
 
 
 def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
-    """Return the colour of lights added up, weighted by their luminances.
+    """Return the colour of a sum of lights, weighted by their luminances.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
 
 
 def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
-    """RGB in Radiance's primaries of a colour whose Y is `luminance`.
+    """Return a colour of given luminance Y as RGB in Radiance's primaries.
 
     >>> rgb(GREY, 0.5).round(6).tolist()
     [0.5, 0.5, 0.5]
@@ -110,7 +110,7 @@ def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
 
 
 def is_grey(colour: Chromaticity) -> bool:
-    """Whether a colour is so near to equal energy that it counts as grey."""
+    """Whether a colour is that of the equal-energy spectrum, within a tolerance."""
     return max(abs(colour.x - 1 / 3), abs(colour.y - 1 / 3)) <= 0.0103
 
 

@@ -1,6 +1,6 @@
-"""Contexts of MGF: the current vertex, colour and material, and the named ones.
+"""Contexts of MGF: current and named vertices, colours and materials.
 
-A context with a name can be made current again, or be the template of another.
+A named context can become current again, or be the template of another.
 
 Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
 """
@@ -16,16 +16,16 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class MgfVertex:
-    """A point and, if it has one, the direction that the surface faces there."""
+    """A point with an optional normal."""
 
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
     normal: tuple[float, float, float] | None = None
 
 
 class Share(NamedTuple):
-    """A share of light: its value, its colour and, of a highlight, its roughness.
+    """A reflectance, transmittance or emittance with colour and roughness.
 
-    The value is 0…1, of the emittance ("ed") the luminous exitance [lm/m²].
+    The value is 0…1, or the luminous exitance [lm/m²] of the emittance ("ed").
     """
 
     value: float = 0.0
@@ -35,7 +35,7 @@ class Share(NamedTuple):
 
 @dataclass(frozen=True)
 class MgfMaterial:
-    """Shares of light as MGF has them.
+    """A material of MGF.
 
     Attributes
     ----------
@@ -49,13 +49,13 @@ class MgfMaterial:
     shares: tuple[tuple[str, Share], ...] = ()
 
     def share(self, keyword: str) -> Share:
-        """Return the share of a keyword; none where it is not set."""
+        """Return the share of a keyword; zero if it is not set."""
         return dict(self.shares).get(keyword, Share())
 
 
 @dataclass
 class Contexts(Generic[Value]):
-    """The values of one kind: the current one, and all that have names.
+    """The contexts of one type: the current one and the named ones.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class Contexts(Generic[Value]):
 
     @property
     def current(self) -> Value:
-        """What the following statements change and use."""
+        """The current context."""
         return self.unnamed if self.name is None else self.named[self.name]
 
     @current.setter
@@ -93,7 +93,7 @@ class Contexts(Generic[Value]):
         return self.named[name]
 
     def choose(self, words: list[str]) -> None:
-        """Follow the words: nothing, `name`, `name =` or `name = template`."""
+        """Select by the words: nothing, `name`, `name =` or `name = template`."""
         if len(words) > 3 or (len(words) > 1 and words[1] != "="):
             raise InputError(
                 f'context "{" ".join(words[:4])}"; a name, = and a template expected'

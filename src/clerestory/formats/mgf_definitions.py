@@ -1,4 +1,4 @@
-"""The statements of MGF that define something: vertices, colours, materials."""
+"""Statements of MGF that define vertices, colours and materials."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -16,7 +16,7 @@ _HIGHLIGHTS = ("rs", "ts")
 
 @dataclass
 class Definitions:
-    """What is defined at a place of a text, and what is current."""
+    """Current definitions and contexts."""
 
     vertices: Contexts[MgfVertex] = field(default_factory=lambda: Contexts(MgfVertex()))
     colours: Contexts[mgf_colour.Chromaticity] = field(

@@ -1,8 +1,8 @@
-"""Materials of MGF as materials of the scene.
+"""Conversion of MGF materials to materials of the scene.
 
-MGF gives shares of light and leaves the model to the program. The choice between
-plastic, metal, trans, glass and dielectric is Radiance's (mgf2rad), so that geometry
-that went from Radiance to MGF comes back as it was.
+MGF defines reflectances and transmittances, but no reflection model. The choice between
+plastic, metal, trans, glass and dielectric is that of mgf2rad, so that a conversion
+from Radiance to MGF and back preserves materials.
 """
 
 import numpy as np
@@ -19,10 +19,10 @@ from clerestory.scene.materials.plastic import Metal, Plastic
 from clerestory.scene.materials.trans import Trans
 from clerestory.scene.model import Light, Material
 
-# Exitance from which a surface is a lamp [lm/m²].
+# Least exitance of an emitter [lm/m²]
 _LEAST_EMITTANCE = 0.1
 
-# Thickness that the transmittance of a solid is given for [m].
+# Thickness to which the transmittance of a solid refers [m]
 _SOLID_THICKNESS = 0.005
 
 # Shares below this are rounding errors of a translator.
@@ -33,7 +33,7 @@ _MOST_LIGHT = 1.001
 
 
 def scene_material(given: MgfMaterial, name: str, source: Source | None) -> Material:
-    """Return the material of the scene that acts like one of MGF.
+    """Return the material of the scene for one of MGF.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def _is_clear(given: MgfMaterial) -> bool:
 
 
 def _clear(given: MgfMaterial, name: str, source: Source | None) -> Material:
-    # Two sides make a pane, one side the surface of a solid
+    # Two-sided: a pane; one-sided: the surface of a solid
     through = given.share("ts")
     if given.one_sided:
         share = through.value + given.share("rs").value
@@ -105,7 +105,7 @@ def _trans(given: MgfMaterial, name: str, source: Source | None) -> Trans:
     rough = rs * mirrored.roughness + ts * diffused[2].roughness
     return Trans(
         name,
-        # Shares are of all light; trans takes the highlight off first
+        # Fractions of all light; those of trans apply after the highlight
         colour / (1 - rs) if td + ts < 0.999 * both else colour,
         rs,
         rough / (rs + ts) if rs + ts > 1e-4 else 0.0,

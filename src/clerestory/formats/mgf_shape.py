@@ -1,4 +1,4 @@
-"""Shapes of MGF as polygons and cones, in the coordinates before any transform."""
+"""Shapes of MGF as polygons and cones, before transforms."""
 
 import math
 from collections.abc import Iterator
@@ -10,10 +10,10 @@ from jaxtyping import Float
 from clerestory.errors import InputError
 from clerestory.formats.mgf_context import MgfVertex
 
-# Parts of a quarter circle that a torus is made of, as in Radiance.
+# Segments per quarter circle of a torus, as in Radiance
 _PARTS_OF_QUARTER = 5
 
-# Cosine between normals from which a face counts as flat.
+# Least cosine between the normals of a flat face
 _FLAT = 0.999995
 
 
@@ -27,11 +27,10 @@ class Frustum(NamedTuple):
 
 
 def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
-    """Return what a face stands for: itself, reversed, two triangles, or nothing.
+    """Return the polygons of a face: itself, reversed, two triangles, or none.
 
-    Normals at all of three or four corners say which side is the front; where they are
-    bent, four corners make two triangles. Smooth shading is not kept: the facets are
-    flat.
+    Normals at all of three or four corners define the front side; if they differ, four
+    corners give two triangles. Facets are flat, without smooth shading.
     """
     normals = [v.normal for v in corner if v.normal is not None]
     if len(corner) > 4 or len(normals) < len(corner):
@@ -52,7 +51,7 @@ def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
 
 
 def joined_holes(names: list[str]) -> list[str]:
-    """Corners of one contour for a face with holes, each hole after a hyphen.
+    """Return one contour of a face with holes, each given after a hyphen.
 
     >>> " ".join(joined_holes("a b c - x y z".split()))
     'a b c z x y z c'
@@ -75,10 +74,10 @@ def joined_holes(names: list[str]) -> list[str]:
 
 
 def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
-    """Yield the faces of a prism: its sides, its far end and its near end.
+    """Yield the faces of a prism: sides, far end and near end.
 
-    The corners given run counter-clockwise as seen from outside if the length is
-    positive; the other end lies that far behind them.
+    For a positive length the given corners are counter-clockwise as seen from outside,
+    and the other end is behind them.
     """
     point = np.array([v.point for v in corner])
     spoke = point - point[0]
@@ -98,12 +97,14 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
 
 
 def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
-    """Yield the cones that a torus is made of; negative radii turn it inside out."""
+    """Yield the cones of a tessellated torus; negative radii invert it."""
     if centre.normal is None:
         raise InputError("a torus around a vertex without normal; one expected")
     sign = -1.0 if inner < 0 or (inner == 0 and outer < 0) else 1.0
     if sign * (outer - inner) <= 0:
-        raise InputError(f"torus from {inner:g} to {outer:g}; growing radii expected")
+        raise InputError(
+            f"torus from {inner:g} to {outer:g}; increasing radii expected"
+        )
     axis, middle = np.array(centre.normal), np.array(centre.point)
     half, mean = (outer - inner) / 2, (outer + inner) / 2
     parts = 2 * _PARTS_OF_QUARTER
@@ -111,7 +112,7 @@ def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
     point = middle + sign * half * np.cos(angle)[:, None] * axis
     radius = mean + half * np.sin(angle)
     for k in range(2 * parts):
-        # The half near the axis faces inwards
+        # The inner half faces the axis
         side = 1 if k < parts else -1
         yield Frustum(
             point[k], side * float(radius[k]), point[k + 1], side * float(radius[k + 1])

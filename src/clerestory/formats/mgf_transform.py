@@ -1,4 +1,4 @@
-"""The transforms that are open at a place of an MGF text, arrays among them."""
+"""Stack of nested transforms and arrays of MGF."""
 
 import math
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ _MOST_INSTANCES = 1_000_000
 
 @dataclass
 class _Level:
-    # One open transform; of an array, the instance at hand and where it begins
+    # An open transform; for an array, the current instance and its first statement
     words: list[str]
     outer: Transform
     start: int
@@ -36,7 +36,7 @@ class _Level:
         return own.then(self.outer)
 
     def advance(self) -> bool:
-        # Go on to the next instance, the last dimension first; False after the last
+        # Advance to the next instance, last dimension first; False after the last
         for at, count in zip(
             reversed(self.counters), reversed(self.counts), strict=True
         ):
@@ -54,7 +54,7 @@ class TransformStack:
 
     Attributes
     ----------
-    transform : where points go now
+    transform : current transform
 
     Examples
     --------
@@ -71,21 +71,21 @@ class TransformStack:
 
     @property
     def instances(self) -> list[str]:
-        """Names of the instances at hand of the arrays that are open."""
+        """Names of the current instances of the open arrays."""
         names = [level.instance for level in self.levels]
         return [name for name in names if name is not None]
 
     def follow(self, words: list[str], at: int) -> int | None:
-        """Open a transform, or end one; return the statement to go back to, if any.
+        """Open or close a transform; return the statement to repeat from, if any.
 
         Parameters
         ----------
-        words : options of xform; none ends the innermost transform
-        at : number of this statement
+        words : options of xform; none closes the innermost transform
+        at : index of this statement
         """
         if words:
             if len(self.levels) >= _DEEPEST:
-                raise InputError(f"more than {_DEEPEST} transforms within each other")
+                raise InputError(f"more than {_DEEPEST} nested transforms")
             level = _level(words, self.transform, at + 1)
             instances = math.prod(n for x in [*self.levels, level] for n in x.counts)
             if instances > _MOST_INSTANCES:

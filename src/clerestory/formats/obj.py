@@ -1,6 +1,6 @@
-"""Scenes from Wavefront OBJ files, with materials of one's own.
+"""Reader of Wavefront OBJ files.
 
-Facets are flat: smoothing groups and vertex normals are passed over.
+Facets are flat: smoothing groups and vertex normals are ignored.
 """
 
 import warnings
@@ -18,7 +18,7 @@ from clerestory.scene.materials.plastic import Plastic
 from clerestory.scene.model import Material, Scene, TriangleMesh, insert_material
 from clerestory.scene.transform import number
 
-# Stands for all materials and groups that are not named
+# Key of all materials and groups that are not given
 ANY = "*"
 
 
@@ -34,16 +34,14 @@ def read_obj(
     Parameters
     ----------
     path : the file
-    materials : by name in `usemtl`, or else by name of the group; "*" stands for any
-        other
-    colours : whether materials that are not given are made from the colour Kd in the
-        file's own library (mtllib), as matt plastic
+    materials : by name in `usemtl`, or else by name of the group; "*" for all others
+    colours : whether materials that are not given are diffuse, with the colour Kd in
+        the file's library (mtllib)
     scale : metres per unit of the file
 
     Raises
     ------
-    InputError : with file and line, where the file is malformed, or has a material
-        that is not given
+    InputError : the file is malformed, or has a material that is not given
 
     Examples
     --------
@@ -71,9 +69,9 @@ def read_obj(
 
 
 def obj_meshes(text: ObjText, *, file: str) -> tuple[TriangleMesh, ...]:
-    """Return a mesh for each part, made of what `usemtl` says, or of its group.
+    """Return a mesh for each part, with the material of `usemtl` or of its group.
 
-    Triangles without area are left out, with a warning that counts them.
+    Triangles without area are omitted, with a warning of their number.
     """
     made, flat = [], 0
     for part in text.parts:
@@ -117,7 +115,7 @@ def _material(
 
 
 def _library(text: ObjText, path: Path) -> dict[str, Material]:
-    # Diffuse colours of the materials in the files that mtllib names
+    # Diffuse colours of the materials in the libraries (mtllib)
     made: dict[str, Material] = {}
     for name in text.libraries:
         file = path.parent / name

@@ -1,8 +1,7 @@
-"""The text of Wavefront OBJ files: vertices and triangles, by group and material.
+"""Parser of Wavefront OBJ files: vertices and triangles by group and material.
 
-Long files are runs of vertices and runs of faces. Each run is turned into numbers at
-once; only the few lines between them are read one by one. Texture coordinates, normals,
-lines and points are passed over.
+Runs of vertices and of faces are converted together, other lines one by one. Texture
+coordinates, normals, lines and points are ignored.
 
 Reference: Wavefront Technologies, Object Files (.obj), Advanced Visualizer manual,
 appendix B1.
@@ -26,7 +25,7 @@ _SPACES[list(b" \t\r\n\v\f")] = True
 
 _OTHER, _VERTEX, _FACE, _PASSED = range(4)
 
-# Faces with more corners than this are read as a mistake
+# Maximum number of corners of a face
 _MOST_CORNERS = 100_000
 
 
@@ -36,9 +35,9 @@ class ObjPart:
 
     Attributes
     ----------
-    group, material : names in force, empty for none
-    faces : vertices of each triangle, counting from 0
-    line : where the first of them stands
+    group, material : names, empty for none
+    faces : vertex indices of each triangle, from 0
+    line : line of the first face
     """
 
     group: str
@@ -49,13 +48,13 @@ class ObjPart:
 
 @dataclass(frozen=True, eq=False)
 class ObjText:
-    """What an OBJ file says.
+    """The content of an OBJ file.
 
     Attributes
     ----------
     vertices : in the file's units
-    parts : in the order met
-    libraries : files of materials that it names
+    parts : in order of appearance
+    libraries : paths of material libraries
     """
 
     vertices: Float[np.ndarray, "vertices 3"]
@@ -100,7 +99,7 @@ def _runs(letters: UInt8[np.ndarray, " bytes"]) -> Iterator[tuple[int, int, int,
     kind[(one == ord("f")) & spaced] = _FACE
     passed = ((one == ord("v")) & ~spaced) | (one == ord("#")) | (one == ord("\n"))
     kind[passed | (one == ord("\r"))] = _PASSED
-    # Cut where the kind changes, and long runs every so often
+    # Divide where the type changes, and long runs into pieces
     piece = starts // _PIECE
     change = np.flatnonzero((np.diff(kind) != 0) | (np.diff(piece) != 0)) + 1
     for begin, end in zip([0, *change], [*change, len(starts)], strict=True):
@@ -216,7 +215,7 @@ class _Reading:
                         line=line + i,
                     )
                 case _:
-                    pass  # smoothing, lines, points, curves: nothing to see here
+                    pass  # smoothing, lines, points and curves are ignored
 
     def _numbers(
         self, letters: UInt8[np.ndarray, " bytes"], line: int
@@ -229,7 +228,7 @@ class _Reading:
         text = letters.copy()
         text[np.append(0, ends[:-1] + 1)] = ord(" ")
         try:
-            # NumPy warns of a text that is no number, or raises, by its version
+            # Depending on its version, NumPy warns or raises
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
                 values = np.fromstring(text.tobytes().decode("latin-1"), sep=" ")
@@ -264,7 +263,7 @@ class _Reading:
 def _without_slashes(
     letters: UInt8[np.ndarray, " bytes"],
 ) -> UInt8[np.ndarray, " bytes"]:
-    # Blank out what follows a slash up to the next blank: only the vertex counts
+    # Keep the vertex index only: replace the text from a slash to the next blank
     slash = letters == ord("/")
     if not slash.any():
         return letters

@@ -1,4 +1,4 @@
-"""Words of a text or of a command, taken one by one with checks."""
+"""Sequential reader of the words of a file or command."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,15 +13,15 @@ from clerestory.scene.transform import LARGEST, number
 
 @dataclass
 class WordReader:
-    """Words read from left to right.
+    """Reader of words with checks.
 
     Attributes
     ----------
-    words : of a file, or the arguments of a command
-    program : the command; empty for a file
+    words : words of a file, or arguments of a command
+    program : name of the command; empty for a file
     path, lines : the file, and the line of each word
-    decimal_comma : whether numbers may have one, and an empty word is 0
-    at : number of words taken
+    decimal_comma : whether numbers may have a decimal comma, and an empty word is 0
+    at : number of words read
 
     Examples
     --------
@@ -43,7 +43,7 @@ class WordReader:
         return self.at < len(self.words)
 
     def word(self, what: str) -> str:
-        """Take a word."""
+        """Read a word."""
         if not self.left:
             text = "command" if self.program else "file"
             raise self.error(f"the {text} ends where {what} is expected")
@@ -51,12 +51,12 @@ class WordReader:
         return self.words[self.at - 1]
 
     def skip(self, count: int) -> None:
-        """Take words that are not used."""
+        """Skip words."""
         for _ in range(count):
             self.word("a value")
 
     def real(self, what: str) -> float:
-        """Take a number."""
+        """Read a number."""
         word = text = self.word(what)
         if self.decimal_comma:
             text = word.replace(",", ".") or "0"
@@ -66,14 +66,14 @@ class WordReader:
         return value
 
     def positive(self, what: str) -> float:
-        """Take a number above 0."""
+        """Read a number above 0."""
         value = self.real(what)
         if value <= 0:
             raise self.error(f"{what} is {value:g}; a number above 0 expected")
         return value
 
     def whole(self, what: str, least: int, most: int) -> int:
-        """Take an integer within limits."""
+        """Read an integer within limits."""
         value = self.real(what)
         if not (least <= value <= most and value == int(value)):
             raise self.error(
@@ -82,22 +82,22 @@ class WordReader:
         return int(value)
 
     def several(self, count: int, what: str) -> Float[np.ndarray, " count"]:
-        """Take numbers."""
+        """Read numbers."""
         return np.array([self.real(what) for _ in range(count)])
 
     def option(self) -> str:
-        """Take a word that begins with a dash or a plus."""
+        """Read a word that begins with a dash or a plus."""
         word = self.word("an option")
         if word[:1] not in ("-", "+"):
             raise self.error(f'"{word}" is found where an option is expected')
         return word
 
     def unknown(self, option: str) -> InputError:
-        """Return the error for an option that the command does not have."""
+        """Return the error for an unknown option."""
         return self.error(f'the option "{option}" is not supported')
 
     def error(self, message: str) -> InputError:
-        """Return an error about the last word, which names the command or the file."""
+        """Return an error about the last word, with the command or the file."""
         if self.path is None:
             return InputError(f"{self.program}: {message}")
         line = self.lines[max(self.at - 1, 0)] if self.lines else None

@@ -1,6 +1,6 @@
 """Sums, scaling, cropping and reduction of pictures.
 
-The view of a result is that of its pixels: the view of a cropped picture is narrower
+The view of a result describes its own pixels: the view of a cropped picture is narrower
 and shifted.
 """
 
@@ -19,7 +19,7 @@ Colour = tuple[float, float, float]
 
 
 def scale(picture: Picture, factor: float | Colour) -> Picture:
-    """Return a picture times a factor, or times one each for red, green and blue."""
+    """Return a picture times one factor, or times factors for red, green and blue."""
     values = np.asarray(factor, dtype=np.float32)
     if not np.isfinite(values).all():
         raise InputError(f"factor {factor}; finite numbers expected")
@@ -29,18 +29,18 @@ def scale(picture: Picture, factor: float | Colour) -> Picture:
 def weighted_sum(
     pictures: Sequence[Picture], weights: Sequence[float] | None = None
 ) -> Picture:
-    """Return Σ weight · picture, with the view and header of the first.
+    """Return Σ weight · picture, with the view and header of the first picture.
 
-    Sums are kept in double precision until the end.
+    Sums are computed in double precision.
 
     Parameters
     ----------
-    pictures : of one size and quantity
-    weights : one each; all 1 if not given
+    pictures : pictures of equal size and quantity
+    weights : one weight per picture; default: 1
 
     Raises
     ------
-    InputError : no pictures, pictures that do not fit, another number of weights
+    InputError : no pictures, different sizes or quantities, or missing weights
 
     Examples
     --------
@@ -58,12 +58,13 @@ def weighted_sum(
     for i, (picture, factor) in enumerate(zip(pictures, factors, strict=True), start=1):
         if picture.radiance.shape != first.radiance.shape:
             raise InputError(
-                f"picture {i} has {picture.columns} × {picture.rows} pixels; the first"
-                f" {first.columns} × {first.rows}"
+                f"picture {i} has {picture.columns} × {picture.rows} pixels;"
+                f" {first.columns} × {first.rows} expected, as in the first picture"
             )
         if picture.quantity != first.quantity:
             raise InputError(
-                f"picture {i} holds {picture.quantity}; the first {first.quantity}"
+                f"picture {i} contains {picture.quantity}; {first.quantity} expected,"
+                " as in the first picture"
             )
         total += factor * picture.radiance
     return replace(first, radiance=total.astype(np.float32))
@@ -75,43 +76,43 @@ def masked(
     *,
     fill: Colour = (0.0, 0.0, 0.0),
 ) -> Picture:
-    """Return a picture that keeps its pixels where the mask is true, else has `fill`.
+    """Return a picture with the value `fill` where the mask is false.
 
     Raises
     ------
-    InputError : a mask of another size
+    InputError : mask and picture differ in size
     """
     if mask.shape != picture.radiance.shape[:2]:
         raise InputError(
-            f"a mask of shape {mask.shape} on a picture of"
-            f" {picture.rows} rows and {picture.columns} columns"
+            f"mask of shape {mask.shape}; ({picture.rows}, {picture.columns}) expected,"
+            " as the picture"
         )
     kept = np.where(mask[..., None], picture.radiance, np.asarray(fill, np.float32))
     return replace(picture, radiance=kept)
 
 
 def within_view(picture: Picture) -> Bool[np.ndarray, "row column"]:
-    """Pixels that a ray belongs to: the disc of a hemispherical view; else all."""
+    """Whether each pixel lies within the view: a disc in hemispherical projections."""
     if picture.view is None:
         return np.ones(picture.radiance.shape[:2], dtype=bool)
     return picture.view.rays(picture.columns, picture.rows).valid
 
 
 def crop(picture: Picture, *, left: int, top: int, columns: int, rows: int) -> Picture:
-    """Return the cut-out of `columns` and `rows` from pixel (`top`, `left`) on.
+    """Return the part of `columns` × `rows` pixels whose corner is (`top`, `left`).
 
-    Its view is the part of the view that it shows, so that directions and solid angles
-    of its pixels stay what they were.
+    The view is reduced accordingly, so that the directions and solid angles of the
+    pixels are unchanged.
 
     Raises
     ------
-    InputError : a crop that is empty or exceeds the picture
+    InputError : the part is empty or exceeds the picture
     """
     inside = 0 <= left < left + columns <= picture.columns
     if not (inside and 0 <= top < top + rows <= picture.rows):
         raise InputError(
-            f"a crop of {columns} × {rows} pixels from column {left}, row {top};"
-            f" one within {picture.columns} × {picture.rows} expected"
+            f"crop of {columns} × {rows} pixels from column {left}, row {top};"
+            f" an area within {picture.columns} × {picture.rows} pixels expected"
         )
     view = picture.view
     if view is not None:
@@ -126,7 +127,7 @@ def crop(picture: Picture, *, left: int, top: int, columns: int, rows: int) -> P
 
 
 def _part(view: View, start: tuple[float, float], share: tuple[float, float]) -> View:
-    # The view of a part that begins at `start` and has a `share` of width and height
+    # View of the part that begins at `start`; both in fractions of width and height
     projection = PROJECTIONS[view.kind]
     half = projection.extent(view.horizontal, view.vertical)
     horizontal, vertical = projection.angles(half[0] * share[0], half[1] * share[1])
@@ -140,14 +141,14 @@ def _part(view: View, start: tuple[float, float], share: tuple[float, float]) ->
 
 
 def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
-    """Return a smaller picture whose pixels are averages over the area they cover.
+    """Return a smaller picture whose pixels are area averages.
 
-    The sum over all pixels times their area stays. Pixels that lie in two new ones
-    count in both with their share.
+    The integral over the picture is conserved. Source pixels that overlap several new
+    pixels contribute to each of them in proportion to the overlap.
 
     Raises
     ------
-    InputError : a size of nothing, or larger than the picture
+    InputError : the size is zero or larger than the picture
 
     Examples
     --------
@@ -157,7 +158,7 @@ def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
     """
     if not (0 < columns <= picture.columns and 0 < rows <= picture.rows):
         raise InputError(
-            f"a size of {columns} × {rows} pixels; up to"
+            f"size of {columns} × {rows} pixels; 1 × 1 to"
             f" {picture.columns} × {picture.rows} expected"
         )
     lines = _average(picture.radiance.reshape(picture.rows, -1), rows)
@@ -176,7 +177,7 @@ def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
 def _average(
     lines: Float[np.ndarray, "old width"], count: int
 ) -> Float[np.ndarray, "new width"]:
-    # From the integral over the lines, interpolated at the borders of the new ones
+    # Differences of the integral over the lines, interpolated at the new boundaries
     integral = np.zeros((lines.shape[0] + 1, lines.shape[1]))
     np.cumsum(lines, axis=0, dtype=float, out=integral[1:])
     border = np.linspace(0, lines.shape[0], count + 1)

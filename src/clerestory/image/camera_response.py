@@ -1,7 +1,7 @@
 """Camera response curves: exposure as a function of pixel value.
 
-A curve belongs to a camera and its settings. It is recovered once from a bracket and
-kept in a file, or read from one of hdrgen's .rsp files.
+A curve applies to one camera with fixed settings. It is recovered once from an exposure
+bracket and saved, or read from an .rsp file of hdrgen.
 """
 
 from collections.abc import Sequence
@@ -21,21 +21,21 @@ Method = Literal["debevec", "robertson"]
 
 LEVELS = 256
 
-# The value at which curves are 1
+# Pixel value at which response curves are normalised to 1
 _MIDDLE = 128
 
 
 @dataclass(frozen=True, eq=False)
 class ResponseCurve:
-    """Exposure behind each value of red, green and blue.
+    """Relative exposure of each pixel value of red, green and blue.
 
     Attributes
     ----------
-    exposure : relative exposure of each of 256 values, 1 at value 128
+    exposure : relative exposure of the 256 pixel values, 1 at value 128
 
     Raises
     ------
-    InputError : another shape, values that are not finite and positive in the middle
+    InputError : wrong shape, or values not finite, or not positive at value 128
 
     Examples
     --------
@@ -49,19 +49,19 @@ class ResponseCurve:
     def __post_init__(self) -> None:
         curve = np.asarray(self.exposure, dtype=float)
         if curve.shape != (LEVELS, 3):
-            raise InputError(f"a response of shape {curve.shape}; (256, 3) expected")
+            raise InputError(f"response of shape {curve.shape}; (256, 3) expected")
         if not np.isfinite(curve).all() or (curve[_MIDDLE] <= 0).any():
-            raise InputError("a response that is not finite and positive in the middle")
+            raise InputError("response not finite, or not positive at value 128")
         object.__setattr__(self, "exposure", curve / curve[_MIDDLE])
 
     def monotonic(self) -> "ResponseCurve":
-        """Return the curve with its dips filled: more light never means less."""
+        """Return the smallest non-decreasing curve that is not below this curve."""
         rising = np.maximum.accumulate(np.maximum(self.exposure, 0), axis=0)
         return ResponseCurve(rising)
 
 
 def srgb_response() -> ResponseCurve:
-    """Return the curve of sRGB (IEC 61966-2-1), which cameras bend at their liking."""
+    """Return the curve of sRGB (IEC 61966-2-1), an approximation for most cameras."""
     value = np.arange(LEVELS) / (LEVELS - 1)
     linear = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
     return ResponseCurve(np.repeat(linear[:, None], 3, axis=1))
@@ -75,7 +75,7 @@ def linear_response() -> ResponseCurve:
 def response_named(
     name: str, photographs: Sequence[Photograph], exposures: Sequence[Exposure]
 ) -> ResponseCurve:
-    """Return a response by its name: debevec, robertson, srgb, linear, or a file."""
+    """Return the response named debevec, robertson, srgb or linear, or from a file."""
     if name in get_args(Method):
         return recover_response(photographs, exposures, method=name)  # type: ignore[arg-type]
     if name == "srgb":
@@ -89,10 +89,10 @@ def recover_response(
     *,
     method: Method = "debevec",
 ) -> ResponseCurve:
-    """Return the response that best explains a bracket of one scene.
+    """Return the response that best fits an exposure bracket of one scene.
 
-    Needs a scene with smooth gradients, a camera that did not move, and exposures
-    that overlap, about one stop apart.
+    Requires a scene with smooth gradients, a fixed camera, and overlapping exposures
+    about one stop apart.
 
     References
     ----------
@@ -103,14 +103,16 @@ def recover_response(
 
     Raises
     ------
-    InputError : fewer than two photographs, exposures that are all alike
+    InputError : fewer than two photographs, or exposures less than one stop apart
     """
     check_bracket(photographs, exposures)
     times = np.array([exposure.relative() for exposure in exposures], dtype=np.float32)
     if np.ptp(np.log2(times)) < 1:
-        raise InputError("exposures less than one stop apart; a bracket expected")
+        raise InputError(
+            "exposures less than one stop apart; at least one stop expected"
+        )
     cv2 = opencv()
-    # Debevec's default of 70 points leaves curves ragged
+    # The default of 70 sample points gives noisy curves
     solver = (
         cv2.createCalibrateDebevec(samples=400, lambda_=30.0)
         if method == "debevec"
@@ -123,9 +125,11 @@ def recover_response(
 def check_bracket(
     photographs: Sequence[Photograph], exposures: Sequence[Exposure]
 ) -> None:
-    """Refuse brackets whose parts do not fit each other."""
+    """Check that photographs and exposures of a bracket agree in number and size."""
     if len(photographs) < 2:
-        raise InputError(f"{len(photographs)} photographs; two or more expected")
+        raise InputError(
+            f"number of photographs: {len(photographs)}; two or more expected"
+        )
     if len(photographs) != len(exposures):
         raise InputError(
             f"{len(exposures)} exposures for {len(photographs)} photographs; one each"
@@ -136,7 +140,7 @@ def check_bracket(
         if photograph.shape != first:
             raise InputError(
                 f"photograph {number + 1} has {photograph.shape[1]} ×"
-                f" {photograph.shape[0]} pixels; {first[1]} × {first[0]} as the first"
+                f" {photograph.shape[0]} pixels; {first[1]} × {first[0]}, as the first,"
                 " expected"
             )
 
@@ -156,11 +160,11 @@ def write_response(curve: ResponseCurve, path: str | Path) -> None:
 
 
 def read_response(path: str | Path) -> ResponseCurve:
-    """Read a response: a table as written here, or hdrgen's .rsp polynomials.
+    """Read a response: a table of `write_response`, or .rsp polynomials of hdrgen.
 
     Raises
     ------
-    InputError : the file is missing, or neither
+    InputError : the file is missing or of another format
     """
     lines = [line for line in read_text(path).splitlines() if line.strip()]
     try:
@@ -171,20 +175,22 @@ def read_response(path: str | Path) -> ResponseCurve:
         elif len(lines) == 3:
             return _polynomials([np.array(line.split(), float) for line in lines])
     except (ValueError, InputError) as error:
-        raise InputError(f"no response: {error}", file=path) from error
+        raise InputError(f"not a camera response: {error}", file=path) from error
     raise InputError(
-        "no response; 256 lines under value,red,green,blue or three polynomials"
-        " expected",
+        "not a camera response; 256 lines below value,red,green,blue, or three"
+        " polynomials, expected",
         file=path,
     )
 
 
 def _polynomials(lines: list[np.ndarray]) -> ResponseCurve:
-    # Order, then coefficients from the highest power down, of the value over 255
+    # Each line: degree, then coefficients of value / 255, highest power first
     value = np.arange(LEVELS) / (LEVELS - 1)
     curves = []
     for numbers in lines:
         if numbers.size < 2 or numbers.size != int(numbers[0]) + 2:
-            raise InputError(f"{numbers.size} numbers in a polynomial; its order + 2")
+            raise InputError(
+                f"{numbers.size} numbers in a polynomial; degree + 2 expected"
+            )
         curves.append(np.polyval(numbers[1:], value))
     return ResponseCurve(np.stack(curves, axis=1)).monotonic()

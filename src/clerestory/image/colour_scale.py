@@ -12,27 +12,27 @@ from clerestory.errors import InputError
 from clerestory.image.arithmetic import within_view
 from clerestory.image.picture import Picture, photometric
 
-# Share of the pixels that an automatic scale covers
+# Percentile of the pixel values that an automatic scale covers
 _COVERED = 99.5
 
-# Numbers that a decade is divided at
+# Levels within a decade
 _DECADE = (1.0, 2.0, 5.0)
 
 
 @dataclass(frozen=True)
 class ColourScale:
-    """Colours between two values, and levels for legend and contours.
+    """Mapping of a range of values to colours, with levels for legend and contours.
 
     Attributes
     ----------
     smallest, largest : values of the first and the last colour [cd/m² or lux]
     levels : increasing values of the legend and of contours
-    logarithmic : equal ratios have equal steps of colour, else equal differences
-    palette : a colour map of matplotlib; "gnuplot" is like Radiance's pm3d
+    logarithmic : whether the scale is logarithmic instead of linear
+    palette : name of a matplotlib colour map; "gnuplot" resembles Radiance's pm3d
 
     Raises
     ------
-    InputError : an empty range, a palette that matplotlib does not know
+    InputError : empty range, unknown palette, or levels not increasing
 
     Examples
     --------
@@ -51,7 +51,7 @@ class ColourScale:
         least = 0.0 if self.logarithmic else -np.inf
         if not least < self.smallest < self.largest < np.inf:
             raise InputError(
-                f"a scale from {self.smallest:g} to {self.largest:g};"
+                f"scale from {self.smallest:g} to {self.largest:g};"
                 f" a growing{' positive' if self.logarithmic else ''} range expected"
             )
         if self.palette not in mpl.colormaps:
@@ -60,10 +60,10 @@ class ColourScale:
                 " such as turbo, viridis, inferno or gnuplot"
             )
         if len(self.levels) < 2 or np.any(np.diff(self.levels) <= 0):
-            raise InputError("two levels or more expected, each above the last")
+            raise InputError("two or more increasing levels expected")
 
     def place(self, values: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch"]:
-        """Places of values on the scale, 0…1."""
+        """Positions of values on the scale, 0…1."""
         if self.logarithmic:
             ratio = np.maximum(values, self.smallest) / self.smallest
             place = np.log(ratio) / np.log(self.largest / self.smallest)
@@ -72,7 +72,7 @@ class ColourScale:
         return np.asarray(np.clip(place, 0, 1))
 
     def colours(self, place: Float[np.ndarray, "*batch"]) -> UInt8[np.ndarray, "..."]:
-        """Colours in sRGB at places 0…1 of the scale."""
+        """Colours in sRGB at positions 0…1 of the scale."""
         table = mpl.colormaps[self.palette](np.linspace(0, 1, 1024))[:, :3]
         codes = np.round(255 * table).astype(np.uint8)
         found: np.ndarray = codes[np.round(np.asarray(place) * 1023).astype(int)]
@@ -87,19 +87,19 @@ def linear_scale(
     divisions: int = 10,
     palette: str = "turbo",
 ) -> ColourScale:
-    """Return a scale of equal differences for a picture.
+    """Return a linear scale for a picture.
 
     Parameters
     ----------
-    picture : what it is for
-    smallest, largest : its ends; without `largest` a round number that 99.5 % of the
-        pixels lie below
-    divisions : steps between levels; about as many, at round numbers, where the range
-        is automatic
-    palette : a colour map of matplotlib
+    picture : picture that sets the automatic range
+    smallest, largest : limits of the scale; default of `largest`: a round number above
+        99.5 % of the pixels
+    divisions : number of intervals between levels; approximate, with round levels, if
+        the range is automatic
+    palette : name of a matplotlib colour map
     """
     if divisions < 1:
-        raise InputError(f"{divisions} divisions; 1 or more expected")
+        raise InputError(f"{divisions} divisions; at least 1 expected")
     if largest is None:
         covered = max(_covered(picture), smallest + 1e-9)
         levels = MaxNLocator(divisions, steps=[1, 2, 2.5, 5, 10]).tick_values(
@@ -119,21 +119,21 @@ def logarithmic_scale(
     decades: float = 3.0,
     palette: str = "turbo",
 ) -> ColourScale:
-    """Return a scale of equal ratios for a picture, with levels at 1, 2, 5, 10, ….
+    """Return a logarithmic scale for a picture, with levels at 1, 2, 5, 10, ….
 
     Parameters
     ----------
-    picture : what it is for
-    largest : its upper end; else a round number that 99.5 % of the pixels lie below
-    decades : powers of ten that it spans
-    palette : a colour map of matplotlib
+    picture : picture that sets the automatic range
+    largest : upper limit; default: a round number above 99.5 % of the pixels
+    decades : number of decades that the scale spans
+    palette : name of a matplotlib colour map
     """
     if not 0 < decades <= 30:
-        raise InputError(f"a scale of {decades:g} decades; 0 to 30 expected")
+        raise InputError(f"scale of {decades:g} decades; above 0, at most 30 expected")
     if largest is None:
         largest = round_up(_covered(picture))
     if not 0 < largest < np.inf:
-        raise InputError(f"a scale up to {largest:g}; a positive number expected")
+        raise InputError(f"scale up to {largest:g}; a positive number expected")
     smallest = largest / 10**decades
     powers = range(
         int(np.floor(np.log10(smallest))) - 1, int(np.ceil(np.log10(largest))) + 1
@@ -145,7 +145,7 @@ def logarithmic_scale(
 
 
 def round_up(value: float, steps: Sequence[float] = (*_DECADE, 10.0)) -> float:
-    """Return the next of 1, 2, 5, 10, … at or above a value; 1 for nothing.
+    """Return the smallest of …, 1, 2, 5, 10, … not below a value; 1 if ≤ 0.
 
     >>> round_up(321.0), round_up(0.0)
     (500.0, 1.0)

@@ -21,7 +21,7 @@ _MARK = "DENOISED="
 
 
 def denoise(picture: Picture) -> Picture:
-    """Return a picture with its noise smoothed away, and marked so in its header.
+    """Return the denoised picture; its header records the denoising.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def denoise(picture: Picture) -> Picture:
     """
     if importlib.util.find_spec("mitsuba_oidn") is None:
         raise ClerestoryError(
-            "the denoiser is not installed; `pip install clerestory[denoise]` expected"
+            "the denoiser is not installed; run `pip install clerestory[denoise]`"
         )
     network = importlib.import_module("mitsuba_oidn")
     version = importlib.metadata.version("mitsuba-oidn")

@@ -1,6 +1,6 @@
 """High-dynamic-range pictures from exposure brackets of photographs.
 
-Each pixel is the mean of its radiances in all photographs, weighted by reliability.
+Each pixel is the weighted mean of its radiance estimates from all photographs.
 """
 
 from collections.abc import Sequence
@@ -27,18 +27,19 @@ from clerestory.image.photograph import (
 from clerestory.image.picture import Picture
 from clerestory.progress import Progress
 
-# Values below and above are noise and overflow
+# Smallest and largest reliable pixel value, between noise and saturation
 _DARKEST, _BRIGHTEST = 3, 252
 
 
 class Merged(NamedTuple):
-    """A picture out of a bracket.
+    """High-dynamic-range picture of an exposure bracket.
 
     Attributes
     ----------
-    picture : radiances up to one common factor
-    overflow : pixels too bright for the shortest exposure: their radiance is too low
-    underflow : pixels too dark for the longest exposure
+    picture : radiances up to a common factor
+    overflow : whether each pixel is saturated in the shortest exposure; its radiance is
+        too low
+    underflow : whether each pixel is too dark in the longest exposure
     """
 
     picture: Picture
@@ -54,18 +55,18 @@ def merge_photographs(
     align_first: bool = False,
     progress: Progress | None = None,
 ) -> tuple[Merged, ResponseCurve]:
-    """Return the picture of photographs in files, and the camera response.
+    """Return the merged picture of photographs in files, and the camera response.
 
     Parameters
     ----------
-    times : exposure time of each photograph [s]; from the EXIF data if not given
-    response : as for `response_named`
-    align_first : shift the photographs of a camera that moved onto each other
-    progress : called with the share done and a note
+    times : exposure time of each photograph [s]; default: from the EXIF data
+    response : name or file of the camera response, see `response_named`
+    align_first : whether to align the photographs first, for a camera that moved
+    progress : function called with the completed fraction and a note
 
     Raises
     ------
-    InputError : a file that is no photograph, times that are not one per photograph
+    InputError : a file is not a photograph, or the number of times is wrong
     """
     report = progress or (lambda _share, _note: None)
     photographs = [read_photograph(file) for file in files]
@@ -94,14 +95,14 @@ def merge_bracket(
     exposures: Sequence[Exposure],
     response: ResponseCurve,
 ) -> Merged:
-    """Return the picture of a bracket of photographs.
+    """Return the high-dynamic-range picture of a bracket of photographs.
 
-    The weight of a value is its distance from both ends of the scale times its
-    exposure, which keeps the noise low.
+    The weight of a pixel value is its distance from the nearer end of the scale times
+    the exposure, which reduces noise.
 
     Raises
     ------
-    InputError : photographs and exposures that do not fit each other
+    InputError : photographs and exposures differ in number, or photographs in size
 
     Examples
     --------
@@ -127,14 +128,14 @@ def merge_bracket(
         light = exposures[i].relative()
         for channel in range(3):
             pixels = photographs[i][..., channel]
-            # Relative noise falls with the light: weigh by it
+            # Relative noise decreases with exposure: weight by exposure
             counts = (trust * light)[pixels]
             total[..., channel] += (
                 counts * (response.exposure[:, channel] / light)[pixels]
             )
             weight[..., channel] += counts
 
-    # What no photograph shows well: the nearest that one of them can say
+    # Pixels without a reliable value: use the shortest or the longest exposure
     shortest, longest = photographs[order[0]], photographs[order[-1]]
     least, most = (
         _radiance(photographs[i], exposures[i], response) for i in (order[-1], order[0])
@@ -157,7 +158,7 @@ def _radiance(
 
 
 def align(photographs: Sequence[Photograph]) -> list[Photograph]:
-    """Return photographs shifted to lie over each other, for a camera that moved.
+    """Return photographs shifted into alignment, for a camera that moved.
 
     References
     ----------

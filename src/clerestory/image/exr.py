@@ -1,8 +1,8 @@
 """OpenEXR pictures: red, green and blue in 16 or 32 bits, with header attributes.
 
-Attributes are those of the OpenEXR standard: chromaticities of the primaries,
-whiteLuminance [cd/m²] of the colour (1, 1, 1), pixelAspectRatio (width over height),
-comments (a line each). View and quantity have no standard attribute; they are
+Standard attributes of OpenEXR are chromaticities (of the primaries), whiteLuminance
+[cd/m²] (of the colour (1, 1, 1)), pixelAspectRatio (width over height) and comments
+(header lines). The view and the quantity are stored in the custom attributes
 `radianceView` and `quantity`.
 """
 
@@ -23,29 +23,29 @@ from clerestory.radiance.view_text import format_view, parse_view
 
 _MOST_PIXELS = 1 << 27
 
-# Largest number of 16 bits (IEEE 754 binary16)
+# Largest finite half-precision number (IEEE 754 binary16)
 _LARGEST_HALF = 65504.0
 
 
 def read_exr(path: str | Path) -> Picture:
-    """Return an OpenEXR picture in Radiance's primaries.
+    """Return an OpenEXR picture, converted to the primaries of Radiance.
 
-    Without the attribute chromaticities, colours are taken as Radiance's; without
-    whiteLuminance, as radiance in W/(m²·sr). A single channel Y is grey.
+    Default chromaticities are the primaries of Radiance; without whiteLuminance, values
+    are radiances in W/(m²·sr). A single channel Y gives a grey picture.
 
     Raises
     ------
-    InputError : the file is missing or broken, holds other channels, or values that
-        are not finite
+    InputError : the file is missing or damaged, has other channels, or contains values
+        that are not finite
     """
-    read_bytes(path)  # raises the reason if the file cannot be read
+    read_bytes(path)  # raises InputError with the reason if the file is unreadable
     try:
         header = OpenEXR.File(str(path), header_only=True).header()
         low, high = header["dataWindow"]
         size = [int(b) - int(a) + 1 for a, b in zip(low, high, strict=True)]
         if min(size) < 1 or size[0] * size[1] > _MOST_PIXELS:
             raise InputError(
-                f"a picture of {size[0]} × {size[1]} pixels;"
+                f"picture of {size[0]} × {size[1]} pixels;"
                 f" 1 to {_MOST_PIXELS / 1e6:.0f} million expected"
             )
         channels = OpenEXR.File(str(path), separate_channels=True).channels()
@@ -55,7 +55,7 @@ def read_exr(path: str | Path) -> Picture:
         raise InputError(error.message, file=path) from error
     except (RuntimeError, ValueError, TypeError, KeyError, UnicodeError) as error:
         reason = " ".join(str(error).split())
-        raise InputError(f"broken OpenEXR file: {reason}", file=path) from error
+        raise InputError(f"damaged OpenEXR file: {reason}", file=path) from error
 
 
 def _colours(channels: dict[str, Any]) -> Float32[np.ndarray, "row column 3"]:
@@ -63,7 +63,7 @@ def _colours(channels: dict[str, Any]) -> Float32[np.ndarray, "row column 3"]:
     planes = [np.asarray(channels[name].pixels, dtype=np.float32) for name in names]
     if len({plane.shape for plane in planes}) != 1:
         raise InputError(
-            f"channels {', '.join(sorted(channels)) or 'none'}; R, G, B of one size"
+            f"channels {', '.join(sorted(channels)) or 'none'}; R, G, B of equal size"
             " or Y expected"
         )
     return np.stack(planes, axis=-1)
@@ -72,7 +72,7 @@ def _colours(channels: dict[str, Any]) -> Float32[np.ndarray, "row column 3"]:
 def _in_display_window(
     values: Float32[np.ndarray, "row column 3"], header: dict[str, Any]
 ) -> Float32[np.ndarray, "rows columns 3"]:
-    # The view belongs to the display window; data may fill a part of it
+    # The view refers to the display window; data may cover only part of it
     (left, top), (right, bottom) = header["displayWindow"]
     shift = np.asarray(header["dataWindow"][0]) - [left, top]
     columns, rows = int(right) - int(left) + 1, int(bottom) - int(top) + 1
@@ -123,12 +123,12 @@ def _flat(primaries: Primaries) -> tuple[float, ...]:
 
 
 def write_exr(picture: Picture, path: str | Path, *, half: bool = False) -> None:
-    """Write a picture as OpenEXR, compressed without loss.
+    """Write a picture as OpenEXR with lossless compression.
 
     Parameters
     ----------
-    picture, path : what to write, and where
-    half : 16 instead of 32 bits a value: three digits, up to 65504 W/(m²·sr)
+    picture, path : picture to write, and path of the file
+    half : whether to write 16 instead of 32 bits per value (3 digits, up to 65504)
 
     Raises
     ------
@@ -155,7 +155,7 @@ def write_exr(picture: Picture, path: str | Path, *, half: bool = False) -> None
         header["comments"] = "\n".join(picture.header)
     if picture.view is not None:
         header["radianceView"] = format_view(picture.view)
-    # The library writes to names only
+    # The OpenEXR library writes only to named files
     with replace_file(path) as stream, tempfile.TemporaryDirectory() as folder:
         whole = Path(folder) / "picture.exr"
         OpenEXR.File(header, {"RGB": np.ascontiguousarray(values)}).write(str(whole))

@@ -17,10 +17,10 @@ from clerestory.image.visibility_matching import human_vision
 Style = Literal["fill", "steps", "lines", "bands"]
 Pixels = UInt8[np.ndarray, "row column 3"]
 
-# Lines are drawn larger and averaged, so that they have smooth edges
+# Supersampling factor for antialiased lines
 _FINER = 3
 
-# Share of the step between levels that a band covers
+# Width of a band relative to the distance between levels
 _BAND = 0.2
 
 
@@ -36,12 +36,12 @@ def false_colour(
 
     Parameters
     ----------
-    picture : luminance or illuminance to show
-    scale : which value has which colour
-    style : "fill" colours every pixel, "steps" the same in one colour between two
-        levels; "lines" and "bands" draw the levels over the picture as it looks
-    extremes : mark the smallest value above zero and the largest
-    with_legend : put a legend to the left
+    picture : picture of luminance or illuminance
+    scale : mapping of values to colours
+    style : "fill" colours every pixel, "steps" uses one colour between two levels;
+        "lines" and "bands" draw the levels over the tone-mapped picture
+    extremes : whether to mark the smallest value above zero and the largest value
+    with_legend : whether to add a legend on the left
 
     Examples
     --------
@@ -75,7 +75,7 @@ def _padded(pixels: Pixels, height: int) -> UInt8[np.ndarray, "height column 3"]
 
 
 def _steps(values: np.ndarray, scale: ColourScale) -> Pixels:
-    # Each step has the colour of its middle
+    # Each interval between levels has its mid-colour
     ends = scale.place(np.array(scale.levels))
     step = np.searchsorted(scale.levels, values, side="right") - 1
     step = np.clip(step, 0, len(ends) - 2)
@@ -88,7 +88,7 @@ def _with_bands(background: Pixels, values: np.ndarray, scale: ColourScale) -> P
     place = scale.place(values)
     nearest = np.searchsorted((ends[:-1] + ends[1:]) / 2, place)
     inside = np.abs(place - ends[nearest]) < _BAND * np.diff(ends).min() / 2
-    # Beyond the ends there is no level
+    # Outside the range there are no levels
     inside &= (values > scale.levels[0]) & (values < scale.levels[-1])
     pixels: np.ndarray = np.where(
         inside[..., None], scale.colours(ends[nearest]), background
@@ -104,7 +104,7 @@ def _with_lines(background: Pixels, values: np.ndarray, scale: ColourScale) -> P
     size = (columns * _FINER, rows * _FINER)
     large = Image.fromarray(background).resize(size, Image.Resampling.BILINEAR)
     draw = ImageDraw.Draw(large)
-    # On a logarithmic scale contours run evenly between pixels of its values
+    # On a logarithmic scale, contours are interpolated in the logarithm of the values
     generator = contour_generator(z=_for_contours(values, scale))
     for level in scale.levels:
         at = float(np.log(level) if scale.logarithmic else level)
@@ -130,14 +130,14 @@ def _with_extremes(
     rows, columns = values.shape
     radius = max(min(rows, columns) // 90, 3)
     letters = font(max(min(rows, columns) // 30, 10))
-    # What a camera did not see is black: it is no smallest value
+    # Black pixels are outside the camera image and are excluded from the minimum
     lit = seen & (values > 0) if (values[seen] > 0).any() else seen
     for find, away in ((np.argmin, np.inf), (np.argmax, -np.inf)):
         place = int(find(np.where(lit, values, away)))
         row, column = divmod(place, columns)
         text = value_word(float(values[row, column]))
         width, height = text_size(text, letters)
-        # Right of the mark where there is room, else left; within the picture
+        # Label right of the mark if there is space, otherwise left; within the picture
         x = column + 2 * radius
         x = x if x + width < columns else column - 2 * radius - width
         y = min(max(row - height // 2, 1), max(rows - height - 3, 1))

@@ -1,7 +1,7 @@
 """Fisheye lenses: projection of directions onto the photograph.
 
-Lenses are described by the radius at which an angle from the axis is imaged, relative
-to that of 90°. Pictures are reprojected to a view of Radiance, usually -vta.
+A lens is described by the image radius as a function of the angle from the axis,
+relative to the radius at 90°. Pictures are reprojected to a Radiance view, e.g. -vta.
 """
 
 from dataclasses import dataclass, replace
@@ -24,19 +24,19 @@ _Angles = Float[np.ndarray, "*shape"]
 
 @dataclass(frozen=True)
 class Lens:
-    """How a fisheye lens images angles.
+    """Projection of a fisheye lens.
 
     Attributes
     ----------
-    mapping : radius in proportion to the angle θ ("equidistant"), sin θ/2
-        ("equisolid"), sin θ ("orthographic"), tan θ/2 ("stereographic"), or a
-        polynomial of θ
-    coefficients : of θ, θ², … [1/rad, 1/rad², …] of a polynomial; their scale is free
+    mapping : function of the angle θ to which the radius is proportional: θ
+        ("equidistant"), sin θ/2 ("equisolid"), sin θ ("orthographic"), tan θ/2
+        ("stereographic"), or a polynomial of θ
+    coefficients : polynomial coefficients of θ, θ², … [1/rad, 1/rad², …], to any scale
 
     Raises
     ------
-    InputError : an unknown mapping, a polynomial without coefficients or one that
-        does not grow up to 90°
+    InputError : unknown mapping, polynomial without coefficients, or radius that does
+        not increase up to 90°
 
     Examples
     --------
@@ -54,16 +54,18 @@ class Lens:
                 f'lens "{self.mapping}"; one of {", ".join(known)} expected'
             )
         if (self.mapping == "polynomial") != bool(self.coefficients):
-            raise InputError("coefficients and a polynomial lens go together")
+            raise InputError(
+                "coefficients required for a polynomial lens, and only for it"
+            )
         steps = self.radius(np.linspace(0, np.pi / 2, 91))
         if not (np.isfinite(steps).all() and (np.diff(steps) > 0).all()):
             raise InputError(
-                f"lens coefficients {self.coefficients}; a radius that grows from 0 to"
-                " 90° expected"
+                f"lens coefficients {self.coefficients}; a radius that increases from 0"
+                " to 90° expected"
             )
 
     def radius(self, theta: _Angles) -> _Angles:
-        """Radius of angles from the axis [rad], 1 at 90°."""
+        """Image radius at angles from the axis [rad], relative to the radius at 90°."""
         plain = self._plain(np.asarray(theta, float))
         radius: np.ndarray = plain / self._plain(np.array(np.pi / 2))
         return radius
@@ -82,12 +84,12 @@ class Lens:
 
 @dataclass(frozen=True)
 class ImageCircle:
-    """Where the lens draws its hemisphere on the photograph.
+    """Position and size of the hemisphere on a photograph.
 
     Attributes
     ----------
-    row, column : of the axis, with fractions; a pixel's centre lies at + 0.5
-    radius : at which 90° appear [pixels]
+    row, column : pixel coordinates of the axis; the centre of pixel 0 is at 0.5
+    radius : distance from the axis at which 90° is imaged [pixels]
     """
 
     row: float
@@ -116,21 +118,22 @@ def reproject(
     columns: int,
     rows: int,
 ) -> Picture:
-    """Return the picture as a view sees it, black where the lens is blind.
+    """Return the picture reprojected to a view; black outside the field of the lens.
 
-    Each pixel is the mean of as many samples a side as it has pixels of the photograph
-    under it, so that little light is lost or won; the solid angles of the new view then
-    give the right illuminance.
+    Each pixel is the mean of n × n samples, where n is about the number of photograph
+    pixels across it. This approximately conserves flux, so that the solid angles of the
+    new view yield the correct illuminance.
 
     Parameters
     ----------
-    lens, circle : of the photograph; its top is the view's up
-    view : to reproject to; where it stands and looks is kept as it is
-    columns, rows : size of the result
+    lens, circle : lens and image circle of the photograph; its top is the up
+        direction of the view
+    view : target view; its position and direction are not changed
+    columns, rows : size of the result in pixels
 
     Raises
     ------
-    InputError : the image circle lies outside of the photograph
+    InputError : the centre of the image circle lies outside the photograph
 
     Examples
     --------
@@ -149,8 +152,8 @@ def reproject(
     """
     if not (0 <= circle.row <= picture.rows and 0 <= circle.column <= picture.columns):
         raise InputError(
-            f"an image circle around row {circle.row:g}, column {circle.column:g} of"
-            f" {picture.columns} × {picture.rows} pixels; a middle inside expected"
+            f"image circle centred at row {circle.row:g}, column {circle.column:g}; a"
+            f" centre within {picture.columns} × {picture.rows} pixels expected"
         )
     samples = int(np.clip(np.ceil(2 * circle.radius / min(columns, rows)), 1, 8))
     total = np.zeros((rows, columns, 3))
@@ -166,7 +169,7 @@ def reproject(
 def _sampled(
     picture: Picture, lens: Lens, circle: ImageCircle, view: View, jitter: np.ndarray
 ) -> np.ndarray:
-    # The photograph at one point of each pixel of the view
+    # Photograph sampled at one point of each pixel of the view
     cv2 = opencv()
     rows, columns, _ = jitter.shape
     direction, valid = view.rays(columns, rows, jitter)[1:]
@@ -176,7 +179,7 @@ def _sampled(
     flat = np.hypot(aside, above)
     theta = np.arctan2(flat, direction @ view.direction)
     stretch = lens.radius(theta) * circle.radius / np.maximum(flat, 1e-12)
-    # OpenCV counts from the middle of the first pixel
+    # In OpenCV the centre of the first pixel is at 0
     column = circle.column + aside * stretch - 0.5
     row = circle.row - above * stretch - 0.5
     seen = cv2.remap(
@@ -186,7 +189,7 @@ def _sampled(
         cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_REPLICATE,
     )
-    # A lens of 180° shows nothing beyond
+    # Directions beyond 90° are outside the field of the lens
     inside = valid & (theta <= np.pi / 2 + 1e-6)
     inside &= (column > -1) & (column < picture.columns)
     inside &= (row > -1) & (row < picture.rows)

@@ -10,16 +10,16 @@ from PIL import Image, ImageDraw, ImageFont
 
 from clerestory.image.colour_scale import ColourScale
 
-# Size of letters in a picture: a share of its height, within limits [pixels]
+# Font size relative to the height of the picture, and its limits [pixels]
 _LETTERS, _SMALLEST, _LARGEST = 1 / 30, 10, 26
 
-# Lowest legend, in lines of text
+# Smallest height of the legend, in lines of text
 _LINES = 6
 
 
 @cache
 def font(size: int) -> ImageFont.FreeTypeFont:
-    """Return the letters of matplotlib, DejaVu Sans, which every installation has."""
+    """Return the font DejaVu Sans, which is part of every matplotlib installation."""
     folder = Path(mpl.get_data_path()) / "fonts" / "ttf"
     return ImageFont.truetype(str(folder / "DejaVuSans.ttf"), size)
 
@@ -34,13 +34,13 @@ def text_size(text: str, letters: ImageFont.FreeTypeFont) -> tuple[int, int]:
 def legend(
     scale: ColourScale, unit: str, *, height: int
 ) -> UInt8[np.ndarray, "rows columns 3"]:
-    """Return a bar of the scale's colours with its values, white on black.
+    """Return the colour bar of a scale with its values, white on black.
 
     Parameters
     ----------
-    scale : colours and levels; levels too close to be read are left out
-    unit : stands on top
-    height : rows wanted; more where text needs them
+    scale : colours and levels; levels whose labels would overlap are left out
+    unit : unit, shown at the top
+    height : minimum height [pixels]; the legend is higher if the text requires it
     """
     letters = font(int(np.clip(height * _LETTERS, _SMALLEST, _LARGEST)))
     line = text_size("0", letters)[1]
@@ -53,11 +53,11 @@ def legend(
     draw = ImageDraw.Draw(image)
     draw.text((gap, gap), unit, "white", letters)
     top, bottom = gap + 2 * line, height - line
-    # The bar, largest value on top
+    # Colour bar with the largest value at the top
     colours = scale.colours(np.linspace(1, 0, bottom - top))
     colours = np.repeat(colours[:, None], bar, axis=1)
     image.paste(Image.fromarray(colours), (gap, top))
-    # Values from below, where there is room
+    # Labels from the bottom upwards, where there is space
     free = float(height)
     for place, word in _in_order(scale, words):
         y = bottom - place * (bottom - top)
@@ -65,7 +65,7 @@ def legend(
         if close and place < 1:
             continue
         if close:
-            # The largest value counts more than its neighbour
+            # The label of the largest value replaces its neighbour
             box = (gap + bar, int(y), image.width, int(y + 1.5 * line))
             draw.rectangle(box, "black")
         draw.line((gap + bar, y, gap + bar + gap // 2, y), "white")
@@ -80,7 +80,7 @@ def _in_order(scale: ColourScale, words: tuple[str, ...]) -> list[tuple[float, s
 
 
 def level_words(levels: tuple[float, ...]) -> tuple[str, ...]:
-    """Return the numbers of a legend: short, thousands set apart by a thin space.
+    """Return the labels of a legend, with thin spaces as thousands separators.
 
     >>> level_words((0, 0.5, 20, 250))
     ('0', '0.5', '20', '250')
@@ -89,7 +89,7 @@ def level_words(levels: tuple[float, ...]) -> tuple[str, ...]:
 
 
 def value_word(value: float) -> str:
-    """Return a number in three digits or more, without those that say nothing.
+    """Return a number with at least three significant digits, without trailing zeros.
 
     >>> value_word(0.012345), value_word(5.2e8)
     ('0.0123', '5.2e8')

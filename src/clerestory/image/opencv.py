@@ -8,9 +8,9 @@ from clerestory.errors import ClerestoryError
 
 
 def opencv() -> Any:
-    """Return OpenCV's module."""
+    """Return the module of OpenCV."""
     if importlib.util.find_spec("cv2") is None:
         raise ClerestoryError(
-            "OpenCV is not installed; `pip install clerestory[capture]` expected"
+            "OpenCV is not installed; run `pip install clerestory[capture]`"
         )
     return importlib.import_module("cv2")

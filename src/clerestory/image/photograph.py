@@ -1,7 +1,7 @@
 """Photographs of an exposure bracket and their exposures.
 
-The exposure of a photograph is read from its EXIF data, or given: the product of time,
-sensitivity and aperture.
+The exposure follows from exposure time, sensitivity and aperture, which are given or
+read from the EXIF data.
 """
 
 import math
@@ -16,7 +16,7 @@ from PIL import ExifTags, Image
 
 from clerestory.errors import InputError
 
-# What Pillow raises on damaged files
+# Exceptions that Pillow raises on damaged files
 _BROKEN = (
     OSError,
     ValueError,
@@ -34,17 +34,17 @@ Photograph = UInt8[np.ndarray, "row column 3"]
 
 @dataclass(frozen=True)
 class Exposure:
-    """How much light a photograph was given.
+    """Exposure settings of a photograph.
 
     Attributes
     ----------
-    time : of the shutter [s]
+    time : exposure time [s]
     aperture : f-number
-    sensitivity : ISO
+    sensitivity : ISO speed
 
     Raises
     ------
-    InputError : a number that is not positive and finite
+    InputError : a setting that is not positive and finite
 
     Examples
     --------
@@ -60,32 +60,32 @@ class Exposure:
         for name in ("time", "aperture", "sensitivity"):
             if not 0 < getattr(self, name) < math.inf:
                 raise InputError(
-                    f"exposure {name} {getattr(self, name)}; above 0 expected"
+                    f"exposure {name} {getattr(self, name)}; a number above 0 expected"
                 )
 
     def relative(self) -> float:
-        """Light let in, in seconds at f/1 and ISO 100."""
+        """Equivalent exposure time at f/1 and ISO 100 [s]."""
         return self.time * self.sensitivity / 100 / self.aperture**2
 
 
 def read_photograph(path: str | Path) -> Photograph:
-    """Return the pixels of a JPEG, PNG or TIFF photograph, row 0 on top.
+    """Return the pixels of a JPEG, PNG or TIFF photograph, row 0 at the top.
 
     Raises
     ------
-    InputError : the file is missing or no photograph of 8 bits a channel
+    InputError : the file is missing, or not a photograph of 8 bits per channel
     """
     try:
         with Image.open(path) as image:
             if image.mode not in ("RGB", "RGBA", "L", "P"):
                 raise InputError(
-                    f"pixels of kind {image.mode}; red, green and blue of 8 bits"
+                    f"pixels of mode {image.mode}; red, green and blue of 8 bits"
                     " expected",
                     file=path,
                 )
             return np.asarray(image.convert("RGB"))
     except _BROKEN as error:
-        raise InputError(f"no photograph: {error}", file=path) from error
+        raise InputError(f"not a photograph: {error}", file=path) from error
 
 
 def read_exposure(path: str | Path) -> Exposure:
@@ -93,13 +93,13 @@ def read_exposure(path: str | Path) -> Exposure:
 
     Raises
     ------
-    InputError : the file is missing, or its data lack time, aperture or sensitivity
+    InputError : the file is missing, or its EXIF data lack a setting
     """
     try:
         with Image.open(path) as image:
             data = image.getexif().get_ifd(ExifTags.IFD.Exif)
     except _BROKEN as error:
-        raise InputError(f"no photograph: {error}", file=path) from error
+        raise InputError(f"not a photograph: {error}", file=path) from error
     tags = {
         "time": ExifTags.Base.ExposureTime,
         "aperture": ExifTags.Base.FNumber,
@@ -113,8 +113,7 @@ def read_exposure(path: str | Path) -> Exposure:
             numbers[name] = float(value)
         except (TypeError, ValueError, ZeroDivisionError):
             raise InputError(
-                f"the photograph's EXIF data lack the {name}; exposures given by hand"
-                " expected",
+                f"the EXIF data lack the {name}; give the exposure times explicitly",
                 file=path,
             ) from None
     return Exposure(**numbers)

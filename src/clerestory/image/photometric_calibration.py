@@ -10,22 +10,22 @@ from clerestory.image.arithmetic import scale
 from clerestory.image.picture import Picture
 from clerestory.scene.view import solid_angles
 
-# Change of the illuminance during a bracket that causes a warning
+# Relative change of illuminance during a bracket that causes a warning
 _DRIFT = 0.10
 
-# Share of the measured illuminance that a picture must reach not to be clipped
+# Fraction of the measured illuminance below which a picture is considered clipped
 _COMPLETE = 0.80
 
 
 class Calibration(NamedTuple):
-    """A calibrated picture and how it came about.
+    """A calibrated picture and its calibration factor.
 
     Attributes
     ----------
-    picture : in true radiances
-    factor : by which it was scaled
-    illuminance : on the camera, as measured [lux]
-    drift : change of the illuminance during the bracket over its mean
+    picture : picture in absolute radiance
+    factor : factor by which the picture was scaled
+    illuminance : mean of the measured illuminances at the camera [lux]
+    drift : relative change of the illuminance during the bracket
     """
 
     picture: Picture
@@ -35,7 +35,7 @@ class Calibration(NamedTuple):
 
 
 def eye_illuminance(picture: Picture) -> float:
-    """Illuminance on the plane across the line of sight by all that it faces [lux].
+    """Illuminance on the plane perpendicular to the view direction [lux].
 
     Raises
     ------
@@ -51,34 +51,34 @@ def eye_illuminance(picture: Picture) -> float:
     """
     view = picture.view
     if view is None:
-        raise InputError("a picture without a view; one of a hemisphere expected")
+        raise InputError("picture without a view; a hemispherical view expected")
     size = picture.columns, picture.rows
     cosine = np.maximum(view.rays(*size).direction @ view.direction, 0)
     return float((picture.luminance() * solid_angles(view, *size) * cosine).sum())
 
 
 def calibrate(picture: Picture, *, before: float, after: float) -> Calibration:
-    """Return the picture scaled to give the measured illuminance.
+    """Return the picture scaled to the measured illuminance.
 
     Parameters
     ----------
-    picture : of a whole hemisphere, without vignetting
-    before, after : illuminance beside the lens, before and after the bracket [lux]
+    picture : picture of a whole hemisphere, corrected for vignetting
+    before, after : illuminance measured at the lens before and after the bracket [lux]
 
     Raises
     ------
-    InputError : illuminances that are not positive, a black picture
+    InputError : an illuminance is not positive, or the picture is black
 
     Warns
     -----
-    ClerestoryWarning : the light changed by more than a tenth during the bracket
+    ClerestoryWarning : the illuminance changed by more than 10 % during the bracket
     """
     for value in (before, after):
         if not 0 < value < np.inf:
             raise InputError(f"measured illuminance {value:g} lux; above 0 expected")
     found = eye_illuminance(picture)
     if not found > 0:
-        raise InputError("a black picture; one of a lit scene expected")
+        raise InputError("black picture; a picture of a lit scene expected")
     measured = (before + after) / 2
     drift = abs(after - before) / measured
     if drift > _DRIFT:
@@ -93,23 +93,23 @@ def calibrate(picture: Picture, *, before: float, after: float) -> Calibration:
 
 
 def overflow(picture: Picture, illuminance: float) -> float:
-    """Share of the measured illuminance that a calibrated picture does not hold.
+    """Fraction of the measured illuminance that is missing in a calibrated picture.
 
-    The picture must have been calibrated by other means than this illuminance, such as
-    a luminance meter. A large share means that the sun, or its mirror image, is
+    The picture must have been calibrated independently of this illuminance, such as by
+    a luminance meter. A large fraction indicates that the sun, or its mirror image, is
     clipped.
 
     Parameters
     ----------
-    illuminance : measured on the camera [lux]
+    illuminance : illuminance measured at the camera [lux]
 
     Raises
     ------
-    InputError : an illuminance that is not positive
+    InputError : the illuminance is not positive
 
     Warns
     -----
-    ClerestoryWarning : a fifth or more of the light is missing
+    ClerestoryWarning : more than a fifth of the illuminance is missing
     """
     if not 0 < illuminance < np.inf:
         raise InputError(f"measured illuminance {illuminance:g} lux; above 0 expected")
@@ -117,9 +117,9 @@ def overflow(picture: Picture, illuminance: float) -> float:
     missing = 1 - held / illuminance
     if held < _COMPLETE * illuminance:
         warnings.warn(
-            f"the picture holds {held:.0f} of {illuminance:g} lux measured: its"
+            f"the picture yields {held:.0f} of {illuminance:g} lux measured; its"
             f" brightest pixels, of {float(picture.luminance().max()):.3g} cd/m², are"
-            " clipped",
+            " probably clipped",
             ClerestoryWarning,
             stacklevel=2,
         )
@@ -129,19 +129,20 @@ def overflow(picture: Picture, illuminance: float) -> float:
 def replace_overflow(
     picture: Picture, illuminance: float, *, brightest: float
 ) -> Picture:
-    """Return the picture with clipped pixels raised to give the measured illuminance.
+    """Return the picture with clipped pixels raised to the measured illuminance.
 
-    All pixels from a luminance up get one common luminance. A remedy for want of a
-    shorter exposure: the sum is right, not how it is spread.
+    All pixels at or above a given luminance are set to one common luminance. The result
+    has the correct illuminance but not the correct luminance distribution; use it only
+    if a shorter exposure is not available.
 
     Parameters
     ----------
-    illuminance : measured on the camera [lux]
-    brightest : luminance from which pixels count as clipped [cd/m²]
+    illuminance : illuminance measured at the camera [lux]
+    brightest : luminance from which pixels are considered clipped [cd/m²]
 
     Raises
     ------
-    InputError : no pixel is that bright, or the picture holds all the light already
+    InputError : no pixel is that bright, or the illuminance already matches
     """
     view = picture.view
     held = eye_illuminance(picture)
@@ -159,7 +160,7 @@ def replace_overflow(
     level = (illuminance - held + now) / float(weight.sum())
     if not level > float(luminance[clipped].min()):
         raise InputError(
-            f"the picture holds {held:.0f} of {illuminance:g} lux measured; less"
+            f"the picture yields {held:.0f} of {illuminance:g} lux measured; less"
             " expected"
         )
     radiance = picture.radiance.copy()

@@ -1,7 +1,7 @@
-"""Pictures: radiance or irradiance of every pixel, with their view.
+"""Pictures of radiance or irradiance, with their view.
 
-Row 0 is the top. Values are physical: exposures and colour corrections of a file are
-divided out when it is read.
+Row 0 is at the top. Values are absolute: readers divide by the exposures and colour
+corrections of a file.
 """
 
 from dataclasses import dataclass
@@ -19,21 +19,21 @@ Quantity = Literal["radiance", "irradiance"]
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What every pixel of a view receives.
+    """Radiance or irradiance of every pixel of a view.
 
     Attributes
     ----------
-    radiance : in each band [W/(m²·sr)]; of an irradiance picture, as rpict -i makes
-        it, the irradiance of the surface that the pixel shows [W/m²]
-    view : where it was taken from, if known
-    header : further lines of the file's header: commands that made it, notes
-    pixel_aspect : height of a pixel over its width
-    quantity : radiance or irradiance
+    radiance : radiance per band [W/(m²·sr)]; in an irradiance picture (as by rpict -i),
+        irradiance of the visible surface [W/m²]
+    view : view of the picture, if known
+    header : other header lines of the file, such as commands and notes
+    pixel_aspect : ratio of height to width of a pixel
+    quantity : "radiance" or "irradiance"
     bands : spectral bands of the channels; files hold RGB
 
     Raises
     ------
-    InputError : another shape, a value that is not finite
+    InputError : wrong shape, or a value that is not finite
 
     Examples
     --------
@@ -60,7 +60,7 @@ class Picture:
             row, column, _ = np.argwhere(~np.isfinite(values))[0]
             raise InputError(
                 f"the pixel in row {row}, column {column} is not finite;"
-                " numbers expected"
+                " finite numbers expected"
             )
         if not 0 < self.pixel_aspect < np.inf:
             raise InputError(
@@ -82,7 +82,7 @@ class Picture:
     def rgb(self) -> Float32[np.ndarray, "row column 3"]:
         """Values in red, green and blue."""
         if self.bands != RGB:
-            raise InputError(f"a picture in the bands {self.bands}; {RGB} expected")
+            raise InputError(f"picture in the bands {self.bands}; {RGB} expected")
         return self.radiance
 
     def luminance(self) -> Float32[np.ndarray, "row column"]:
@@ -92,14 +92,14 @@ class Picture:
         return photometric(self)
 
     def illuminance(self) -> Float32[np.ndarray, "row column"]:
-        """Illuminance of the surface behind every pixel [lux]."""
+        """Illuminance of the surface visible in every pixel [lux]."""
         if self.quantity != "irradiance":
             raise InputError("a radiance picture has no illuminance; use luminance")
         return photometric(self)
 
 
 def photometric(picture: Picture) -> Float32[np.ndarray, "row column"]:
-    """Luminance [cd/m²] or illuminance [lux] of every pixel, as the picture holds."""
+    """Luminance [cd/m²] or illuminance [lux] of every pixel."""
     return picture.bands.photometric(picture.radiance)
 
 

@@ -1,6 +1,6 @@
-"""Picture files: Radiance's .hdr and .pic, and OpenEXR.
+"""Picture files: Radiance (.hdr, .pic) and OpenEXR (.exr).
 
-The format is read from the first bytes of a file, and chosen by the suffix in writing.
+Readers detect the format from the first bytes; writers choose it by the extension.
 """
 
 from pathlib import Path
@@ -15,11 +15,11 @@ _EXR = b"\x76\x2f\x31\x01"
 
 
 def read_picture(path: str | Path) -> Picture:
-    """Return the picture of a file: Radiance's .hdr or .pic, or OpenEXR.
+    """Return the picture in a Radiance or OpenEXR file.
 
     Raises
     ------
-    InputError : the file is missing, broken, or in another format
+    InputError : the file is missing, damaged, or in another format
     """
     start = read_bytes(path)[:4]
     if start.startswith(b"#?"):
@@ -27,17 +27,17 @@ def read_picture(path: str | Path) -> Picture:
     if start == _EXR:
         return read_exr(path)
     raise InputError(
-        "not a picture; Radiance's, which begins with #?, or OpenEXR expected",
+        "not a picture; a Radiance picture (starting with #?) or OpenEXR expected",
         file=path,
     )
 
 
 def write_picture(picture: Picture, path: str | Path) -> None:
-    """Write a picture: .hdr and .pic are Radiance's format, .exr is OpenEXR's.
+    """Write a picture in Radiance format (.hdr, .pic) or OpenEXR (.exr).
 
     Raises
     ------
-    InputError : another ending
+    InputError : unknown extension
     OutputError : the file cannot be written
     """
     ending = Path(path).suffix.lower()

@@ -1,7 +1,7 @@
-"""Sets of pictures as matrices: a row for each pixel, a column for each picture.
+"""Sets of pictures as matrices, with one row per pixel and one column per picture.
 
-The view matrix of a picture is such a set, V_%03d.hdr, one picture per window patch; a
-product with a sky matrix is another, one picture per time step.
+Examples are view matrices of images, V_%03d.hdr, with one picture per window patch, and
+their products with sky matrices, with one picture per time step.
 """
 
 from itertools import count
@@ -19,7 +19,7 @@ _ENDINGS = (".hdr", ".pic", ".exr")
 
 
 def is_picture_set(path: Path) -> bool:
-    """Whether a name has a number, such as %03d, and is that of a picture.
+    """Whether a name has a number format, such as %03d, and a picture extension.
 
     >>> is_picture_set(Path("V_%03d.hdr")), is_picture_set(Path("V.mtx"))
     (True, False)
@@ -42,7 +42,7 @@ def numbered(path: Path, number: int) -> Path:
 
 
 def read_picture_set(path: Path) -> tuple[TransferMatrix, Picture]:
-    """Return pictures numbered from 0 as a matrix, and the first of them."""
+    """Return pictures numbered from 0 as a matrix, and the first picture."""
     if numbered(path, 0) == numbered(path, 1):
         raise InputError(
             "a name with one number such as V_%03d.hdr expected", file=path
@@ -73,9 +73,9 @@ def read_picture_set(path: Path) -> tuple[TransferMatrix, Picture]:
 def write_picture_set(
     path: Path, matrix: TransferMatrix, like: Picture, *, command: str
 ) -> list[Path]:
-    """Write a picture for each column, with size and view of another; return them.
+    """Write one picture per column, with the size and view of `like`; return the paths.
 
-    A single column may have a name without number.
+    For a single column the name needs no number format.
     """
     columns = matrix.columns.size
     if "%" not in path.name and columns > 1:

@@ -15,9 +15,9 @@ class Statistics:
 
     Attributes
     ----------
-    pixels : how many were counted
-    smallest, mean, largest : over them, each with equal weight
-    percentile : pairs of a percentage and the value that it lies below
+    pixels : number of evaluated pixels
+    smallest, mean, largest : minimum, mean and maximum over pixels, equally weighted
+    percentile : pairs of a percentage and the corresponding percentile
     unit : cd/m² or lux
     """
 
@@ -30,7 +30,7 @@ class Statistics:
 
     @property
     def median(self) -> float:
-        """Value that half of the pixels lie below."""
+        """Median of the pixels."""
         return dict(self.percentile)[50.0]
 
 
@@ -40,11 +40,11 @@ def statistics(
     *,
     percentages: tuple[float, ...] = (1.0, 10.0, 25.0, 50.0, 75.0, 90.0, 99.0),
 ) -> Statistics:
-    """Return the statistics of a picture, where the mask is true.
+    """Return the statistics of the pixels of a picture where the mask is true.
 
     Raises
     ------
-    InputError : a mask of another size, or one that leaves no pixel
+    InputError : the mask differs in size, or selects no pixel
 
     Examples
     --------
@@ -55,10 +55,10 @@ def statistics(
     values = photometric(picture)
     if mask is not None:
         if mask.shape != values.shape:
-            raise InputError(f"a mask of shape {mask.shape} on {values.shape} pixels")
+            raise InputError(f"mask of shape {mask.shape}; {values.shape} expected")
         values = values[mask]
     if not values.size:
-        raise InputError("the mask leaves no pixel; one or more expected")
+        raise InputError("the mask selects no pixel; at least one expected")
     wanted = tuple(sorted({*percentages, 50.0}))
     found = np.percentile(values, wanted)
     return Statistics(

@@ -23,19 +23,19 @@ from clerestory.image.radiance_header import (
 from clerestory.image.run_length import RunLengthError, decode, encode
 from clerestory.radiance.view_text import format_view, opens_view
 
-# The exponent's byte counts from here (color.h: COLXS)
+# Offset of the exponent byte (color.h: COLXS)
 _EXCESS = 128
 
-# Values below are written as black (color.c: setcolr)
+# Smaller values are written as black (color.c: setcolr)
 _BLACK = 1e-32
 
 
 def read_radiance(path: str | Path) -> Picture:
-    """Return a picture in Radiance's format, its exposure divided out.
+    """Return a picture in Radiance format, divided by its exposure.
 
     Raises
     ------
-    InputError : not such a picture, a broken header, pixels missing
+    InputError : another format, a damaged header, or missing pixels
     """
     data = read_bytes(path)
     try:
@@ -46,7 +46,7 @@ def read_radiance(path: str | Path) -> Picture:
         pixels = np.frombuffer(data, dtype=np.uint8)[start:]
         quads = decode(pixels, rows=rows, width=width)
     except RunLengthError as error:
-        raise InputError(f"broken pixels: {error}", file=path) from error
+        raise InputError(f"damaged pixel data: {error}", file=path) from error
     except InputError as error:
         raise InputError(error.message, file=path, line=error.line) from error
     values = _physical(_floats(resolution.upright(quads)), header)
@@ -62,7 +62,7 @@ def read_radiance(path: str | Path) -> Picture:
 def _floats(
     quads: UInt8[np.ndarray, "row column 4"],
 ) -> Float32[np.ndarray, "row column 3"]:
-    # The middle of the interval that a mantissa stands for; exponent 0 is black
+    # Centre of the interval of each mantissa; exponent 0 is black
     exponent = np.arange(256)
     unit = np.ldexp(np.float32(1), exponent - _EXCESS - 8)
     unit[0] = 0
@@ -89,16 +89,16 @@ def _physical(
 def write_radiance(
     picture: Picture, path: str | Path, *, exposure: float = 1.0, xyz: bool = False
 ) -> None:
-    """Write a picture in Radiance's format.
+    """Write a picture in Radiance format.
 
-    Values are kept to one part in 256 of the largest of their pixel; negative ones,
-    which the format has not, become 0, and those beyond 10³⁸ the largest it has.
+    Precision is 1/256 of the largest component of each pixel. Negative values become 0,
+    values above 10³⁸ the largest value of the format.
 
     Parameters
     ----------
-    picture, path : what to write, and where
-    exposure : factor on the pixels, recorded in the header; for viewers that ignore it
-    xyz : CIE XYZ instead of red, green and blue
+    picture, path : picture to write, and path of the file
+    exposure : factor of the pixels, recorded in the header
+    xyz : whether to write CIE XYZ instead of red, green and blue
 
     Raises
     ------
@@ -108,7 +108,7 @@ def write_radiance(
     scale = exposure
     if xyz:
         values = values @ np.linalg.inv(xyz_to_rgb()).T.astype(np.float32)
-        # So that Y over the header's exposure is in cd/m²
+        # Y divided by the exposure of the header is in cd/m²
         scale = exposure / LUMINOUS_EFFICACY
     pixels = _quads(values * np.float32(exposure))
     with replace_file(path) as stream:
@@ -132,7 +132,7 @@ def _header(picture: Picture, scale: float, *, xyz: bool) -> str:
 
 
 def _kept_lines(picture: Picture) -> list[str]:
-    # One line each; behind a tab, programs do not take them for the picture's view
+    # One line each; a leading tab keeps programs from reading them as the view
     lines = [" ".join(line.splitlines()) for line in picture.header if line.strip()]
     if picture.view is not None:
         return lines
@@ -145,7 +145,7 @@ def _quads(
     values = np.clip(values, 0, np.float32(255 / 256 * 2.0**127))
     largest = np.maximum(np.maximum(values[..., 0], values[..., 1]), values[..., 2])
     _, exponent = np.frexp(np.maximum(largest, np.float32(_BLACK)))
-    # A power of two, so that the product is exact
+    # Powers of two make the product exact
     unit = np.ldexp(np.float32(1), 8 - exponent)
     quads = np.empty((*largest.shape, 4), dtype=np.uint8)
     for i in range(3):

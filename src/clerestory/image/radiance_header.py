@@ -1,4 +1,4 @@
-"""Headers of Radiance pictures: text lines, an empty line, the resolution.
+"""Headers of Radiance pictures: text lines, an empty line and the resolution.
 
 Each program that processes a picture adds a line. Lines of the source pictures begin
 with a tab and are ignored.
@@ -23,7 +23,7 @@ _LONGEST = 1 << 20
 _MOST_PIXELS = 1 << 27
 _RESOLUTION = re.compile(r"([-+])([XY]) *(\d{1,9}) +([-+])([XY]) *(\d{1,9})\s*$")
 
-# Programs whose option -i makes irradiance pictures
+# Programs that write irradiance pictures with the option -i
 _RENDERERS = re.compile(r"(?:\S*/)?(?:rpict|rtpict|rvu|rpiece|rtrace)\s")
 _FORMATS = {"32-bit_rle_rgbe": "rgb", "32-bit_rle_xyze": "xyz"}
 
@@ -35,8 +35,8 @@ class Resolution:
     Attributes
     ----------
     columns, rows : size of the picture
-    by_column : scanlines are columns
-    upward, leftward : rows run from the bottom, columns from the right
+    by_column : whether scanlines are columns
+    upward, leftward : whether rows start at the bottom, and columns at the right
     """
 
     columns: int
@@ -47,14 +47,14 @@ class Resolution:
 
     @property
     def scanlines(self) -> tuple[int, int]:
-        """Number of scanlines and pixels in each."""
+        """Number of scanlines, and number of pixels per scanline."""
         shape = (self.rows, self.columns)
         return shape[::-1] if self.by_column else shape
 
     def upright(
         self, pixels: UInt8[np.ndarray, "lines width 4"]
     ) -> UInt8[np.ndarray, "row column 4"]:
-        """Scanlines as rows from the top, columns from the left."""
+        """Pixels reordered into rows from the top and columns from the left."""
         if self.by_column:
             pixels = pixels.transpose(1, 0, 2)
         return pixels[:: -1 if self.upward else 1, :: -1 if self.leftward else 1]
@@ -62,12 +62,12 @@ class Resolution:
 
 @dataclass
 class Header:
-    """What the lines of a header say.
+    """Contents of a header.
 
     Attributes
     ----------
-    encoding : whether pixels are rgb or xyz
-    scale : what pixels were multiplied with, per channel
+    encoding : "rgb" or "xyz"
+    scale : factor of the pixels, per channel
     """
 
     encoding: str = "rgb"
@@ -80,12 +80,12 @@ class Header:
 
 
 def split_header(data: bytes) -> tuple[list[str], str, int]:
-    """Return the lines of a header, the resolution line, where pixels begin."""
+    """Return the header lines, the resolution line, and the offset of the pixels."""
     end = re.search(rb"\n\r?\n", data[:_LONGEST])
     stop = -1 if end is None else data.find(b"\n", end.end(), end.end() + 100)
     if end is None or stop < 0:
         raise InputError(
-            "the header has no end; an empty line and a resolution expected"
+            "the header does not end; an empty line and a resolution expected"
         )
     lines = [line.rstrip("\r") for line in _text(data[: end.start()]).split("\n")]
     return lines[1:], _text(data[end.end() : stop]), stop + 1
@@ -99,7 +99,7 @@ def _text(data: bytes) -> str:
 
 
 def parse_resolution(line: str) -> Resolution:
-    """Return the order of pixels in a line such as "-Y 600 +X 800".
+    """Return the pixel order that a line such as "-Y 600 +X 800" describes.
 
     >>> parse_resolution("+X 3 -Y 4")
     Resolution(columns=3, rows=4, by_column=True, upward=False, leftward=False)
@@ -107,13 +107,13 @@ def parse_resolution(line: str) -> Resolution:
     match = _RESOLUTION.match(line)
     if match is None or match[2] == match[5]:
         raise InputError(
-            f'resolution "{line[:40].strip()}"; one like "-Y 600 +X 800" expected'
+            f'resolution "{line[:40].strip()}"; a line such as "-Y 600 +X 800" expected'
         )
     sign = {match[2]: match[1], match[5]: match[4]}
     size = {match[2]: int(match[3]), match[5]: int(match[6])}
     if not 0 < size["X"] * size["Y"] <= _MOST_PIXELS:
         raise InputError(
-            f"a picture of {size['X']} × {size['Y']} pixels;"
+            f"picture of {size['X']} × {size['Y']} pixels;"
             f" 1 to {_MOST_PIXELS / 1e6:.0f} million expected"
         )
     return Resolution(
@@ -126,10 +126,10 @@ def parse_resolution(line: str) -> Resolution:
 
 
 def parse_header(lines: list[str]) -> Header:
-    """Return what the lines of a header say.
+    """Return the contents of a header from its lines.
 
-    Exposures, pixel aspects and colour corrections multiply; of views the last counts,
-    and it may leave open what those before it said.
+    Exposures, pixel aspects and colour corrections are multiplied. Options of the last
+    view override options of earlier views.
     """
     header = Header()
     kept = []
@@ -144,7 +144,7 @@ def parse_header(lines: list[str]) -> Header:
 
 
 def _take(line: str, header: Header) -> bool:
-    # Whether the values of the header contain the whole line
+    # Whether the fields of the header hold all information of the line
     name, equals, value = line.partition("=")
     if equals and name == "FORMAT":
         header.encoding = _encoding(value.strip())
@@ -172,7 +172,7 @@ def _take_view(line: str, header: Header) -> None:
         header.view = parse_view(line, header.view)
     except InputError as error:
         warnings.warn(
-            f"the picture's view is not used: {error.message}",
+            f"the view of the picture is ignored: {error.message}",
             ClerestoryWarning,
             stacklevel=2,
         )

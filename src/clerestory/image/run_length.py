@@ -1,18 +1,19 @@
-"""Run-length coding of Radiance pictures, the old and the new format.
+"""Run-length encoding of Radiance pictures, in the old and the new format.
 
-A scanline in the new code is 2 2 high low, then its four components one after the
-other, each a sequence of a count up to 128 with as many bytes, or of 128 + count with
-one byte to repeat. In the old code whole pixels follow each other, and 1 1 1 n repeats
-the last one n times; several in a row give the count's bytes, lowest first.
+A scanline in the new format starts with the bytes 2, 2 and its length (high, low byte).
+Its four components follow in turn, each as a sequence of literals (a count up to 128,
+then as many bytes) and runs (128 + count, then the byte to repeat). In the old format
+whole pixels follow each other, and 1 1 1 n repeats the last pixel n times; successive
+repetitions give the bytes of the count, lowest first.
 """
 
 import numpy as np
 from jaxtyping import Bool, Int, UInt8
 
-# Lengths of scanlines that are written in the new code (color.c: MINELEN, MAXELEN)
+# Lengths of scanlines written in the new format (color.c: MINELEN, MAXELEN)
 SHORTEST, LONGEST = 8, 0x7FFF
 
-# Shortest and longest run of one code
+# Shortest and longest run, and longest literal
 _SHORTEST_RUN, _LONGEST_RUN, _LONGEST_LITERAL = 4, 127, 128
 _RUN = 128
 
@@ -20,14 +21,14 @@ _Bytes = UInt8[np.ndarray, " bytes"]
 
 
 class RunLengthError(ValueError):
-    """The bytes are no scanlines of the size asked for."""
+    """The bytes are not scanlines of the expected size."""
 
 
 def decode(
     data: _Bytes, *, rows: int, width: int
 ) -> UInt8[np.ndarray, "{rows} {width} 4"]:
     """Return the four bytes of every pixel, scanline by scanline."""
-    # Four bytes a pixel and nothing repeated: the plain form
+    # Uncompressed: four bytes per pixel without repetitions
     if data.size == rows * width * 4 and not _is_new(data, 0, width):
         quads = data.reshape(rows, width, 4)
         if not (quads[..., :3] == 1).all(axis=-1).any():
@@ -36,7 +37,7 @@ def decode(
     start = row = 0
     while row < rows:
         if _is_new(data, start, width):
-            # As many scanlines in the new code as follow each other
+            # Decode all successive scanlines in the new format
             codes, starts, end = _find_codes(data, start, rows - row, width)
             part = _expand(data[start:end], codes - start, starts - start, width)
         else:
@@ -53,14 +54,14 @@ def _is_new(data: _Bytes, start: int, width: int) -> bool:
     if head[0] != 2 or head[1] != 2 or head[2] > 127:
         return False
     if (int(head[2]) << 8) + int(head[3]) != width:
-        raise RunLengthError("a scanline gives another length than the header")
+        raise RunLengthError("a scanline states a length that differs from the header")
     return True
 
 
 def _find_codes(
     data: _Bytes, start: int, most: int, width: int
 ) -> tuple[Int[np.ndarray, " codes"], Int[np.ndarray, " rows"], int]:
-    # Positions of codes and of scanlines from `start` on, and where these end
+    # Positions of codes and scanlines from `start` on, and end of the scanlines
     found = _find_together(data, start, most, width)
     if found is None:
         found = _find_in_order(data, start, most, width)
@@ -73,7 +74,7 @@ def _find_codes(
 def _find_in_order(
     data: _Bytes, start: int, most: int, width: int
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    # One code after the other; a terminator of runs lets broken data end
+    # Sequential search; trailing run codes terminate damaged data
     raw = data.tobytes() + bytes([255]) * 2
     head = bytes([2, 2, width >> 8, width & 255])
     codes: list[int] = []
@@ -96,8 +97,8 @@ def _find_in_order(
 def _find_together(
     data: _Bytes, start: int, most: int, width: int
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
-    # All scanlines at once, from every place that looks like the head of one; None
-    # where there are too many of them, or codes that stand for nothing
+    # All scanlines in parallel, from every position that may be the start of one; None
+    # if there are too many such positions, or codes of length zero
     head = np.flatnonzero(data[start:-3] == 2) + start
     for i, value in enumerate((2, width >> 8, width & 255), start=1):
         head = head[data[head + i] == value]
@@ -134,7 +135,7 @@ def _chain(
     start: int,
     most: int,
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    # Keep the scanlines that really follow each other
+    # Keep only scanlines that follow each other without gaps
     after = dict(zip(head.tolist(), range(head.size), strict=True))
     chosen: list[int] = []
     at = start
@@ -149,7 +150,7 @@ def _chain(
 def _expand(
     data: _Bytes, codes: np.ndarray, starts: np.ndarray, width: int
 ) -> UInt8[np.ndarray, "rows width 4"]:
-    # How often each byte is repeated: heads and codes never, literals once
+    # Number of repetitions of each byte: 0 for headers and codes, 1 for literals
     times = np.ones(data.size, dtype=np.int64)
     times[starts[:, None] + np.arange(4)] = 0
     times[codes] = 0
@@ -157,22 +158,22 @@ def _expand(
     run = count > _RUN
     count[run] -= _RUN
     times[codes[run] + 1] = count[run]
-    # Codes must end where components do
+    # Codes must end at the ends of components
     ends = np.cumsum(count)
     borders = width * np.arange(1, 4 * starts.size + 1)
     at = np.searchsorted(ends, borders)
     if at[-1] >= ends.size or (ends[at] != borders).any():
-        raise RunLengthError("a run leaves its scanline")
+        raise RunLengthError("a run exceeds its scanline")
     plain = np.repeat(data, times).reshape(starts.size, 4, width)
     return plain.transpose(0, 2, 1)
 
 
 def _decode_old(data: _Bytes, start: int, width: int) -> tuple[np.ndarray, int]:
-    # A scanline takes at most four bytes a pixel, and three counts beyond
+    # A scanline takes at most four bytes per pixel
     chunk = data[start : start + 4 * width]
     quads = chunk[: chunk.size // 4 * 4].reshape(-1, 4)
     repeat = (quads[:, :3] == 1).all(axis=1)
-    # Each further repetition in a row counts in the next higher byte
+    # Each successive repetition gives the next higher byte of the count
     index = np.arange(len(quads))
     since = index - np.maximum.accumulate(np.where(repeat, -1, index))
     shift = np.minimum(8 * (since - 1), 32)
@@ -182,20 +183,20 @@ def _decode_old(data: _Bytes, start: int, width: int) -> tuple[np.ndarray, int]:
     if last == len(quads):
         raise RunLengthError("the data end within a scanline")
     if ends[last] != width or repeat[0]:
-        raise RunLengthError("a run leaves its scanline")
+        raise RunLengthError("a run exceeds its scanline")
     source = np.maximum.accumulate(np.where(repeat, -1, index))[: last + 1]
     row = np.repeat(quads[source], count[: last + 1], axis=0)
     return row[None], start + 4 * (last + 1)
 
 
 def encode(pixels: UInt8[np.ndarray, "rows width 4"]) -> bytes:
-    """Return scanlines in the new code; plain ones where it does not apply."""
+    """Return scanlines in the new format, or uncompressed if it does not apply."""
     width = pixels.shape[1]
     if not SHORTEST <= width <= LONGEST:
         return pixels.tobytes()
     flat = np.ascontiguousarray(pixels.transpose(0, 2, 1)).reshape(-1)
     start, length, run = _segments(flat, width)
-    # Where each piece goes: a head before each scanline, one byte before literals
+    # Positions of the pieces: a header before each scanline, a count before literals
     heads = start % (4 * width) == 0
     size = np.where(run, 2, length + 1) + 4 * heads
     at = np.cumsum(size) - size + 4 * heads
@@ -213,18 +214,18 @@ def encode(pixels: UInt8[np.ndarray, "rows width 4"]) -> bytes:
 def _segments(
     flat: _Bytes, width: int
 ) -> tuple[np.ndarray, np.ndarray, Bool[np.ndarray, " pieces"]]:
-    # Cut where the value changes, and at the ends of components
+    # Split where the value changes, and at the ends of components
     new = np.empty(flat.size, dtype=bool)
     new[0] = True
     np.not_equal(flat[1:], flat[:-1], out=new[1:])
     new[::width] = True
     start = np.flatnonzero(new)
     run = np.diff(start, append=flat.size) >= _SHORTEST_RUN
-    # Join neighbours that are too short to pay
+    # Join adjacent runs that are too short into literals
     joined = ~run & ~np.append(True, run[:-1]) & (start % width != 0)
     start, run = start[~joined], run[~joined]
     length = np.diff(start, append=flat.size)
-    # Cut what is too long for one code
+    # Split pieces that are too long for one code
     longest = np.where(run, _LONGEST_RUN, _LONGEST_LITERAL)
     pieces = -(-length // longest)
     within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)

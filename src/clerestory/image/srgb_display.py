@@ -1,7 +1,7 @@
-"""Images for displays: 8 bits in sRGB, written as PNG or JPEG.
+"""Display images in 8-bit sRGB, written as PNG or JPEG.
 
-The input is display-referred: red, green and blue in Radiance's primaries, linear,
-0 black and 1 the display's white; the tone mappings of this package make it.
+The input is the output of a tone mapping: linear red, green and blue in the primaries
+of Radiance, from 0 (black) to 1 (display white).
 """
 
 from pathlib import Path
@@ -15,7 +15,7 @@ from clerestory.colorimetry import RADIANCE, SRGB, conversion
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 
-# Endings of files and Pillow's names of their formats
+# File extensions, and the names of the formats in Pillow
 _FORMATS: dict[str, Literal["PNG", "JPEG"]] = {
     ".png": "PNG",
     ".jpg": "JPEG",
@@ -26,10 +26,9 @@ _FORMATS: dict[str, Literal["PNG", "JPEG"]] = {
 def to_srgb(
     display: Float[np.ndarray, "row column 3"],
 ) -> UInt8[np.ndarray, "row column 3"]:
-    """Linear display values as sRGB code values.
+    """Convert linear display values to sRGB code values.
 
-    White stays white. What the display cannot show is cut: brighter than white, or a
-    colour outside its triangle.
+    White is preserved. Values above white or outside the sRGB gamut are clipped.
 
     References
     ----------
@@ -52,7 +51,7 @@ def write_display(pixels: UInt8[np.ndarray, "row column 3"], path: str | Path) -
 
     Raises
     ------
-    InputError : another ending
+    InputError : unknown extension
     OutputError : the file cannot be written
     """
     kind = _FORMATS.get(Path(path).suffix.lower())

@@ -1,4 +1,4 @@
-"""Global tone mapping: linear, and the response curve of a film.
+"""Global tone mapping, linear or by a film response curve.
 
 The result is display-referred: red, green and blue, linear, 0 black and 1 white. See
 `visibility_matching` for the mapping that preserves visibility.
@@ -12,23 +12,23 @@ from clerestory.image.picture import Picture, photometric
 
 Display = Float32[np.ndarray, "row column 3"]
 
-# Reflectance of the card that photographers expose for, and that the log average
-# luminance is shown as: Reinhard et al., "Photographic tone reproduction for digital
-# images", ACM Trans. Graphics 21 (2002), eq. 2
+# Display value of the log-average luminance, the reflectance of a grey card: Reinhard
+# et al., "Photographic tone reproduction for digital images", ACM Trans. Graphics 21
+# (2002), eq. 2
 _KEY = 0.18
 
 # Hable, "Uncharted 2: HDR lighting", Game Developers Conference 2010: shoulder, linear
 # strength and angle, toe strength, numerator and denominator, and linear white
 _A, _B, _C, _D, _E, _F, _WHITE = 0.15, 0.50, 0.10, 0.20, 0.02, 0.30, 11.2
 
-# His exposure before the curve
+# Exposure before the curve, as in Hable
 _BIAS = 2.0
 
 
 def key_luminance(picture: Picture) -> float:
-    """Luminance that an automatic exposure shows as white [cd/m²].
+    """Luminance that automatic exposure maps to white [cd/m²].
 
-    The logarithmic average of what is not black becomes middle grey, 18 %.
+    The logarithmic average of all pixels that are not black is mapped to 18 % grey.
 
     >>> grey = Picture(np.full((1, 1, 3), 1 / 179, dtype=np.float32))
     >>> round(key_luminance(grey), 3)
@@ -44,21 +44,21 @@ def linear(picture: Picture, *, white: float | None = None) -> Display:
 
     Parameters
     ----------
-    picture : what to show
-    white : luminance shown as white [cd/m²], or illuminance [lux]; brighter is cut.
-        Automatic if not given: `key_luminance`
+    picture : picture to map
+    white : luminance [cd/m²] or illuminance [lux] mapped to white; brighter pixels are
+        clipped on display. Default: `key_luminance`
     """
     return _exposed(picture, white)
 
 
 def filmic(picture: Picture, *, white: float | None = None) -> Display:
-    """Display values along the curve of a film: soft in shadows and highlights.
+    """Display values by a film response curve, with compressed shadows and highlights.
 
     Parameters
     ----------
-    picture : what to show
-    white : luminance that a linear mapping would show as white [cd/m²]; some five
-        times as much is white on the curve. Automatic if not given: `key_luminance`
+    picture : picture to map
+    white : luminance that a linear mapping would show as white [cd/m²]; the curve
+        reaches white at about five times this value. Default: `key_luminance`
 
     References
     ----------
@@ -71,7 +71,7 @@ def filmic(picture: Picture, *, white: float | None = None) -> Display:
 
 
 def _curve(x: np.ndarray) -> np.ndarray:
-    # Values far beyond white are all white; squares must stay finite
+    # Limit values far above white, so that squares remain finite
     x = np.minimum(x, 1e4)
     top = x * (_A * x + _C * _B) + _D * _E
     shown: np.ndarray = top / (x * (_A * x + _B) + _D * _F) - _E / _F
@@ -82,6 +82,6 @@ def _exposed(picture: Picture, white: float | None) -> Display:
     if white is not None and not 0 < white < np.inf:
         raise InputError(f"white at {white:g} cd/m²; a positive luminance expected")
     level = key_luminance(picture) if white is None else white
-    # The luminance of radiance 1 W/(m²·sr) in each channel is the picture's own
+    # Luminance of the radiance 1 W/(m²·sr) in each channel
     one = photometric(Picture(np.ones((1, 1, 3), dtype=np.float32)))[0, 0]
     return picture.rgb * np.float32(one / level)

@@ -1,4 +1,4 @@
-"""Veiling glare: intraocular scattering over the whole view."""
+"""Veiling glare by intraocular scattering over the whole view."""
 
 from dataclasses import dataclass, replace
 
@@ -11,27 +11,27 @@ from clerestory.image.picture import Picture
 from clerestory.scene.projection import PROJECTIONS
 from clerestory.scene.view import View
 
-# Share of the light that is scattered: Moon and Spencer (1945), as in Ward Larson et
+# Fraction of light that is scattered: Moon and Spencer (1945), as in Ward Larson et
 # al. (1997), eq. 8, and pcond
 _SCATTERED = 0.08
 
-# Width of the fovea [rad], and of an unknown view [deg]
+# Width of the fovea [rad], and assumed width of an unknown view [°]
 _FOVEA = np.radians(1.0)
 _WIDTH = 40.0
 
-# Pairs of samples that are held at once, and the most samples: pairs take time
+# Largest number of sample pairs in memory, and of samples
 _PAIRS = 1 << 22
 _MOST_SAMPLES = 8192
 
 
 @dataclass(frozen=True)
 class FovealView:
-    """A view in samples of a degree.
+    """A view divided into samples of one degree.
 
     Attributes
     ----------
-    view : the picture's, or a perspective 40° wide where it has none of use
-    columns, rows : samples of a degree at its centre
+    view : view of the picture, or a perspective 40° wide if it is unknown or unsuitable
+    columns, rows : numbers of samples, each one degree wide at the centre
     """
 
     view: View
@@ -40,10 +40,10 @@ class FovealView:
 
 
 def foveal_view(picture: Picture) -> FovealView:
-    """Return the view of a picture in samples of a degree.
+    """Return the view of a picture, divided into samples of one degree.
 
-    A picture without view, in parallel projection or narrower than 5° counts as a
-    perspective whose longer side is 40°.
+    A perspective 40° wide on the longer side is assumed if the picture has no view, a
+    parallel projection, or a view narrower than 5°.
     """
     view = picture.view
     if (
@@ -61,11 +61,11 @@ def foveal_view(picture: Picture) -> FovealView:
 
 
 def with_veil(picture: Picture) -> Picture:
-    """Return what reaches the retina: the picture under its veil.
+    """Return the picture on the retina, with veiling luminance.
 
-    8 % of the light is spread over the view with cos θ / θ², θ being the angle between
-    source and line of sight; the total over the picture stays about the same. Sources
-    are averages over a degree, over two in a fisheye.
+    8 % of the light is distributed over the view with cos θ / θ², where θ is the angle
+    between source and line of sight; total flux is approximately conserved. Sources
+    are averages over one degree, or two degrees in a fisheye view.
 
     References
     ----------
@@ -80,7 +80,7 @@ def with_veil(picture: Picture) -> Picture:
     direction = fovea.view.rays(columns, rows).direction.reshape(-1, 3)
     veil = _scatter(direction.astype(np.float32), samples.reshape(rows * columns, -1))
     veil = veil.reshape(samples.shape)
-    # Between the samples, linear; outside the outermost, theirs
+    # Linear interpolation between samples, constant beyond the outermost samples
     row = (np.arange(picture.rows) + 0.5) / picture.rows * rows - 0.5
     column = (np.arange(picture.columns) + 0.5) / picture.columns * columns - 0.5
     place = np.stack(np.meshgrid(row, column, indexing="ij"))
@@ -99,7 +99,7 @@ def _scatter(
     direction: Float32[np.ndarray, "samples 3"],
     radiance: Float32[np.ndarray, "samples band"],
 ) -> Float32[np.ndarray, "samples band"]:
-    # Average of all others, weighted with cos θ / θ²; 2 (1 − cos θ) stands for θ²
+    # Mean of all other samples, weighted by cos θ / θ² with θ² ≈ 2 (1 − cos θ)
     veil = np.zeros_like(radiance)
     count = max(_PAIRS // len(direction), 1)
     for start in range(0, len(direction), count):

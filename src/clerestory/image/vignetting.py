@@ -1,4 +1,4 @@
-"""Vignetting: transmission of a lens by the angle from its axis, and its correction."""
+"""Vignetting of a lens as a function of the angle from its axis, and its correction."""
 
 from dataclasses import dataclass, replace
 
@@ -8,21 +8,21 @@ from jaxtyping import Float
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 
-# A lens that passes less at some angle cannot be corrected
+# Smallest relative transmission that can be corrected
 _LEAST = 0.02
 
 
 @dataclass(frozen=True)
 class Vignetting:
-    """Share of light that a lens passes, by the angle from its axis.
+    """Relative transmission of a lens as a function of the angle θ from its axis.
 
     Attributes
     ----------
-    coefficients : of θ², θ⁴, … [1/rad², …] of 1 + Σ; a lens is alike on both sides
+    coefficients : coefficients c₁, c₂, … [1/rad², …] of 1 + c₁ θ² + c₂ θ⁴ + …
 
     Raises
     ------
-    InputError : a share below 2 % within 90°
+    InputError : the transmission falls below 2 % within 90°
 
     Examples
     --------
@@ -36,12 +36,12 @@ class Vignetting:
         lowest = float(self.passed(np.linspace(0, np.pi / 2, 91)).min())
         if not lowest >= _LEAST:
             raise InputError(
-                f"vignetting that passes {lowest:.3f} of the light; {_LEAST} or more"
-                " expected"
+                f"vignetting with a relative transmission of {lowest:.3f}; {_LEAST} or"
+                " more expected"
             )
 
     def passed(self, theta: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
-        """Share of light passed at angles from the axis [rad]."""
+        """Relative transmission at angles from the axis [rad]."""
         square = np.asarray(theta, dtype=float) ** 2
         return np.asarray(np.polyval([*self.coefficients[::-1], 1.0], square))
 
@@ -52,17 +52,17 @@ def fit_vignetting(
     *,
     terms: int = 3,
 ) -> Vignetting:
-    """Return the vignetting of a lens that was turned past a steady target.
+    """Fit the vignetting to photographs of a constant target at several angles.
 
     Parameters
     ----------
-    theta : angles of the target from the axis [rad]
-    luminance : of the target in the photographs, to any scale
-    terms : even powers of θ
+    theta : angles between target and axis [rad]
+    luminance : luminance of the target in the photographs, to any scale
+    terms : number of even powers of θ
 
     Raises
     ------
-    InputError : fewer than `terms` + 2 angles, luminances that are not positive
+    InputError : fewer than `terms` + 2 angles, or luminances that are not positive
 
     Examples
     --------
@@ -74,21 +74,23 @@ def fit_vignetting(
     if theta.size < terms + 2:
         raise InputError(f"{theta.size} angles; {terms + 2} or more expected")
     if not (np.isfinite(luminance).all() and (luminance > 0).all()):
-        raise InputError("luminances of the target that are not positive")
+        raise InputError(
+            "luminances of the target not positive; positive numbers expected"
+        )
     powers = theta[:, None] ** (2 * np.arange(terms + 1))
     fitted, *_ = np.linalg.lstsq(powers / luminance[:, None], np.ones(theta.size))
     return Vignetting(tuple((fitted[1:] / fitted[0]).tolist()))
 
 
 def correct_vignetting(picture: Picture, vignetting: Vignetting) -> Picture:
-    """Return the picture with the light that its lens did not pass.
+    """Return the picture divided by the relative transmission of the lens.
 
     Raises
     ------
     InputError : the picture has no view
     """
     if picture.view is None:
-        raise InputError("a picture without a view; one reprojected before expected")
+        raise InputError("picture without a view; a reprojected picture expected")
     rays = picture.view.rays(picture.columns, picture.rows)
     theta = np.arccos(np.clip(rays.direction @ picture.view.direction, -1, 1))
     passed = np.where(theta <= np.pi / 2, vignetting.passed(theta), 1.0)

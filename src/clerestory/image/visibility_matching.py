@@ -1,15 +1,15 @@
 """Visibility-matching tone mapping by histogram adjustment.
 
-Luminance is mapped through its own cumulative distribution, but nowhere so steeply
-that contrasts appear which the eye would not have seen in the scene. The distribution
-is that of one-degree samples, about the field of the fovea to which the eye adapts,
-and in equal share of single pixels.
+Luminance is mapped by its cumulative distribution, with the slope limited so that no
+contrast becomes visible that an observer would not see in the scene. The distribution
+has equal contributions from one-degree samples (the foveal field, to which the eye
+adapts) and from single pixels.
 
 References
 ----------
 G. Ward Larson, H. Rushmeier, C. Piatko, "A visibility matching tone reproduction
 operator for high dynamic range scenes", IEEE Trans. Visualization and Computer
-Graphics 3 (1997) 291–306; Radiance's pcond. Its loss of acuity is left out.
+Graphics 3 (1997) 291–306; pcond of Radiance. Loss of acuity is not modelled.
 """
 
 from dataclasses import dataclass
@@ -23,33 +23,33 @@ from clerestory.image.arithmetic import reduce
 from clerestory.image.picture import Picture, photometric
 from clerestory.image.veiling_glare import foveal_view, with_veil
 
-# Bins of the histogram, and the luminance [cd/m²] that counts as visible (pcond.h)
+# Number of histogram bins, and range of visible luminance [cd/m²] (pcond.h)
 _BINS = 100
 _DARKEST, _BRIGHTEST = 1e-7, 1e7
 
-# Share of samples that may stay above the ceiling (pcond3.c: CVRATIO)
+# Fraction of samples that may exceed the ceiling (pcond3.c: CVRATIO)
 _TOLERANCE = 0.025
 
-# Between these only rods, rods and cones, and only cones see [cd/m²] (pcond.h)
+# Upper limit of scotopic and lower limit of photopic vision [cd/m²] (pcond.h)
 _RODS_ONLY, _CONES_ONLY = 5.62e-3, 5.62
 
-# Scotopic over photopic luminance of white; share of red, green and blue in it
+# Ratio of scotopic to photopic luminance of white; weights of red, green and blue
 _SCOTOPIC_WHITE = 2.26
 _SCOTOPIC_WEIGHTS = (0.062, 0.608, 0.330)
 
 
 @dataclass(frozen=True)
 class Screen:
-    """What a picture is shown on.
+    """Display on which a picture is shown.
 
     Attributes
     ----------
-    white : its largest luminance [cd/m²]
-    contrast : ratio of its largest to its smallest luminance
+    white : largest luminance [cd/m²]
+    contrast : ratio of largest to smallest luminance
 
     Raises
     ------
-    InputError : a luminance that is not positive, a contrast of 1 or less
+    InputError : the luminance is not positive, or the contrast not above 1
     """
 
     white: float = 100.0
@@ -58,7 +58,7 @@ class Screen:
     def __post_init__(self) -> None:
         if not (0 < self.white < np.inf and 1 < self.contrast < np.inf):
             raise InputError(
-                f"a screen of {self.white:g} cd/m² and contrast {self.contrast:g};"
+                f"screen of {self.white:g} cd/m² and contrast {self.contrast:g};"
                 " a positive luminance and a contrast above 1 expected"
             )
 
@@ -76,16 +76,16 @@ def human_vision(
     veil: bool = False,
     screen: Screen | None = None,
 ) -> Float32[np.ndarray, "row column 3"]:
-    """Display values, 0…1, that show what an observer would see.
+    """Display values, 0…1, that reproduce what an observer would see.
 
     Parameters
     ----------
-    picture : what to show; without a view it counts as 40° wide
-    contrast_sensitivity : the eye's, which is worse in the dark; else the mapping
-        only never exaggerates contrast
-    colour_loss : less colour where it is dark
-    veil : light scattered in the eye around bright sources; seconds for a fisheye
-    screen : what it is shown on
+    picture : picture to map; without a view, a width of 40° is assumed
+    contrast_sensitivity : whether to model the lower contrast sensitivity of the eye in
+        the dark; otherwise contrast is only not exaggerated
+    colour_loss : whether to model the loss of colour vision in the dark
+    veil : whether to add veiling luminance around bright sources; slow for fisheyes
+    screen : display on which the result is shown
 
     Examples
     --------
@@ -103,7 +103,7 @@ def human_vision(
         return np.zeros_like(values)
     luminance = photometric(seen)
     shown = _shown(luminance, histogram, screen, sensitive=contrast_sensitivity)
-    # Keep colours: scale each pixel to its new luminance
+    # Preserve colours: scale each pixel to its new luminance
     ratio = LUMINOUS_EFFICACY * np.divide(
         shown, luminance, out=np.zeros_like(luminance), where=luminance > _DARKEST
     )
@@ -113,8 +113,8 @@ def human_vision(
 
 @dataclass(frozen=True)
 class _Histogram:
-    # Weights over bins of equal width in the logarithm of luminance, from `low` to
-    # `high`, and their mean
+    # Weights of bins of equal width in the logarithm of luminance, from `low` to
+    # `high`, and mean logarithm
     weight: Float[np.ndarray, " bins"]
     low: float
     high: float
@@ -136,7 +136,7 @@ def _histogram(picture: Picture) -> _Histogram | None:
     if high <= _DARKEST:
         return None
     top = np.log(high)
-    # Leave room for one more bin below the darkest
+    # Add one bin below the darkest luminance
     lit = low >= _DARKEST
     bottom = (
         top - (top - np.log(low)) * _BINS / (_BINS - 1) if lit else np.log(_DARKEST)
@@ -160,7 +160,7 @@ def _histogram(picture: Picture) -> _Histogram | None:
 
 
 def foveal_samples(picture: Picture) -> Picture:
-    """Return the picture averaged over a degree, where pixels are finer."""
+    """Return the picture averaged over one-degree samples, if pixels are smaller."""
     view = foveal_view(picture)
     columns = min(view.columns, picture.columns)
     return reduce(picture, columns=columns, rows=min(view.rows, picture.rows))
@@ -173,13 +173,13 @@ def _shown(
     *,
     sensitive: bool,
 ) -> Float[np.ndarray, "row column"]:
-    # Share of the screen's white at which each luminance is shown
+    # Displayed value of each luminance, relative to display white
     low, high = np.log(screen.black), np.log(screen.white)
     cumulative = None
     if histogram.high - histogram.low > high - low:
         cumulative = _cumulative(histogram, screen, sensitive=sensitive)
     if cumulative is None:
-        # The scene fits the screen: a straight line through the middle of both
+        # The scene's range fits the display: linear mapping of mean to mid-luminance
         middle, mean = np.exp((low + high) / 2), np.exp(histogram.mean)
         factor = threshold(middle) / threshold(mean) if sensitive else middle / mean
         straight: np.ndarray = luminance * (factor / screen.white)
@@ -194,8 +194,8 @@ def _shown(
 def _cumulative(
     histogram: _Histogram, screen: Screen, *, sensitive: bool
 ) -> Float[np.ndarray, " borders"] | None:
-    # Cut the histogram where its mapping is steeper than the eye allows; what is cut
-    # flattens the rest, so do it again. None where nothing remains to compress
+    # Truncate the histogram where the mapping would exaggerate contrast. As truncation
+    # changes the mapping, iterate. None if nothing remains to compress
     range_shown = np.log(screen.contrast)
     middles = histogram.middles()
     scene = np.exp(middles)
@@ -208,7 +208,7 @@ def _cumulative(
         place = (borders[:-1] + borders[1:]) / 2
         shown = np.exp(np.log(screen.black) + place * range_shown)
         limit = threshold(shown) / threshold(scene) if sensitive else shown / scene
-        # Eq. 7 of the paper: the slope that keeps just noticeable differences
+        # Eq. 7 of the paper: slope that preserves just noticeable differences
         ceiling = total * histogram.step * limit * scene / (shown * range_shown)
         cut = np.maximum(weight - ceiling, 0)
         if cut.sum() <= total * _TOLERANCE:
@@ -219,7 +219,7 @@ def _cumulative(
 def threshold(
     luminance: Float[np.ndarray, "*batch"] | float,
 ) -> Float[np.ndarray, "*batch"]:
-    """Smallest difference of luminance that an eye adapted to it sees [cd/m²].
+    """Just noticeable luminance difference at an adaptation luminance [cd/m²].
 
     References
     ----------

@@ -1,6 +1,6 @@
-"""Animation of a day: the pictures of all views side by side, step by step.
+"""Animation of one day: the pictures of all views side by side, by time step.
 
-Frames are small JPEG pictures within the page; its script shows one after the other.
+Frames are small JPEG images embedded in the page and shown by its script.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -26,10 +26,10 @@ from clerestory.report.view_pictures import (
     read_small,
 )
 
-# A film has as many frames at least, and no more than these
+# Smallest and largest number of frames of an animation
 _FEWEST, _MOST = 6, 96
 
-# Characters of frames that a page carries, their widths tried, and their quality
+# Maximum size of all frames [characters], frame widths tried [pixels], JPEG quality
 _BUDGET = 6_000_000
 _WIDTHS = (480, 400, 320, 256, 200, 160, 120)
 _QUALITY = 78
@@ -37,14 +37,14 @@ _QUALITY = 78
 
 @dataclass(frozen=True, eq=False)
 class FilmView:
-    """The frames of one view.
+    """Frames of one view.
 
     Attributes
     ----------
-    view : its name
-    seen, luminance : data address of each frame; empty where there is no picture
-    size : columns and rows
-    scale : of the luminances
+    view : name of the view
+    seen, luminance : data URL of each frame; empty for steps without picture
+    size : numbers of columns and rows
+    scale : colour scale of the luminance
     """
 
     view: str
@@ -56,12 +56,12 @@ class FilmView:
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """A day of pictures.
+    """Animation of one day.
 
     Attributes
     ----------
-    steps : number of the time step of each frame
-    views : one or more
+    steps : index of the time step of each frame
+    views : frames of each view, at least one
     """
 
     steps: Int[np.ndarray, " frame"]
@@ -70,7 +70,7 @@ class Film:
 
 @dataclass(frozen=True)
 class Row:
-    """A row below the frames: text and colour `#rrggbb` of each frame."""
+    """Row below the frames: text and colour `#rrggbb` per frame."""
 
     name: str
     words: tuple[str, ...]
@@ -83,9 +83,9 @@ def film(
     *,
     brightness: Float[np.ndarray, " time"],
 ) -> Film | None:
-    """Return the day with the most pictures as a film, if six steps have one.
+    """Return the animation of the day with most pictures; None below six steps.
 
-    Of days with as many pictures the brightest is taken.
+    Among days with equal numbers of pictures, the brightest day is chosen.
     """
     steps = film_steps(views, times, brightness=brightness)
     if not len(steps):
@@ -108,7 +108,7 @@ def film_steps(
     *,
     brightness: Float[np.ndarray, " time"],
 ) -> Int[np.ndarray, " frame"]:
-    """Return the steps of the frames: those of one day, none for too few."""
+    """Return the time steps of the frames, all on one day; empty if too few."""
     steps = np.unique([m.step for view in views for m in view.moments]).astype(int)
     if not len(steps):
         return steps
@@ -144,7 +144,7 @@ def _size(picture: Picture) -> tuple[int, int]:
 def film_data(
     shown: Film, times: np.ndarray, *, note: Callable[[str, int], str]
 ) -> dict[str, Any]:
-    """Return the frames as plain values for JSON; `note` describes a time step."""
+    """Return the frames as JSON values; `note` describes a view at a time step."""
     clock = [str(t)[11:16] for t in times[shown.steps].astype("datetime64[m]")]
     return {
         "clock": clock,
@@ -166,7 +166,7 @@ def film_section(
     note: Callable[[str, int], str],
     rows: Sequence[Row] = (),
 ) -> Markup:
-    """Return the screens of a film with its controls, at its middle frame."""
+    """Return the frames of an animation with controls, at the middle frame."""
     if shown is None:
         return Markup("")
     steps = shown.steps
@@ -179,7 +179,7 @@ def film_section(
             {
                 "name": view.view,
                 "note": note(view.view, int(steps[middle])),
-                # Without a picture of the frame, the first of the view
+                # The first picture of the view if this frame has none
                 "address": view.seen[middle] or next(a for a in view.seen if a),
                 "columns": columns,
                 "rows": height,
@@ -200,7 +200,7 @@ def film_section(
 
 
 def _segments(row: Row) -> Iterator[dict[str, object]]:
-    # Frames with the same words are one segment
+    # Successive frames with equal text form one segment
     for (words, colour), group in groupby(zip(row.words, row.colours, strict=True)):
         yield {
             "words": words,

@@ -1,4 +1,4 @@
-"""Sections of the year: window states, pictures, glare, sunlight, electric light."""
+"""Annual sections: window states, pictures, glare, sunlight, electric lighting."""
 
 from functools import partial
 
@@ -27,18 +27,18 @@ from clerestory.report.window_states import (
     states_section,
 )
 
-# Of frames without daylight
+# Colour of frames without daylight
 _DARK = "#eceef0"
 
 
 def day_maps(content: ReportContent) -> list[DayMap]:
-    """Return all maps of the year in classes that the page shows."""
+    """Return all annual maps of classes on the page."""
     maps = (state_maps(content.states), glare_maps(content.glare))
     return [*maps[0], *maps[1], *lamp_maps(content.lamps)]
 
 
 def moment_note(content: ReportContent, view: str, step: int) -> str:
-    """Return what is known of a view in a step: its glare, the windows' states."""
+    """Return the glare of a view and the window states at a time step, in words."""
     words = (
         glare_note(content.glare, view, step),
         states_note(content.states, step),
@@ -47,7 +47,7 @@ def moment_note(content: ReportContent, view: str, step: int) -> str:
 
 
 def annual_sections(content: ReportContent) -> Markup:
-    """Return states, pictures, film, glare, sun and lamps, those that the run has."""
+    """Return the annual sections for which the run has data."""
     times, occupied = content.times, content.occupied
     note = partial(moment_note, content)
     return join(
@@ -63,7 +63,7 @@ def annual_sections(content: ReportContent) -> Markup:
 
 
 def film_rows(content: ReportContent) -> list[Row]:
-    """Return the states and the glare of each frame of the film."""
+    """Return the window states and the glare of each frame of the animation."""
     if content.film is None:
         return []
     steps = content.film.steps.tolist()

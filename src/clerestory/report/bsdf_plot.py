@@ -1,7 +1,7 @@
 """Figures of BSDFs: angular distributions, transmittances, comparisons of layers.
 
-All discs are seen from the room, with the polar angle as distance from the middle:
-right is right and up is up. The ring marks the unscattered direction.
+All discs are seen from the room, with right and up as in the room and the polar angle
+as distance from the centre. The ring marks the unscattered direction.
 """
 
 from collections.abc import Sequence
@@ -26,12 +26,12 @@ _DECADES = 5
 _PALETTE = "inferno"
 _LINE: dict[str, Any] = {"color": "white", "linewidth": 0.35, "alpha": 0.35}
 
-# Steps of the polar angle for curves of the share scattered in all [°].
+# Step of the polar angle in curves of direct-hemispherical values [°].
 _CURVE_DEG = 2.5
 
 
 def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
-    """Direction that light comes from, through the centre of a Klems full patch.
+    """Incident direction, from its source, at the centre of a full-basis Klems patch.
 
     Examples
     --------
@@ -47,9 +47,9 @@ def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
 def direction_from_angles(
     theta_deg: float, phi_deg: float, function: Function
 ) -> Float[np.ndarray, "3"]:
-    """Direction that light comes from, at a polar angle and azimuth of its source.
+    """Incident direction from the polar angle and azimuth of its source.
 
-    The azimuth counts from the right towards up, seen from the room.
+    The azimuth is measured from the right upwards, as seen from the room.
     """
     if not 0 <= theta_deg < 90:
         raise InputError(f"polar angle {theta_deg}°; from 0 to below 90° expected")
@@ -67,9 +67,9 @@ def lobe_figure(
     channel: str = "visible",
     names: Sequence[str] = (),
 ) -> Figure:
-    """Draw the outgoing distribution of each layer (column) for each direction (row).
+    """Draw the scattered light of each layer (column) per incident direction (row).
 
-    All discs share one logarithmic scale over five decades at most.
+    All discs share one logarithmic scale of at most five decades.
     """
     leaving, inside = _disc(function)
     rows = [
@@ -110,9 +110,9 @@ def share_figure(
     channel: str = "visible",
     names: Sequence[str] = (),
 ) -> Figure:
-    """Draw the share scattered in all against the angle of the source.
+    """Draw direct-hemispherical values against the angle of incidence.
 
-    One panel over profile angles (up and down), one over the width (left and right).
+    One panel covers the vertical plane (up and down), one the horizontal plane.
     """
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
@@ -144,7 +144,7 @@ def share_figure(
 def _from_straight_on(
     centre: Float[np.ndarray, "3"], function: Function
 ) -> Float[np.ndarray, "3"]:
-    # Light that goes on along `centre` in the room, or along its image outside
+    # Light whose undeviated direction is `centre` (room) or its mirror image (outdoors)
     back = np.array([-1.0, -1.0, 1.0])
     return np.asarray(centre * (-1.0 if function.endswith("front") else back))
 
@@ -152,7 +152,7 @@ def _from_straight_on(
 def _disc(
     function: Function,
 ) -> tuple[Float[np.ndarray, "row column 3"], np.ndarray]:
-    # Leaving directions of the pixels of a disc, row 0 at the bottom
+    # Exit directions of the pixels of a disc, row 0 at the bottom
     line = (np.arange(_PIXELS) + 0.5) / _PIXELS * 2 - 1
     x, y = np.meshgrid(line, line)
     radius = np.hypot(x, y)
@@ -164,7 +164,7 @@ def _disc(
 
 
 def _scale(values: Float[np.ndarray, "*batch"]) -> LogNorm:
-    # Down to where next to nothing of the disc is darker
+    # From the first percentile of the positive values, within the limit of decades
     top = float(values.max()) or 1.0
     some = values[values > 0]
     low = float(np.quantile(some, 0.01)) if some.size else top
@@ -191,7 +191,7 @@ def _draw_marks(
     function: Function,
     channel: str,
 ) -> None:
-    # Outlines of patches, or circles of polar angle; and where light goes straight on
+    # Outlines of patches, or circles of polar angle; mark of the undeviated direction
     part = bsdf.scattering(function, channel=channel)
     if isinstance(part, ScatteringMatrix):
         _draw_patches(axes, part.exits)

@@ -1,8 +1,8 @@
 """Interactive view of a BSDF as one self-contained HTML file.
 
-A matrix is shown on its own patches. A tensor tree, or a matrix of a million values, is
-averaged with conserved flux onto cells of about three degrees for the 145 incident
-patches of Klems.
+A matrix is shown on its own patches. A tensor tree, or a matrix of more than a million
+values, is averaged over cells of about three degrees and the 145 incident patches of
+the full Klems basis, conserving flux.
 """
 
 from collections.abc import Sequence
@@ -30,23 +30,23 @@ _SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_vi
 # Width of the cells on which a tensor tree is shown [°].
 _CELL_DEG = 3.0
 
-# Values this far below the greatest are shown as zero; codes are even in the logarithm.
+# Range below the maximum that is shown, and number of codes, equidistant in log.
 _DECADES = 6
 _CODES = 65_534
 
-# Values of all functions that a page carries: about 8 MB once compressed.
+# Maximum number of values on a page: about 8 MB after compression.
 _MOST_VALUES = 5_000_000
 
-# A matrix with more values than this is shown like a tree.
+# Number of values above which a matrix is shown like a tensor tree.
 _MOST_VALUES_OF_ONE = 1_000_000
 
 
 def write_view(bsdf: Bsdf, path: str | Path) -> None:
-    """Write the view of a BSDF as one HTML file that opens anywhere, offline.
+    """Write the view of a BSDF as one self-contained HTML file.
 
     Raises
     ------
-    InputError : the layer has no data
+    InputError : the BSDF has no data
     OutputError : the file cannot be written
     """
     write_text(path, view_page(bsdf))
@@ -55,7 +55,9 @@ def write_view(bsdf: Bsdf, path: str | Path) -> None:
 def view_page(bsdf: Bsdf) -> str:
     """Return the view as HTML."""
     if not bsdf.functions:
-        raise InputError("a BSDF without data cannot be shown", file=bsdf.source)
+        raise InputError(
+            "BSDF without data; at least one function expected", file=bsdf.source
+        )
     name = bsdf.product.name.strip()
     file = Path(bsdf.source).name if bsdf.source else ""
     title = file if name in ("", "Name") else name
@@ -79,9 +81,9 @@ def view_page(bsdf: Bsdf) -> str:
 
 
 def view_data(bsdf: Bsdf) -> dict[str, Any]:
-    """Return the data of the view as plain values for JSON.
+    """Return the data of the view as JSON values.
 
-    Functions that would make the page too large are left out and named.
+    Functions that would make the page too large are left out and listed.
     """
     functions: list[dict[str, Any]] = []
     left_out: list[str] = []
@@ -133,7 +135,7 @@ def _shown(bsdf: Bsdf, name: Function, channel: str) -> ScatteringMatrix:
 
 
 def _patches_shown(part: ScatteringFunction) -> tuple[RingPartition, RingPartition]:
-    # The patches of the file, unless it has none or far too many
+    # Patches of the file, unless it has none or too many
     own = part.own_partitions()
     if own is None or len(own[0]) * len(own[1]) > _MOST_VALUES_OF_ONE:
         return fine_partition(), klems("full")
@@ -167,7 +169,7 @@ def _function_data(
 def value_codes(
     values: Float[np.ndarray, "*batch"], high: float
 ) -> UInt16[np.ndarray, "*batch"]:
-    """Values as 16-bit codes, even in the logarithm below `high`; 0 for zero.
+    """Encode values in 16 bits, logarithmically up to `high`; 0 for zero.
 
     The page decodes them to a relative precision of 0.01 %.
     """

@@ -1,7 +1,7 @@
 """Heat maps of classes over the days and hours of a year.
 
-They show glare, the states of windows and the dimming of luminaires; the class of a
-cell appears at the pointer.
+Examples are glare categories, window states and dimming levels of luminaires. The page
+shows the class of a cell at the mouse pointer.
 """
 
 from collections.abc import Sequence
@@ -21,14 +21,14 @@ _NO_DATA = 255
 
 @dataclass(frozen=True, eq=False)
 class DayMap:
-    """The class of every step, and what classes look like.
+    """Class of every time step, with labels and colours of the classes.
 
     Attributes
     ----------
-    identifier : of the drawing in the page
-    label : what it shows, in words
-    codes : class of each step, -1 where there is none; where steps share a cell, as
-        those of several years do, the highest class shows
+    identifier : HTML identifier of the drawing
+    label : description of the map
+    codes : class of each time step, -1 for none; if several steps share a cell, such as
+        steps of different years, the highest class is shown
     texts : label of each class
     colours : red, green and blue of each class
     """
@@ -43,16 +43,16 @@ class DayMap:
         known = min(len(self.texts), len(self.colours), _NO_DATA)
         highest = int(self.codes.max(initial=-1))
         if highest >= known:
-            raise InputError(f"class {highest} of a map; 0 to {known - 1} expected")
+            raise InputError(f"class {highest} in a map; 0 to {known - 1} expected")
 
     def cells(self, grid: DayHourGrid) -> UInt8[np.ndarray, " cell"]:
-        """Class of each cell, day by day; 255 without data."""
+        """Class of each cell, in the order of days; 255 without data."""
         found = np.full(grid.days * grid.bins, -1)
         np.maximum.at(found, grid.cell, self.codes)
         return np.where(found < 0, _NO_DATA, found).astype(np.uint8)
 
     def image(self, grid: DayHourGrid) -> str:
-        """Return the cells in their colours as a data address."""
+        """Return the coloured cells as a data URL."""
         cells = self.cells(grid).reshape(grid.days, grid.bins).T[::-1]
         rgba = np.zeros((*cells.shape, 4), dtype=np.uint8)
         known = cells != _NO_DATA
@@ -64,7 +64,7 @@ class DayMap:
 def day_map(
     shown: DayMap, times: np.ndarray, *, occupied: Bool[np.ndarray, " time"]
 ) -> Markup:
-    """Return the drawing of a map, with the schedule as dashed lines."""
+    """Return the drawing of a map, with occupied hours as dashed lines."""
     grid = day_hour_grid(times)
     drawing = heat_map(
         grid,
@@ -77,7 +77,7 @@ def day_map(
 
 
 def day_map_data(shown: DayMap, times: np.ndarray) -> dict[str, Any]:
-    """Return classes and labels as plain values for JSON."""
+    """Return classes and labels as JSON values."""
     return {
         "cells": packed(shown.cells(day_hour_grid(times))),
         "texts": list(shown.texts),
@@ -87,6 +87,6 @@ def day_map_data(shown: DayMap, times: np.ndarray) -> dict[str, Any]:
 def keys(
     texts: Sequence[str], colours: UInt8[np.ndarray, "kind 3"]
 ) -> list[tuple[str, str]]:
-    """Return the colour `#rrggbb` of each class with its text."""
+    """Return the colour `#rrggbb` and the label of each class."""
     shades = ["#{:02x}{:02x}{:02x}".format(*rgb) for rgb in colours.tolist()]
     return list(zip(shades, texts, strict=True))

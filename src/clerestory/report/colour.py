@@ -12,14 +12,14 @@ _LEVELS = 128
 
 @dataclass(frozen=True)
 class ColourScale:
-    """A range of values and the colours that stand for it.
+    """Mapping of a range of values to colours.
 
     Attributes
     ----------
-    low, high : ends of the range; values beyond take the end's colour
-    unit : of the values, as the legend shows it
-    palette : name of one of Matplotlib's even palettes
-    logarithmic : equal steps stand for equal ratios
+    low, high : limits of the range; values outside are clipped
+    unit : unit of the values in the legend
+    palette : name of a perceptually uniform colour map of Matplotlib
+    logarithmic : whether the scale is logarithmic instead of linear
     """
 
     low: float
@@ -40,7 +40,7 @@ class ColourScale:
         return np.asarray((values - self.low) / (self.high - self.low))
 
     def table(self) -> UInt8[np.ndarray, "level 3"]:
-        """Colours from the low to the high end, red, green, blue."""
+        """Colours from `low` to `high` (red, green, blue)."""
         colours = colormaps[self.palette](np.linspace(0.04, 0.98, _LEVELS))
         return np.round(255 * colours[:, :3]).astype(np.uint8)
 
@@ -56,7 +56,7 @@ class ColourScale:
         return [f"#{r:02x}{g:02x}{b:02x}" for r, g, b in self.colours(values).tolist()]
 
     def ticks(self) -> list[float]:
-        """Round values to mark on the scale.
+        """Round values for the ticks of the scale.
 
         >>> ColourScale(0, 900, "lux").ticks()
         [0.0, 200.0, 400.0, 600.0, 800.0]
@@ -90,17 +90,17 @@ def nice_step(size: float) -> float:
 
 
 def percent_scale() -> ColourScale:
-    """Return the scale of shares of time."""
+    """Return the scale of percentages from 0 to 100."""
     return ColourScale(0, 100, "%")
 
 
 def illuminance_scale(
     illuminance: Float[np.ndarray, "*batch"], *, low: float | None = None
 ) -> ColourScale:
-    """Return a logarithmic scale that spans the illuminance, but its top half percent.
+    """Return a logarithmic scale up to the 99.5th percentile of the illuminance.
 
-    It starts at `low` [lux], or else at a round value below the least one, 10 lux
-    at the least; it spans a factor of ten at least.
+    The scale starts at `low` [lux], by default at a round value below the minimum, but
+    not below 10 lux. It spans at least a factor of ten.
 
     Examples
     --------

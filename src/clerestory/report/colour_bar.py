@@ -1,4 +1,4 @@
-"""Colour bar of a false-colour drawing, with its ticks and its unit."""
+"""Colour bar of a false-colour drawing, with ticks and unit."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from clerestory.report.markup import Markup, element
 
 
 def colour_bar(scale: ColourScale) -> Markup:
-    """Return the colour bar of a scale, with its ticks."""
+    """Return the colour bar of a scale as an SVG element."""
     table = scale.table()[None]
     opaque = np.full((*table.shape[:2], 1), 255, dtype=np.uint8)
     ticks = [

@@ -1,4 +1,4 @@
-"""HTML page of a comparison with measurements: tables, figures, notes."""
+"""HTML page of a comparison with measurements: tables, figures and notes."""
 
 import io
 from collections.abc import Sequence
@@ -33,13 +33,13 @@ _MOST_SERIES = 9
 @final
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A picture of the comparison.
+    """Figure of a comparison.
 
     Attributes
     ----------
-    name : of its file, without the ending
-    words : what it shows
-    png : its bytes
+    name : file name without extension
+    words : caption
+    png : PNG data
     """
 
     name: str
@@ -51,11 +51,11 @@ def comparison_drawings(
     comparisons: Sequence[Comparison],
     places: dict[str, Float[np.ndarray, " 3"]] | None = None,
 ) -> list[Drawing]:
-    """Return all pictures of a comparison, most telling first.
+    """Return all figures of a comparison, overviews first.
 
     Parameters
     ----------
-    places : of the sensors by name, for maps of grids [m]
+    places : positions of the sensors by name, for maps of grids [m]
     """
     kinds = dict.fromkeys(kind for c in comparisons for kind in c.table())
     drawings = []
@@ -84,7 +84,7 @@ def write_comparison(
     title: str,
     places: dict[str, Float[np.ndarray, " 3"]] | None = None,
 ) -> Path:
-    """Write the pictures and the page into a folder; return the page's path.
+    """Write the figures and the page into a folder; return the path of the page.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def _maps(
 
 
 def _shown_series(comparisons: Sequence[Comparison]) -> list[str]:
-    # All of a few; else the middle one and the ends of each group
+    # All series if there are few; otherwise evenly spaced series of each group
     names = list(dict.fromkeys(name for c in comparisons for name in c.series()))
     if len(names) <= _MOST_SERIES:
         return names

@@ -1,4 +1,4 @@
-"""Figures of a comparison: scatter plots, days, time series, maps of grid scans."""
+"""Figures of a comparison: scatter plots, daily curves, time series, grid maps."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,7 +13,7 @@ from clerestory.comparison.series import GLARE, UNITS, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.comparison.time_alignment import Pairs
 
-# Measured is black; simulations in colour-blind safe colours (Okabe and Ito)
+# Measurements in black, simulations in colour-blind-safe colours (Okabe and Ito)
 _MEASURED = "#1b1f24"
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
 _MOST_DAYS = 6
@@ -23,9 +23,9 @@ _SAVED: dict[str, Any] = {"loc": "left", "fontsize": 10}
 
 
 def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure | None:
-    """Draw simulated over measured values, a panel for each simulation.
+    """Draw simulated against measured values, one panel per simulation.
 
-    The bands are deviations of 10 and 20 %. None where nobody has the quantity.
+    Bands mark deviations of 10 and 20 %. None if no simulation has the quantity.
     """
     panels = [(c.name, _of_quantity(c, quantity)) for c in comparisons]
     panels = [(name, pairs) for name, pairs in panels if pairs.measured.size]
@@ -66,7 +66,7 @@ def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure |
 
 
 def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
-    """Draw days of one series over the hours, measured and simulated."""
+    """Draw the daily curves of one series, measured and simulated."""
     found = [(c.name, c.pairs.of(name)) for c in comparisons if name in c.pairs.names]
     days = _chosen_days(np.concatenate([pairs.times for _, pairs in found]))
     columns = min(len(days), 3)
@@ -91,7 +91,7 @@ def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
 
 
 def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) -> Figure:
-    """Draw the mean of a group over all steps, day after day, without the nights."""
+    """Draw the mean of a group over all time steps, with the nights left out."""
     figure = Figure(figsize=(10.5, 3.2), layout="constrained")
     axes = figure.subplots()
     drawn = [_means(_of_group(c, group, quantity)) for c in comparisons]
@@ -116,13 +116,13 @@ def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) ->
 def scan_figure(
     comparison: Comparison, group: str, places: dict[str, Float[np.ndarray, " 3"]]
 ) -> Figure | None:
-    """Draw maps of a grid at some moments: measured, simulated, their difference.
+    """Draw maps of a grid at several times: measured, simulated and deviation.
 
-    None where fewer than nine sensors were read at once.
+    None if fewer than nine sensors have simultaneous measurements.
 
     Parameters
     ----------
-    places : of the sensors by name [m]
+    places : positions of the sensors by name [m]
     """
     pairs = _of_group(comparison, group, "illuminance")
     stamps, counts = np.unique(pairs.times.astype("datetime64[h]"), return_counts=True)
@@ -216,7 +216,7 @@ def _means(pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _by_day(
     times: np.ndarray, stamps: np.ndarray, lines: list[np.ndarray]
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    # Steps one after the other, with a break in the line between days
+    # Consecutive positions of time steps, with a gap in the line between days
     day = times.astype("datetime64[D]").astype(int)
     cuts = np.flatnonzero(np.diff(day)) + 1
     place = np.searchsorted(stamps, times) + _day_number(stamps, times)
@@ -241,7 +241,7 @@ def _mark_days(axes: Axes, stamps: np.ndarray) -> None:
 
 
 def _chosen_days(times: np.ndarray) -> list[np.datetime64]:
-    # Days with most of their steps, evenly spread
+    # Evenly spaced days with nearly complete data
     days, counts = np.unique(times.astype("datetime64[D]"), return_counts=True)
     full = days[counts >= max(1, 0.6 * counts.max())]
     return list(_spread(full, _MOST_DAYS))

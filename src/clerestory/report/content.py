@@ -1,7 +1,7 @@
-"""Content of a report as plain values.
+"""Content of a report as plain data classes.
 
-The page depends on these values only, so that it can be made from a study, a file of
-results, or a closed form in a test.
+The page depends only on these values, which come from a run, a results file or an
+analytic solution in a test.
 """
 
 from dataclasses import dataclass, field
@@ -25,12 +25,12 @@ from clerestory.report.window_states import WindowStates
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """The surfaces of the scene as coloured triangles.
+    """Surfaces of the scene as coloured triangles.
 
     Attributes
     ----------
-    corners : of each triangle [m]
-    colour : reflected red, green and blue of each triangle, 0…1
+    corners : corners of each triangle [m]
+    colour : RGB reflectance of each triangle, 0…1
     """
 
     corners: Float[np.ndarray, "triangle 3 3"]
@@ -39,14 +39,14 @@ class Room:
 
 @dataclass(frozen=True, eq=False)
 class WindowSurface:
-    """A window group as the reader should see it.
+    """Surface and orientation of a window group.
 
     Attributes
     ----------
     name : name of the group
-    corners : of its triangles [m]
-    normal : unit vector of the front, which must face the room
-    up : unit vector of the up direction of its BSDF
+    corners : corners of the triangles [m]
+    normal : unit normal of the front, which must face the room
+    up : unit vector of the up direction of the BSDF
     """
 
     name: str
@@ -56,13 +56,13 @@ class WindowSurface:
 
     @property
     def centre(self) -> Float[np.ndarray, "3"]:
-        """Its centroid [m]."""
+        """Centroid [m]."""
         weight = self._areas() + 1e-12
         return np.asarray(np.average(self.corners.mean(axis=1), axis=0, weights=weight))
 
     @property
     def area(self) -> float:
-        """Its area [m²]."""
+        """Area [m²]."""
         return float(self._areas().sum())
 
     def _areas(self) -> Float[np.ndarray, " triangle"]:
@@ -82,32 +82,32 @@ class FactTable:
 
 @dataclass(frozen=True, eq=False)
 class ReportContent:
-    """All that a report shows.
+    """Content of a report.
 
     Attributes
     ----------
-    title, method, place : of the study
-    times : local standard time at the middle of each step
-    illuminance, standard_error : per sensor and step [lux]
-    occupied : steps that count for the metrics
-    schedule : the occupied hours in words
-    metrics : of each sensor, as `sensor_metrics` returns them, and
+    title, method, place : title, simulation method and location of the study
+    times : local standard time at the middle of each time step
+    illuminance, standard_error : illuminance and its error over (sensor, time) [lux]
+    occupied : whether each time step is an occupied hour
+    schedule : description of the occupied hours
+    metrics : metrics of each sensor, as returned by `sensor_metrics`, and
         `useful_bands_error` over (band, sensor)
-    sensors : where the illuminance was found
-    room, windows : the scene; both may be empty
-    north : azimuth in the world of the scene's +y [rad]
-    tables : parameters, versions, seeds, device
+    sensors : positions and directions of the sensors
+    room, windows : surfaces of the scene; both may be empty
+    north : azimuth of the scene's +y axis, clockwise from north [rad]
+    tables : parameters, versions, seeds and device
     seconds : run time of each phase [s]
-    warnings : what the run warned of
-    states : of the windows that have several
-    glare : of each view
-    pictures : that the run wrote
-    film : of a day
-    terms : of the matrix equation, with the direct correction
-    lamps : electric light, zone by zone
-    layers : what stands in the windows
-    methods : that were compared
-    sunlight : on the day that the study names
+    warnings : warnings of the run
+    states : states of the windows with several states
+    glare : annual glare of each view
+    pictures : pictures written by the run
+    film : animation of one day
+    terms : terms of the matrix equation, with the direct correction
+    lamps : dimming of each zone of luminaires
+    layers : BSDFs of the window layers
+    methods : comparison of several simulation methods
+    sunlight : exposure to sunlight on the day given in the study
     """
 
     title: str
@@ -148,7 +148,9 @@ class ReportContent:
             if values.shape != shape:
                 raise InputError(f"{name} of shape {values.shape}; {shape} expected")
             if not np.all(np.isfinite(values)):
-                raise InputError(f"{name} holds values that are not numbers")
+                raise InputError(
+                    f"{name} contains NaN or infinite values; finite numbers expected"
+                )
         if self.occupied.shape != shape[1:]:
             raise InputError(
                 f"occupied hours of shape {self.occupied.shape}; {shape[1:]} expected"

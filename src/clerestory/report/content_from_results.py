@@ -39,10 +39,10 @@ from clerestory.study.results import Results
 
 _SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
 _STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedule")
-# Sensors that a page shows: each has its place on plans and its figures as text
+# Largest number of sensors on a page
 _MOST_SENSORS = 5000
 
-# Longer lists of a study are abbreviated to their first and last item
+# Length above which lists are abbreviated to their first and last item
 _MOST_ITEMS = 8
 
 _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
@@ -51,16 +51,16 @@ _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 def from_results(
     results: Results, *, pictures: str | Path | None = None
 ) -> ReportContent:
-    """Return what the report of a run shows.
+    """Return the content of the report of a run.
 
     Parameters
     ----------
-    results : of the run
-    pictures : folder that holds its pictures; without it the report has none
+    results : results of the run
+    pictures : folder of the pictures of the run; default: a report without pictures
 
     Raises
     ------
-    InputError : the results hold values that are not numbers, or a picture is damaged
+    InputError : the results contain values that are not finite, or a picture is damaged
     """
     results = results.thinned(_MOST_SENSORS)
     data, run = results.data, results.run
@@ -106,7 +106,7 @@ def from_results(
 
 
 def place_words(attrs: Mapping[Any, Any], study: Mapping[str, Any]) -> str:
-    """Return where the weather comes from, as much as the results say.
+    """Return the location of the weather data, as far as it is known.
 
     >>> place_words({"place": "Oslo", "latitude_deg": 59.9, "longitude_deg": 10.6}, {})
     'Oslo (59.90° N, 10.60° E)'
@@ -136,7 +136,7 @@ def schedule_words(schedule: Mapping[str, Any]) -> str:
 
 
 def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
-    """Return the study file as tables, one for each of its own."""
+    """Return the study as fact tables, one per table of the study file."""
     tables = []
     chosen = study.get("method", "")
     methods = chosen if isinstance(chosen, list) else [chosen]
@@ -156,7 +156,7 @@ def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
 
 
 def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
-    """Return the facts of the run as tables, in the run's own words."""
+    """Return the records of the run as fact tables."""
     shown = {k: v for k, v in run.items() if k not in _SHOWN_ELSEWHERE}
     plain = {_label(k): v for k, v in shown.items() if not isinstance(v, dict | list)}
     tables = [FactTable("Run", _rows(plain))] if plain else []
@@ -217,7 +217,7 @@ def _one_line(value: Any) -> str:
 
 
 def _metrics(data: xr.Dataset, occupied: Bool[np.ndarray, " time"]) -> xr.Dataset:
-    # The metrics of the run, or fresh ones; the bands get their errors here
+    # Metrics of the run, computed if missing; errors of the useful bands are added
     metrics = data
     if not all(name in data for name in _METRICS):
         target = float(data.attrs.get("target_lux", TARGET_LUX))

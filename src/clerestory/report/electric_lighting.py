@@ -1,4 +1,4 @@
-"""Electric lighting through the year: dimming of each zone of luminaires."""
+"""Annual electric lighting: dimming of each zone of luminaires."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ _LEVELS = 101
 
 @dataclass(frozen=True, eq=False)
 class LampZone:
-    """A zone of luminaires that one sensor governs.
+    """Zone of luminaires controlled by one photosensor.
 
     Attributes
     ----------
-    name : of the zone
-    output : share of full light in each step, 0…1
-    energy : over all steps [kWh], if known
+    name : name of the zone
+    output : light output in each time step relative to full output, 0…1
+    energy : energy over all time steps [kWh], if known
     """
 
     name: str
@@ -33,7 +33,7 @@ class LampZone:
 
 
 def lamp_zones(data: xr.Dataset) -> tuple[LampZone, ...]:
-    """Return the zones in results, none where no luminaires are."""
+    """Return the zones in results; empty without luminaires."""
     if "dimming" not in data:
         return ()
     return tuple(
@@ -57,7 +57,7 @@ def _energy(data: xr.Dataset) -> Figure | None:
 
 
 def lamp_maps(zones: Sequence[LampZone]) -> list[DayMap]:
-    """Return the year of each zone as a map of its output in per cent."""
+    """Return the annual map of the output of each zone in per cent."""
     shades = colormaps["YlOrBr"](np.linspace(0.0, 0.85, _LEVELS))[:, :3]
     colours = np.round(255 * shades).astype(np.uint8)
     texts = tuple(f"output {k} %" for k in range(_LEVELS))
@@ -79,7 +79,7 @@ def lamps_section(
     *,
     occupied: Bool[np.ndarray, " time"],
 ) -> Markup:
-    """Return the year of each zone."""
+    """Return the section of electric lighting."""
     if not zones:
         return Markup("")
     return render(
@@ -98,7 +98,7 @@ def lamps_section(
 def lamp_words(
     zone: LampZone, times: np.ndarray, occupied: Bool[np.ndarray, " time"]
 ) -> str:
-    """Return the year of a zone in a sentence."""
+    """Return the annual output of a zone in words."""
     output = zone.output[occupied]
     off = 100 * float((output <= 0).mean())
     full = hours_in(times, occupied) * float(output.mean())

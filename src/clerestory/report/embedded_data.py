@@ -11,7 +11,7 @@ from PIL import Image
 
 from clerestory.report.colour import ColourScale
 
-# Brighter than any daylight on a plane [lux]
+# Upper limit of encoded illuminance, above any daylight [lux]
 _BRIGHTEST = 200_000.0
 _CODES = 65_535
 
@@ -19,14 +19,14 @@ _CODES = 65_535
 def packed(values: np.ndarray) -> str:
     """Return an array as base64 of gzip of its little-endian bytes.
 
-    The bytes are the same in every run: the archive carries no clock time.
+    The bytes are reproducible, as the archive contains no time stamp.
     """
     little = np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<"))
     return base64.b64encode(gzip.compress(little.tobytes(), 6, mtime=0)).decode()
 
 
 def illuminance_codes(lux: Float[np.ndarray, "*batch"]) -> np.ndarray:
-    """Illuminance as 16-bit codes, even in the logarithm of 1 + lux.
+    """Encode illuminance in 16 bits, equidistant in the logarithm of 1 + lux.
 
     The page decodes them to a relative precision of 0.02 %.
     """
@@ -41,7 +41,7 @@ def code_step() -> float:
 
 
 def picture(values: Float[np.ndarray, "bin day"], scale: ColourScale) -> str:
-    """Return values in false colour as a data address; row 0 is lowest, NaN clear."""
+    """Return a false-colour image as a data URL; row 0 at the bottom, NaN clear."""
     known = np.isfinite(values)
     rgba = np.zeros((*values.shape, 4), dtype=np.uint8)
     rgba[..., :3] = scale.colours(np.where(known, values, scale.low))
@@ -50,19 +50,19 @@ def picture(values: Float[np.ndarray, "bin day"], scale: ColourScale) -> str:
 
 
 def png(rgba: UInt8[np.ndarray, "row column 4"]) -> str:
-    """Return pixels as a data address of a PNG picture."""
+    """Return pixels as the data URL of a PNG image."""
     stream = io.BytesIO()
     imsave(stream, rgba, format="png", metadata={"Software": ""})
     return png_address(stream.getvalue())
 
 
 def png_address(content: bytes) -> str:
-    """Return a PNG picture as a data address."""
+    """Return PNG data as a data URL."""
     return "data:image/png;base64," + base64.b64encode(content).decode()
 
 
 def jpeg(rgb: UInt8[np.ndarray, "row column 3"], *, width: int, quality: int) -> str:
-    """Return a picture as a data address of a JPEG, shrunk to a width if need be."""
+    """Return an image as the data URL of a JPEG, reduced to `width` if it is wider."""
     picture = Image.fromarray(rgb)
     if picture.width > width:
         height = max(1, round(picture.height * width / picture.width))

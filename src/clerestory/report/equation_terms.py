@@ -24,7 +24,7 @@ from clerestory.report.period import date_words
 from clerestory.report.sensor_points import SensorPoints
 from clerestory.report.uncertain_value import number
 
-# Sensors whose terms the page carries
+# Largest number of sensors whose terms are on the page
 _MOST = 12
 
 # A correction of this share of the uncorrected illuminance is counted [1]
@@ -45,8 +45,8 @@ class EquationTerms:
 
     Attributes
     ----------
-    whole, direct_in_patches, direct_sun : of each sensor and step
-    method : with the direct correction, such as "5-phase"
+    whole, direct_in_patches, direct_sun : terms per sensor and time step
+    method : name of the method with direct correction, such as "5-phase"
     """
 
     whole: Float[np.ndarray, "sensor time"]
@@ -74,17 +74,17 @@ class EquationTerms:
         )
 
     def correction(self) -> Float[np.ndarray, "sensor time"]:
-        """Effect of the direct sun's true position [lux]."""
+        """Change by the exact position of the direct sun [lux]."""
         return np.asarray(self.direct_sun - self.direct_in_patches)
 
     def lines(self, sensor: int) -> Float[np.ndarray, "4 time"]:
-        """The terms of a sensor and their sum, in the order of the drawing [lux]."""
+        """Terms of a sensor and their sum, in the order of the drawing [lux]."""
         terms = (self.whole, self.direct_in_patches, self.direct_sun)
         whole, spread, sun = (term[sensor] for term in terms)
         return np.stack([whole, spread, sun, whole - spread + sun])
 
     def chosen(self) -> list[int]:
-        """Sensors that the page carries: the one corrected most, others evenly."""
+        """Sensors on the page: the most corrected one, then evenly spaced ones."""
         changed = np.abs(self.correction()).sum(axis=1)
         count = len(changed)
         places = np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
@@ -93,7 +93,7 @@ class EquationTerms:
         return [most, *others[: _MOST - 1]]
 
     def strongest_day(self, sensor: int, times: np.ndarray) -> np.datetime64:
-        """Return the day on which a sensor's values change most."""
+        """Return the day of the largest correction of a sensor."""
         days, place = np.unique(times.astype("datetime64[D]"), return_inverse=True)
         changed = np.bincount(place, weights=np.abs(self.correction()[sensor]))
         return np.datetime64(days[int(np.argmax(changed))])
@@ -119,7 +119,7 @@ def equation_terms(data: xr.Dataset) -> EquationTerms | None:
 def equation_data(
     terms: EquationTerms, sensors: SensorPoints, times: np.ndarray
 ) -> dict[str, Any]:
-    """Return the year of the carried sensors as plain values for JSON."""
+    """Return the annual series of the chosen sensors as JSON values."""
     days = times.astype("datetime64[D]")
     first = terms.chosen()[0]
     return {

@@ -3,14 +3,14 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-# Faces that meet at less than this angle make no edge
+# Cosine of the smallest angle between faces that form an edge
 _CREASE = np.cos(np.radians(15))
 
 
 def weld(
     corners: Float[np.ndarray, "triangle 3 3"],
 ) -> tuple[Float[np.ndarray, "vertex 3"], Int[np.ndarray, "triangle 3"]]:
-    """Return shared vertices, joined within 0.1 mm, and the faces between them."""
+    """Return vertices merged within 0.1 mm, and faces as vertex indices."""
     points = corners.reshape(-1, 3).round(4)
     vertices, inverse = np.unique(points, axis=0, return_inverse=True)
     return vertices, inverse.reshape(-1, 3)
@@ -19,9 +19,9 @@ def weld(
 def feature_edges(
     vertices: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]
 ) -> Int[np.ndarray, "edge 4"]:
-    """Edges where surfaces end or turn: two vertices and the two faces beside each.
+    """Boundary and crease edges, each as two vertices and the two adjacent faces.
 
-    An edge of one face names that face twice.
+    A boundary edge names its face twice.
     """
     if not len(faces):
         return np.zeros((0, 4), dtype=int)
@@ -31,7 +31,7 @@ def feature_edges(
     )
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
 
-    # Bring the sides that share two vertices together
+    # Sort sides so that sides with equal vertices are adjacent
     sides = np.sort(
         np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     )

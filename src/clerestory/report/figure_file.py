@@ -1,4 +1,4 @@
-"""Figures of Matplotlib as files: .png, .svg or .pdf."""
+"""Writer of Matplotlib figures as .png, .svg or .pdf."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ _FORMATS = (".png", ".svg", ".pdf")
 
 
 def figure_format(path: Path) -> str:
-    """Return the format of a figure file by its suffix."""
+    """Return the format of a figure file by its extension."""
     suffix = path.suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(
@@ -21,7 +21,7 @@ def figure_format(path: Path) -> str:
 
 
 def write_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure in the format of the suffix."""
+    """Write a figure in the format of the extension."""
     kind = figure_format(Path(path))
     with replace_file(path) as stream:
         figure.savefig(stream, format=kind, dpi=150)

@@ -1,7 +1,7 @@
-"""Floor plans in false colour: the values of all sensors at their positions.
+"""False-colour floor plans of sensor values.
 
-Walls are the section of the scene at the height of the sensors. Sensors that face up or
-down are cells of the floor, others are arrows.
+Walls are the horizontal section of the scene at the height of the sensors. Sensors that
+face up or down are drawn as cells, all other sensors as arrows.
 """
 
 from dataclasses import dataclass, replace
@@ -25,17 +25,17 @@ _MOST_SEGMENTS = 12_000
 
 @dataclass(frozen=True, eq=False)
 class PlanFrame:
-    """The part of the plane that a plan shows, and what is common to its metrics.
+    """Extent of a plan, and geometry common to the plans of all metrics.
 
     Attributes
     ----------
-    identifier : of the walls in the page
-    low, high : corners of what is shown [m]
-    scale : units of the drawing per metre
-    walls : path data of the cut
-    level : most of the sensors face up or down
+    identifier : HTML identifier of the walls
+    low, high : corners of the extent [m]
+    scale : drawing units per metre
+    walls : SVG path data of the walls
+    level : whether most sensors face up or down
     cells : outline of the cell or arrow of each sensor [m]
-    points : of the sensors [m]
+    points : positions of the sensors [m]
     """
 
     identifier: str
@@ -50,7 +50,7 @@ class PlanFrame:
     def place(
         self, points: Float[np.ndarray, "*batch 2"]
     ) -> Float[np.ndarray, "*batch 2"]:
-        """Return where points of the plane [m] lie in the drawing; north is up."""
+        """Return drawing coordinates of points of the plane [m]; +y points upwards."""
         x = _MARGIN + (points[..., 0] - self.low[0]) * self.scale
         y = _MARGIN + (self.high[1] - points[..., 1]) * self.scale
         return np.stack([x, y], axis=-1)
@@ -65,7 +65,7 @@ class PlanFrame:
 def plan_frame(
     content: ReportContent, members: Int[np.ndarray, " member"], *, identifier: str
 ) -> PlanFrame:
-    """Return the frame of the plan of some sensors: the room that they can see."""
+    """Return the frame of the plan of some sensors: the room visible from them."""
     position = content.sensors.position[members]
     points = position[:, :2]
     height = float(np.median(position[:, 2]))
@@ -77,7 +77,7 @@ def plan_frame(
         low = np.minimum(low, corners.min(axis=0)) if near else low
         high = np.maximum(high, corners.max(axis=0)) if near else high
 
-    # A lone sensor in the open still needs some room around it
+    # Smallest extent, for a single sensor outdoors
     lack = np.maximum(0, 2.0 - (high - low)) / 2 + 0.02
     low, high = low - lack, high + lack
     scale = float(np.min((_WIDTH, _HEIGHT) / (high - low)))
@@ -142,7 +142,7 @@ def plan(
 
 
 def walls_definition(frame: PlanFrame) -> Markup:
-    """Return the walls of a frame, drawn once and used by each of its plans."""
+    """Return the walls of a frame, defined once and used by each plan."""
     path = element("path", d=frame.walls, id=frame.identifier)
     return element(
         "svg", element("defs", path), class_="definitions", aria_hidden="true"
@@ -155,7 +155,7 @@ def _arrows(
     *,
     size: float,
 ) -> Float[np.ndarray, "sensor corner 2"]:
-    # Kites whose tails stand on the sensors
+    # Arrows whose tails are at the sensors
     length = np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-6)
     ahead = size * towards / length
     aside = np.stack([-ahead[:, 1], ahead[:, 0]], axis=-1)
@@ -174,13 +174,13 @@ def _arrows(
 def _longest(
     segments: Float[np.ndarray, "segment 2 2"],
 ) -> Float[np.ndarray, "kept 2 2"]:
-    # Of a crowded cut, what is large enough to be seen
+    # Keep the longest segments of a section with very many segments
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
     return segments[np.sort(np.argsort(-length)[:_MOST_SEGMENTS])]
 
 
 def _paths(outlines: Float[np.ndarray, "outline corner 2"]) -> str:
-    # Path data of closed outlines, or of single segments
+    # SVG path data of closed outlines, or of single segments
     end = "Z" if outlines.shape[1] > 2 else ""
     return "".join(
         "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in outline) + end
@@ -231,7 +231,7 @@ def _scale_bar(frame: PlanFrame) -> Markup:
 
 
 def _north_arrow(frame: PlanFrame, north: float) -> Markup:
-    # The scene's +y points to the azimuth `north`, so north lies that much to the left
+    # `north` is the azimuth of +y, so north is turned counter-clockwise from +y
     ahead = np.array([-np.sin(north), -np.cos(north)])
     middle = np.array([frame.size[0] - _MARGIN - 10, frame.size[1] - 16])
     letter = middle - 1.9 * 9 * np.array([1, 0])

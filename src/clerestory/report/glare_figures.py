@@ -1,4 +1,4 @@
-"""Figures of annual glare: days and hours of one view, directions at one position."""
+"""Figures of annual glare: heat map of one view, rosette of view directions."""
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -19,7 +19,7 @@ from clerestory.glare.dgp import DGP
 from clerestory.glare.index import CATEGORIES
 from clerestory.report.heat_map import day_hour_grid
 
-# From imperceptible to intolerable, distinct in lightness too
+# From imperceptible to intolerable; they also differ in lightness
 _COLOURS = ("#dce9f2", "#f6d55c", "#ed7d3a", "#9c1b2f")
 _NO_DATA = "#ffffff"
 _WORDS = (
@@ -37,20 +37,22 @@ def glare_year_figure(
     use: Bool[np.ndarray, " time"] | None = None,
     title: str = "",
 ) -> Figure:
-    """Return a map of the year, days to the right and hours upwards.
+    """Return a heat map of the year, days to the right and hours upwards.
 
     Parameters
     ----------
-    dgp : of each step
-    times : middle of each step
-    use : steps that count in the numbers of the title; all if not given
+    dgp : DGP of each time step
+    times : middle of each time step
+    use : time steps included in the statistics of the title; default: all
 
     Raises
     ------
-    InputError : numbers of steps that differ
+    InputError : the numbers of time steps differ
     """
     if len(dgp) != len(times):
-        raise InputError(f"{len(times)} times for {len(dgp)} DGPs; as many expected")
+        raise InputError(
+            f"{len(times)} times for {len(dgp)} DGPs; equal numbers expected"
+        )
     grid = day_hour_grid(times)
     figure = Figure(figsize=(11, 3.9), layout="constrained")
     axes = figure.subplots()
@@ -103,20 +105,20 @@ def glare_rosette_figure(
     *,
     title: str = "",
 ) -> Figure:
-    """Return the shares of time in the categories of glare, by direction of view.
+    """Return the shares of time per glare category, by view direction.
 
     Parameters
     ----------
-    dgp : of each view in the steps of use
-    azimuth : of the views, clockwise from north [rad]
+    dgp : DGP of each view in the occupied time steps
+    azimuth : azimuths of the view directions, clockwise from north [rad]
 
     Raises
     ------
-    InputError : numbers of views that differ
+    InputError : the numbers of views differ
     """
     if dgp.shape[0] != azimuth.size:
         raise InputError(
-            f"{azimuth.size} azimuths for {dgp.shape[0]} views; as many expected"
+            f"{azimuth.size} azimuths for {dgp.shape[0]} views; equal numbers expected"
         )
     count = len(CATEGORIES)
     group = DGP.category(dgp)
@@ -126,7 +128,7 @@ def glare_rosette_figure(
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
     width = 0.86 * 2 * np.pi / max(azimuth.size, 4)
-    # The worst stands in the middle, where views can be compared
+    # The worst category is at the centre, where views are easily compared
     inner = np.zeros(azimuth.size)
     for i in reversed(range(count)):
         axes.bar(azimuth, share[i], width, bottom=inner, color=_COLOURS[i])

@@ -1,7 +1,7 @@
 """Figures of goniophotometer measurements and their fits.
 
-Discs are seen from the room, right is right and up is up, with the angle to the normal
-as distance from the middle. The ring marks the unscattered direction.
+Discs are seen from the room, with right and up as in the room and the angle to the
+normal as distance from the centre. The ring marks the unscattered direction.
 """
 
 from typing import Any
@@ -31,7 +31,7 @@ _LABEL: dict[str, Any] = {"fontsize": 9}
 
 
 def fit_figure(measurement: Measurement, interpolant: Interpolant, scan: int) -> Figure:
-    """Draw a scan: measured points, fitted lobes, their sum, the incident directions.
+    """Draw a scan: measured points, fitted lobes, sum of lobes, incident directions.
 
     Parameters
     ----------
@@ -63,9 +63,9 @@ def between_figure(
     start: Float[np.ndarray, "3"],
     end: Float[np.ndarray, "3"],
 ) -> Figure:
-    """Draw the light from two incident directions, and half-way between them.
+    """Draw the scattered light of two incident directions, and half-way between them.
 
-    Beside the interpolant stands the plain mean of both, which shows every lobe twice.
+    For comparison, the arithmetic mean of both is shown, which has every lobe twice.
     """
     middle = (start + end) / np.linalg.norm(start + end)
     ends = [interpolant.lobes(direction) for direction in (start, end)]
@@ -93,7 +93,7 @@ def between_figure(
 
 
 def error_figure(validation: CrossValidation) -> Figure:
-    """Draw the errors of scans that are left out, over their incident directions."""
+    """Draw the cross-validation errors of scans over their incident directions."""
     scans = validation.scans
     x, y = np.array([_disc(from_degrees(s.theta_deg, s.phi_deg)) for s in scans]).T
     quantities = (
@@ -125,7 +125,7 @@ def draw_mesh(axes: Axes, mesh: Mesh) -> None:
 
 
 def _measured(interpolant: Interpolant, scan: Scan) -> Lobes:
-    # The fit itself, turned back from azimuth 0 if the layer is isotropic
+    # The fit itself, rotated from azimuth 0 to that of the scan if isotropic
     vertices = interpolant.network.mesh.vertices
     incident, turn = scan.incident, np.eye(3)
     if interpolant.symmetry == "isotropic":
@@ -139,7 +139,7 @@ def _measured(interpolant: Interpolant, scan: Scan) -> Lobes:
 
 
 def _disc(direction: Float[np.ndarray, "*points 3"]) -> Float[np.ndarray, "*points 2"]:
-    # Angle to the normal [°] as distance from the middle
+    # Angle to the normal [°] as distance from the centre
     flat = np.hypot(direction[..., 0], direction[..., 1])
     theta = np.degrees(np.arctan2(flat, direction[..., 2]))
     scale = theta / np.maximum(flat, 1e-12)

@@ -1,4 +1,4 @@
-"""Head of the report: title, key figures with their uncertainty, warnings."""
+"""Head of the report: title, key figures with uncertainty, and warnings."""
 
 import numpy as np
 from jaxtyping import Int
@@ -62,7 +62,7 @@ def lead_words(content: ReportContent) -> str:
 
 
 def _glare_words(content: ReportContent) -> str:
-    # Of several views the one with most glare
+    # The view with most glare
     if not content.glare:
         return ""
     use = content.occupied
@@ -79,7 +79,7 @@ def target_words(content: ReportContent) -> str:
 
 
 def _warnings(content: ReportContent) -> list[str]:
-    # What the reader should check
+    # Orientation problems, then warnings of the run
     problems = [
         f"Window “{row.window}”: {row.problem}"
         for row in (orientation(window, content) for window in content.windows)

@@ -1,7 +1,7 @@
-"""Heat maps of a year: days from left to right, hours of the day upwards.
+"""Annual heat maps: days from left to right, hours of the day upwards.
 
-Each time step fills the cell it belongs to. Steps may be shorter than an hour,
-days may be missing, and several years are superposed.
+Each cell shows the mean of its time steps. Time steps may be shorter than an hour, days
+may be missing, and several years are superposed.
 """
 
 from dataclasses import dataclass
@@ -15,22 +15,22 @@ _WIDTH, _HEIGHT = 1000, 240
 _LEFT, _TOP, _RIGHT, _BOTTOM = 46, 8, 12, 26
 _SHORTEST_MINUTES = 5
 
-# Days that fill less of their span than this are drawn without the gaps
+# Fraction of days with data below which the gaps between days are left out
 _SPARSE = 0.3
 
-# Where the colours of the year begin: below, it is as good as night
+# Lower limit of the colour scale
 DARKEST_LUX = 10.0
 
 
 @dataclass(frozen=True, eq=False)
 class DayHourGrid:
-    """The cells of a day × hour picture.
+    """Cells of a day × hour image.
 
     Attributes
     ----------
-    dates : the day of each column
-    bins : how many cells a day has
-    cell : number of the cell of each time step, day by day
+    dates : date of each column
+    bins : number of cells per day
+    cell : index of the cell of each time step; cells are ordered by day
     """
 
     dates: np.ndarray
@@ -39,11 +39,11 @@ class DayHourGrid:
 
     @property
     def days(self) -> int:
-        """How many columns there are."""
+        """Number of columns."""
         return len(self.dates)
 
     def fill(self, values: Float[np.ndarray, " time"]) -> Float[np.ndarray, "bin day"]:
-        """Mean of the values in each cell, NaN where there are none; hour 0 first."""
+        """Mean of the values in each cell, NaN without values; hour 0 first."""
         size = self.days * self.bins
         count = np.bincount(self.cell, minlength=size)
         total = np.bincount(self.cell, weights=values, minlength=size)
@@ -52,7 +52,7 @@ class DayHourGrid:
 
 
 def day_hour_grid(times: np.ndarray) -> DayHourGrid:
-    """Return the cells for some time steps, each named by the middle of its step.
+    """Return the cells of time steps given by their middles.
 
     Examples
     --------
@@ -66,7 +66,7 @@ def day_hour_grid(times: np.ndarray) -> DayHourGrid:
     day = _folded(times.astype("datetime64[D]"))
     bins = round(24 * 60 / _step_minutes(times))
 
-    # A few days far apart stand side by side, others at their distance in time
+    # A few scattered days are drawn side by side, otherwise days keep their distance
     dates = np.unique(day)
     span = int((dates[-1] - dates[0]).astype(int)) + 1
     if len(dates) > _SPARSE * span:
@@ -77,7 +77,7 @@ def day_hour_grid(times: np.ndarray) -> DayHourGrid:
 
 
 def _folded(day: np.ndarray) -> np.ndarray:
-    # Lay years on top of each other, in a leap year so that every day has a place
+    # Superpose years in one leap year, which contains all dates
     if (day.max() - day.min()).astype(int) <= 366:
         return day
     month = day.astype("datetime64[M]")
@@ -87,7 +87,7 @@ def _folded(day: np.ndarray) -> np.ndarray:
 
 
 def _step_minutes(times: np.ndarray) -> float:
-    # The most frequent gap within a day is the step
+    # The median interval within a day is the time step
     gaps = np.diff(np.unique(times)).astype(int) / 60
     gaps = gaps[gaps < 120]
     minutes = float(np.median(gaps)) if len(gaps) else 60.0
@@ -102,7 +102,7 @@ def heat_map(
     label: str,
     identifier: str = "heat-map",
 ) -> Markup:
-    """Return the drawing: axes around a picture given as a data address."""
+    """Return the drawing: axes around an image given as a data URL."""
     picture = element(
         "image",
         href=image,
@@ -147,7 +147,7 @@ def _hours() -> Markup:
 
 
 def _schedule(grid: DayHourGrid, occupied: Bool[np.ndarray, " time"]) -> Markup:
-    # A line where hours begin or cease to count on most days
+    # Lines where occupied hours begin or end on most days
     share = grid.fill(occupied.astype(float))
     known = np.isfinite(share)
     usual = np.where(known, share, 0).sum(axis=1) > 0.5 * known.sum(axis=1)
@@ -162,7 +162,7 @@ def _schedule(grid: DayHourGrid, occupied: Bool[np.ndarray, " time"]) -> Markup:
 
 
 def _days(grid: DayHourGrid) -> Markup:
-    # Mark the months of a long span, some of the days of a short one
+    # Mark the months of a long period, or several days of a short one
     month = grid.dates.astype("datetime64[M]")
     if grid.days > 62 and grid.dates[-1] - grid.dates[0] < np.timedelta64(
         grid.days, "D"

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-# A cut at exactly the height of a desk top would be ambiguous
+# Offset of the section plane, which avoids coplanar surfaces such as desk tops [m]
 _CLEARANCE = 0.011
 _SHORTEST = 0.002
 _DIRECTIONS = 90
@@ -13,7 +13,7 @@ _FARTHEST = 60.0
 def horizontal_section(
     corners: Float[np.ndarray, "triangle 3 3"], *, height: float
 ) -> Float[np.ndarray, "segment 2 2"]:
-    """Segments in which triangles meet the plane at `height` [m].
+    """Segments in which triangles intersect the plane at `height` [m].
 
     Examples
     --------
@@ -26,7 +26,7 @@ def horizontal_section(
     cut = lone_side | (above.sum(axis=1) == 2)
     corners, above, lone_side = corners[cut], above[cut], lone_side[cut]
 
-    # The plane parts one corner of a triangle from the other two
+    # The plane separates one corner of a triangle from the other two
     lone = np.argmax(above == lone_side[:, None], axis=1)
     row = np.arange(len(corners))
     apex = corners[row, lone]
@@ -43,17 +43,17 @@ def horizontal_section(
 def visible_extent(
     segments: Float[np.ndarray, "segment 2 2"], points: Float[np.ndarray, "point 2"]
 ) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
-    """Low and high corner of what can be seen from the points in the plane [m].
+    """Low and high corner of the region visible from the points in the plane [m].
 
-    So a plan frames the room of its sensors, not the town around it. Directions
-    in which nothing stands within 60 m do not count.
+    The region covers the room of the sensors without its surroundings. Directions
+    without an obstruction within 60 m are ignored.
     """
     seen = [points]
     angle = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS + 0.01
     ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1)[:, None, :]
     along = segments[:, 1] - segments[:, 0]
     for point in points[:: max(1, len(points) // 6)]:
-        # Meet every ray with every segment: point + t ray = start + s along
+        # Intersect every ray with every segment: point + t ray = start + s along
         start = segments[:, 0] - point
         with np.errstate(divide="ignore", invalid="ignore"):
             cross = ray[..., 0] * along[:, 1] - ray[..., 1] * along[:, 0]

@@ -1,7 +1,7 @@
-"""Polar diagram of a luminaire: intensity in two or more planes through its nadir.
+"""Polar diagram of a luminaire: luminous intensity in vertical planes.
 
-Down is down, as the luminaire hangs. Each curve is one plane, its right half at the
-horizontal angle named and its left half opposite.
+The nadir is at the bottom. Each curve is one plane; its right half is at the given
+horizontal angle, its left half at the opposite angle.
 """
 
 from collections.abc import Sequence
@@ -17,11 +17,11 @@ from matplotlib.ticker import MaxNLocator
 from clerestory.errors import InputError
 from clerestory.formats.photometry.luminaire import Luminaire
 
-# Steps along a curve [°]
+# Angular step along a curve [°]
 _STEP_DEG = 0.5
 _COLOURS = ("#c1440e", "#1f4e79", "#5f8d4e", "#8064a2")
 
-# Letters of a name that fit above the diagram
+# Largest number of characters in the title
 _TITLE = 44
 
 MOST_PLANES = len(_COLOURS)
@@ -68,7 +68,7 @@ def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure
 def _directions(
     angle: Float[np.ndarray, " n"], plane_deg: float
 ) -> Float[np.ndarray, "n 3"]:
-    # From the nadir, to the named side of the plane if positive
+    # Angles are from the nadir, positive on the given side of the plane
     turn = np.radians(plane_deg)
     side = np.sin(angle)
     return np.stack([side * np.cos(turn), side * np.sin(turn), -np.cos(angle)], axis=1)

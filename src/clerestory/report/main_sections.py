@@ -1,4 +1,4 @@
-"""Sections of every report: plans, the year, the room, uncertainty, computation."""
+"""Sections of every report: plans, year, room, uncertainty, computation, glossary."""
 
 from collections.abc import Mapping
 
@@ -21,11 +21,11 @@ from clerestory.report.room_view import MOST_TRIANGLES
 from clerestory.report.uncertain_value import Figure
 from clerestory.report.uncertainty import LIT_LUX, error_histogram, error_rows
 
-# Metrics of vertical sensors
+# Rows of the sensor table, and metrics of vertical sensors
 _MOST_ROWS = 500
 _UPRIGHT = ("mean", "autonomy", "exceeded")
 
-# The colours of the 3-D view, as in view.js
+# Colours of the 3-D view, as in view.js
 _KEYS = (
     ("#2f8f5b", "front of a window, and its normal: must face the room"),
     ("#d9772b", "back of a window: must face outdoors"),
@@ -35,7 +35,7 @@ _KEYS = (
 
 
 def plans_section(content: ReportContent) -> Markup:
-    """Return the plans of every grid, one for each metric."""
+    """Return the plans of every grid and metric."""
     return render(
         "plans.html",
         grids=[
@@ -77,7 +77,7 @@ def _plans(
 
 
 def _shown(content: ReportContent, level: bool) -> list[tuple[MetricMap, ColourScale]]:
-    # The metrics that fit the direction of the sensors, each with its colours
+    # Metrics that suit the direction of the sensors, with their colour scales
     maps = metric_maps(content.metrics)
     lux = illuminance_scale(maps[0].values)
     return [
@@ -88,7 +88,7 @@ def _shown(content: ReportContent, level: bool) -> list[tuple[MetricMap, ColourS
 
 
 def _sensor_table(content: ReportContent) -> Markup:
-    # The first five hundred of many
+    # Limited to the first 500 sensors
     sensors, maps = content.sensors, metric_maps(content.metrics)
     rows = []
     for k in range(min(len(sensors), _MOST_ROWS)):
@@ -104,7 +104,7 @@ def _sensor_table(content: ReportContent) -> Markup:
 
 
 def year_section(content: ReportContent) -> Markup:
-    """Return the heat map of the year, with the list of series to choose from."""
+    """Return the annual heat map and the list of selectable series."""
     grid = day_hour_grid(content.times)
     scale = illuminance_scale(content.illuminance, low=DARKEST_LUX)
     series = series_names(content)
@@ -129,7 +129,7 @@ def year_section(content: ReportContent) -> Markup:
 
 
 def room_section(content: ReportContent) -> Markup:
-    """Return the 3-D view and the orientation of the windows in words."""
+    """Return the 3-D view and a description of the window orientations."""
     rows = [orientation(window, content) for window in content.windows]
     faces = "; ".join(f"window {row.window} faces {row.room_side}" for row in rows)
     return render(
@@ -158,7 +158,7 @@ def computation_section(content: ReportContent) -> Markup:
 
 
 def time_table(seconds: Mapping[str, float]) -> Markup:
-    """Return the run time of each phase, with bars, the longest first."""
+    """Return the run time of each phase with bars, longest first."""
     total = sum(seconds.values())
     rows = [
         (phase, duration(spent), 100 * spent / total if total > 0 else 0.0)

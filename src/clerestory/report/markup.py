@@ -1,6 +1,6 @@
-"""HTML and SVG of pages: Jinja2 templates and elements made from values.
+"""HTML and SVG markup by Jinja2 templates and element functions.
 
-All text is escaped unless it is `Markup`, so that no title or path can become a tag.
+All text is escaped unless it is `Markup`, so that titles and paths cannot inject tags.
 """
 
 import json
@@ -25,15 +25,15 @@ def _templates() -> Environment:
 
 
 def render(template: str, **values: object) -> Markup:
-    """Return a template of the package filled with values."""
+    """Return a rendered template of the package."""
     return Markup(_templates().get_template(template).render(**values))
 
 
 def element(tag: str, *children: object, **attributes: object) -> Markup:
     """Return an element; plain text among its children is escaped.
 
-    A trailing underscore in an attribute's name falls away, other underscores
-    become hyphens. Attributes that are None are left out.
+    In attribute names a trailing underscore is removed, and other underscores become
+    hyphens. Attributes that are None are left out.
 
     >>> print(element("p", "a < b", class_="note"))
     <p class="note">a &lt; b</p>
@@ -47,12 +47,12 @@ def element(tag: str, *children: object, **attributes: object) -> Markup:
 
 
 def join(*children: object) -> Markup:
-    """Return the children one after the other, plain text escaped."""
+    """Return the concatenated children, with plain text escaped."""
     return Markup("").join(escape(child) for child in children)
 
 
 def embedded_json(identifier: str, value: Any) -> Markup:
-    """Return a script element that holds data; no string in it can close it."""
+    """Return a script element with JSON data, escaped so that no string closes it."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     for sign in "<>&\u2028\u2029":
         text = text.replace(sign, f"\\u{ord(sign):04x}")

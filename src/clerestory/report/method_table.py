@@ -1,4 +1,4 @@
-"""Comparison of methods on one scene: deviations from the last one."""
+"""Comparison of simulation methods on one scene: deviations from the last method."""
 
 from dataclasses import dataclass
 
@@ -13,14 +13,14 @@ from clerestory.study.method_comparison import LEAST_LUX, WITHIN, differences
 
 @dataclass(frozen=True, eq=False)
 class MethodComparison:
-    """Illuminance by several methods.
+    """Illuminance by several simulation methods.
 
     Attributes
     ----------
-    methods : their names; the last one is the reference
-    illuminance : by each of them [lux]
+    methods : names of the methods; the last one is the reference
+    illuminance : illuminance by each method [lux]
     grids : name of the grid of each sensor
-    occupied : steps that count
+    occupied : whether each time step is an occupied hour
     """
 
     methods: tuple[str, ...]
@@ -30,7 +30,7 @@ class MethodComparison:
 
 
 def method_comparison(data: xr.Dataset) -> MethodComparison | None:
-    """Return the methods in results, none where one alone was run."""
+    """Return the comparison in results, or None if only one method was run."""
     if "illuminance_by_method" not in data:
         return None
     values = data["illuminance_by_method"].transpose("method", "sensor", "time")
@@ -43,7 +43,7 @@ def method_comparison(data: xr.Dataset) -> MethodComparison | None:
 
 
 def methods_section(compared: MethodComparison | None) -> Markup:
-    """Return a table of every method and grid against the last method."""
+    """Return a table of deviations of every method and grid from the last method."""
     if compared is None:
         return Markup("")
     head = ["Method", "Grid", "Mean [lux]", "Mean bias", "Root mean square"]

@@ -19,15 +19,15 @@ from clerestory.report.uncertain_value import Figure
 
 @dataclass(frozen=True, eq=False)
 class MetricMap:
-    """One metric over the sensors, ready to be drawn.
+    """One metric of all sensors, for display.
 
     Attributes
     ----------
     key : short name for the page
-    title, note : what it is, in words
-    values, errors : per sensor, in the unit shown
+    title, note : title and description
+    values, errors : value and standard error per sensor, in `unit`
     unit : lux or %
-    components : error components of the values, if they are known
+    components : error components of the values, if known
     """
 
     key: str

@@ -1,7 +1,7 @@
-"""Orientation of the windows in words, and quality checks of it.
+"""Orientation of windows in words, with quality checks.
 
-A reversed window or a horizontal up vector is the most common mistake in studies with
-BSDFs, and the results alone do not reveal it.
+Reversed windows and horizontal up vectors are the most common mistakes in studies with
+BSDFs, and results alone do not reveal them.
 """
 
 import math
@@ -26,12 +26,12 @@ class Orientation:
 
     Attributes
     ----------
-    window : its name
-    area : [m²]
-    room_side, outer_side : where its front and its back face, in words
-    up : where the up direction of its BSDF points, in words
-    in_front : share of the sensors in front of it, 0…1
-    problem : of the orientation, empty if there is none
+    window : name of the window
+    area : area [m²]
+    room_side, outer_side : compass direction of the front and of the back
+    up : compass direction of the up vector of the BSDF
+    in_front : fraction of the sensors in front of the window, 0…1
+    problem : description of a wrong orientation, empty if correct
     """
 
     window: str

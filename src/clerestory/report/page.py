@@ -1,7 +1,7 @@
-"""Report of a run as one HTML page that needs no network.
+"""Report of a run as one self-contained HTML page.
 
-Style, scripts, pictures and data are in the page; its content policy forbids everything
-else, including scripts in names or paths.
+Style, scripts, pictures and data are embedded. The content security policy blocks
+everything else, including scripts injected by names or paths.
 """
 
 from pathlib import Path
@@ -44,29 +44,29 @@ _SCRIPTS = (
 def write_report(
     results: Results, path: str | Path, *, pictures: str | Path | None = None
 ) -> None:
-    """Write the report of a run as one HTML file that opens anywhere, offline.
+    """Write the report of a run as one self-contained HTML file.
 
     Parameters
     ----------
-    results : of the run
-    path : the page
-    pictures : folder that holds the run's pictures; without it the page has none
+    results : results of the run
+    path : path of the HTML file
+    pictures : folder of the pictures of the run; default: a report without pictures
 
     Raises
     ------
-    InputError : the results hold values that are not numbers, or a picture is damaged
+    InputError : the results contain values that are not finite, or a picture is damaged
     OutputError : the file cannot be written
     """
     write_text(path, report_page(from_results(results, pictures=pictures)))
 
 
 def picture_folder(folder: Path, results: Results) -> Path:
-    """Return the folder of a run's pictures; of several methods, that of the last."""
+    """Return the folder of the pictures of a run; the last of several methods."""
     own = folder / str(results.data.attrs.get("method", "")) / PICTURE_FOLDER
     return own if own.is_dir() else folder / PICTURE_FOLDER
 
 
-# Sections that a page may have, and their names in the list of contents
+# Possible sections of a page, and their titles in the table of contents
 _CONTENTS = (
     ("plans", "Plans"),
     ("year", "Year"),

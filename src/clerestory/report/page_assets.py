@@ -1,4 +1,4 @@
-"""Self-contained HTML pages: style, scripts and data inline, nothing loaded."""
+"""Self-contained HTML pages with embedded style, scripts and data."""
 
 import base64
 import hashlib
@@ -11,13 +11,13 @@ from clerestory.report.markup import Markup, embedded_json, render
 
 
 def asset(name: str) -> str:
-    """Return the text of a file in the package's folder of scripts and styles."""
+    """Return the text of a file in the folder of scripts and styles."""
     folder = resources.files("clerestory.report") / "assets"
     return (folder / name).read_text(encoding="utf-8")
 
 
 def content_policy(script: str) -> str:
-    """Return the content policy that lets one script run and nothing be loaded.
+    """Return the content security policy that allows one script and no loading.
 
     >>> content_policy("")[:19]
     "default-src 'none';"
@@ -32,7 +32,7 @@ def content_policy(script: str) -> str:
 def render_page(
     *, title: str, style: str, body: Markup, data: Any, scripts: Sequence[str]
 ) -> str:
-    """Return a page with its data, and the scripts that read them."""
+    """Return a page with embedded data and scripts."""
     script = Markup("\n".join(asset(name) for name in scripts))
     return render(
         "page.html",

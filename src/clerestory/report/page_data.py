@@ -1,7 +1,7 @@
-"""Data for the scripts of a page: sensors, metrics, hourly series, the scene.
+"""Data for the scripts of a page: sensors, metrics, hourly series and scene.
 
-Hourly series are most of a page. The mean of each grid is always included, and as many
-evenly spaced sensors as the size limit allows.
+Hourly series are the largest part of a page. The mean of each grid is always included,
+and as many evenly spaced sensors as the size limit allows.
 """
 
 from functools import partial
@@ -23,12 +23,12 @@ from clerestory.report.metric_maps import metric_maps
 from clerestory.report.room_view import room_view
 from clerestory.report.uncertain_value import Figure
 
-# Hourly values that a page carries: about 3 MB once compressed
+# Maximum number of hourly values on a page: about 3 MB after compression
 _MOST_VALUES = 1_500_000
 
 
 def page_data(content: ReportContent) -> dict[str, Any]:
-    """Return the data of the page as plain values for JSON."""
+    """Return the data of the page as JSON values."""
     maps = metric_maps(content.metrics)
     mean_scale = illuminance_scale(maps[0].values)
     metrics = {
@@ -61,7 +61,7 @@ def page_data(content: ReportContent) -> dict[str, Any]:
 def grid_frames(
     content: ReportContent,
 ) -> dict[str, tuple[PlanFrame, Int[np.ndarray, " member"]]]:
-    """Return the frame of the plan of each grid and the sensors in it, by grid."""
+    """Return the plan frame and the sensors of each grid, by name of the grid."""
     return {
         name: (plan_frame(content, members, identifier=f"plan-{k}"), members)
         for k, (name, members) in enumerate(content.sensors.by_grid().items())
@@ -69,7 +69,7 @@ def grid_frames(
 
 
 def series_names(content: ReportContent) -> list[tuple[str, int | None]]:
-    """Return names of the hourly series, each with its sensor unless it is a mean."""
+    """Return names of hourly series, each with its sensor, or None for means."""
     names: list[tuple[str, int | None]] = [
         (f"Mean of {grid} ({len(members):,} sensors)", None)
         for grid, members in content.sensors.by_grid().items()

@@ -1,4 +1,4 @@
-"""Periods and durations of time steps in words."""
+"""Periods and durations in words."""
 
 import numpy as np
 from jaxtyping import Bool
@@ -7,17 +7,17 @@ from clerestory.report.heat_map import day_hour_grid
 
 
 def step_minutes(times: np.ndarray) -> float:
-    """Return the length of a step [min]."""
+    """Return the length of a time step [min]."""
     return 24 * 60 / day_hour_grid(times).bins
 
 
 def hours_in(times: np.ndarray, counted: Bool[np.ndarray, " time"]) -> float:
-    """Return how many hours the counted steps last."""
+    """Return the duration of the counted time steps [h]."""
     return float(np.count_nonzero(counted)) * step_minutes(times) / 60
 
 
 def period_words(times: np.ndarray) -> str:
-    """Return the span of the steps in words.
+    """Return the period of the time steps in words.
 
     >>> hours = np.arange(8760) * np.timedelta64(1, "h")
     >>> year = np.datetime64("2023-01-01T00:30") + hours
@@ -34,7 +34,7 @@ def period_words(times: np.ndarray) -> str:
 
 
 def moment_words(moment: np.datetime64) -> str:
-    """Return a moment in words, without its year.
+    """Return date and time in words, without the year.
 
     >>> moment_words(np.datetime64("2023-09-21T12:30"))
     '21 September 12:30'
@@ -44,7 +44,7 @@ def moment_words(moment: np.datetime64) -> str:
 
 
 def date_words(moment: np.datetime64) -> str:
-    """Return the day of a moment in words, without its year.
+    """Return the date in words, without the year.
 
     >>> date_words(np.datetime64("2023-09-21T12:30"))
     '21 September'

@@ -1,4 +1,4 @@
-"""Pictures of chosen time steps of each view, with their luminance in false colour."""
+"""Pictures of selected time steps of each view, also in false colour."""
 
 from collections.abc import Callable, Sequence
 
@@ -18,7 +18,7 @@ from clerestory.report.view_pictures import (
     read_small,
 )
 
-# Pictures of a view that the page shows: of one or two views, of more; their size
+# Pictures per view, for up to two views and for more; image width and JPEG quality
 _MOST, _MOST_OF_MANY = 6, 3
 _WIDTH = 480
 _QUALITY = 82
@@ -30,13 +30,13 @@ def pictures_section(
     *,
     note: Callable[[str, int], str],
 ) -> Markup:
-    """Return the pictures with false colour beneath.
+    """Return the pictures, with false-colour images below.
 
     Parameters
     ----------
-    views : what the run wrote
-    times : of all steps
-    note : what to say of a view in a step, beside its moment
+    views : pictures of each view
+    times : times of all time steps
+    note : function that describes a view at a time step
     """
     if not views:
         return Markup("")
@@ -46,7 +46,7 @@ def pictures_section(
 
 
 def spread(moments: Sequence[Moment], most: int) -> list[Moment]:
-    """Return the moments to show: all, or as many as allowed, evenly spread."""
+    """Return at most `most` moments, evenly spaced."""
     count = min(len(moments), most)
     places = np.unique(np.linspace(0, len(moments) - 1, count).round().astype(int))
     return [moments[k] for k in places.tolist()]

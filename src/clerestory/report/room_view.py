@@ -1,7 +1,7 @@
-"""Data of the 3-D view of a scene: triangles, edges, arrows, bounding box.
+"""Data of the 3-D view of a scene: triangles, edges, arrows and bounding box.
 
-The browser draws without a graphics card, so the view has the largest triangles of a
-scene, up to a limit, and the edges between surfaces.
+The view is rendered in software, so it contains only the largest triangles of a scene,
+up to a limit, and the edges between surfaces.
 """
 
 from typing import Any
@@ -22,11 +22,11 @@ MOST_TRIANGLES = 40_000
 def room_view(
     content: ReportContent, *, means: Float[np.ndarray, " sensor"], scale: ColourScale
 ) -> dict[str, Any]:
-    """Return the data of the 3-D view as plain values.
+    """Return the data of the 3-D view as JSON values.
 
     Parameters
     ----------
-    means : the illuminance whose colour each sensor takes [lux]
+    means : mean illuminance of each sensor, shown as colour [lux]
     """
     chosen = largest_triangles(content.room.corners)
     corners = content.room.corners[chosen]
@@ -64,7 +64,7 @@ def room_view(
 def largest_triangles(
     corners: Float[np.ndarray, "triangle 3 3"],
 ) -> Int[np.ndarray, " kept"]:
-    """Numbers of the triangles to draw, in their order."""
+    """Indices of the triangles to draw, in ascending order."""
     sides = corners[:, 1:] - corners[:, :1]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     kept = np.argsort(-area, kind="stable")[:MOST_TRIANGLES]
@@ -74,7 +74,7 @@ def largest_triangles(
 def framed_box(
     content: ReportContent,
 ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
-    """Low and high corner [m] of the room around the sensors, with its windows."""
+    """Low and high corner [m] of the room around the sensors, including windows."""
     position = content.sensors.position
     segments = horizontal_section(
         content.room.corners, height=float(np.median(position[:, 2]))

@@ -1,7 +1,7 @@
-"""Cells of the sensors in a floor plan.
+"""Cells of sensors in a floor plan.
 
-On a regular grid, rotated or not, the cells are equal rectangles; elsewhere they are
-discs as wide as the distance to the nearest sensor.
+On a regular grid, possibly rotated, the cells are equal rectangles; otherwise they are
+discs about as wide as the median distance between neighbours.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def sensor_cells(
     distance, neighbour = cKDTree(places).query(places, k=2)
     spacing = float(np.median(distance[:, 1]))
 
-    # A grid has one direction, up to quarter turns
+    # On a grid, directions to neighbours differ by multiples of 90°
     towards = places[neighbour[:, 1]] - places
     phase = np.mean(np.exp(4j * np.arctan2(towards[:, 1], towards[:, 0])))
     turn = float(np.angle(phase)) / 4
@@ -44,7 +44,7 @@ def sensor_cells(
 
 
 def _rotation(turn: float) -> Float[np.ndarray, "2 2"]:
-    # points @ _rotation(a) turns them by −a
+    # points @ _rotation(a) rotates the points by −a
     cos, sin = np.cos(turn), np.sin(turn)
     return np.array([[cos, -sin], [sin, cos]])
 

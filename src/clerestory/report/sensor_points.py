@@ -8,14 +8,14 @@ from jaxtyping import Float, Int
 
 @dataclass(frozen=True, eq=False)
 class SensorPoints:
-    """Where the sensors are.
+    """Positions and directions of sensors.
 
     Attributes
     ----------
-    names : one per sensor
-    grids : name of the grid each belongs to
-    position : points [m]
-    direction : unit vectors they face
+    names : names of the sensors
+    grids : name of the grid of each sensor
+    position : position of each sensor [m]
+    direction : unit normal of each sensor
     """
 
     names: tuple[str, ...]
@@ -27,6 +27,6 @@ class SensorPoints:
         return len(self.names)
 
     def by_grid(self) -> dict[str, Int[np.ndarray, " member"]]:
-        """Return the numbers of the sensors of each grid, in the order of the grids."""
+        """Return the indices of the sensors of each grid, in the order of the grids."""
         grids = np.array(self.grids, dtype=object)
         return {name: np.flatnonzero(grids == name) for name in dict.fromkeys(grids)}

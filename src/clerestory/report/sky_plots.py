@@ -1,7 +1,7 @@
-"""Figures of skies: luminance of the hemisphere at one time, a year of sun and sky.
+"""Figures of skies: luminance at one time step, and annual irradiance.
 
-The dome is drawn like a sun-path diagram: a plan with the zenith in the middle,
-north up and east to the right, altitudes at even distances.
+The sky dome is drawn as a sun-path diagram: a plan with the zenith at the centre, north
+up, east to the right, and radii linear in altitude.
 """
 
 import numpy as np
@@ -20,14 +20,14 @@ from clerestory.sky.point_sky import perez_point
 from clerestory.sky.solar_position import SunFormula, sun_position
 from clerestory.sky.weather import Weather
 
-# Cells of the dome in altitude and azimuth
+# Numbers of cells of the dome in altitude and azimuth
 _ALTITUDES, _AZIMUTHS = 90, 240
 
-# The range of the dome's colours [cd/m²], as a share of its brightest point
+# Lower limit of the colour scale, relative to the maximum luminance
 _DARKEST = 1 / 300
 
 _SUN_COLOUR = "#111111"
-# Days that a line of sunrises needs
+# Smallest number of days for lines of sunrise and sunset
 _FEWEST_DAYS = 8
 
 _PALETTE = "inferno"
@@ -35,17 +35,17 @@ _NO_DATA = "#d9d9d9"
 
 
 def dome_figure(weather: Weather, *, sun_formula: SunFormula = "spa") -> Figure:
-    """Return the luminance of Perez's sky in false colour, with the sun's path.
+    """Return the luminance of the Perez sky in false colour, with the sun path.
 
     Parameters
     ----------
-    weather : a single step
-    sun_formula : as for `sky_matrix`
+    weather : weather of a single time step
+    sun_formula : formula of the sun position, see `sky_matrix`
     """
     sky = perez_point(weather, sun_formula=sun_formula)
     if sky.diffuse_horizontal() <= 0:
         raise InputError(
-            f"no light from the sky at {weather.times[0]}; a time by day expected"
+            f"no diffuse sky irradiance at {weather.times[0]}; a daytime step expected"
         )
     azimuth = np.linspace(0, 2 * np.pi, _AZIMUTHS + 1)
     altitude = np.linspace(0, np.pi / 2, _ALTITUDES + 1)
@@ -77,7 +77,7 @@ def dome_figure(weather: Weather, *, sun_formula: SunFormula = "spa") -> Figure:
 
 
 def year_figure(weather: Weather) -> Figure:
-    """Return direct normal and diffuse horizontal irradiance, day by day, as heat maps.
+    """Return annual heat maps of direct normal and diffuse horizontal irradiance.
 
     Lines mark sunrise and sunset.
     """
@@ -117,7 +117,7 @@ def _place(weather: Weather) -> str:
 
 
 def _compass(axes: PolarAxes) -> None:
-    # A plan: north up, east right; rings every 15° of altitude
+    # Plan with north up and east right; rings every 15° of altitude
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
     axes.set_ylim(0, 90)
@@ -131,7 +131,7 @@ def _compass(axes: PolarAxes) -> None:
 
 
 def _sun_path(axes: PolarAxes, weather: Weather, formula: SunFormula) -> None:
-    # The day's path with its hours, and the sun itself
+    # Sun path of the day with hours, and position of the sun
     day = weather.times[0].astype("datetime64[D]").astype("datetime64[s]")
     minutes = day + 60 * np.arange(0, 24 * 60 + 1, 5)
     azimuth, zenith = _sun(weather, minutes, formula)
@@ -198,7 +198,7 @@ def _dome_title(weather: Weather, direct: float, diffuse: float) -> str:
 
 
 def _sunrise_and_sunset(axes: Axes, weather: Weather, dates: np.ndarray) -> None:
-    # Where the sun's altitude changes its sign, to a few minutes; a line needs days
+    # Contours of zero solar altitude, accurate to a few minutes
     if len(dates) < _FEWEST_DAYS:
         return
     minutes = np.arange(0, 24 * 60, 5)
@@ -217,7 +217,7 @@ def _sunrise_and_sunset(axes: Axes, weather: Weather, dates: np.ndarray) -> None
 
 
 def _mark_days(axes: Axes, dates: np.ndarray) -> None:
-    # Months of a long span, days of a short one
+    # Months of a long period, days of a short one
     month = dates.astype("datetime64[M]")
     if len(dates) > 62:
         marks = np.flatnonzero(dates == month.astype("datetime64[D]"))

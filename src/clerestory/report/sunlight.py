@@ -1,4 +1,4 @@
-"""Exposure to sunlight after EN 17037: hours of sun at each opening."""
+"""Exposure to sunlight according to EN 17037: hours of sun at each opening."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from clerestory.metrics.en17037 import LEVELS, SUN_HOURS, sunlight_level
 from clerestory.report.markup import Markup, element, join, render
 from clerestory.report.period import date_words
 
-# Drawing: place of the axis, height of a bar, gap below it [px]
+# Layout: margins and width of the axis, height of a bar, gap below a bar [px]
 _LEFT, _RIGHT, _WIDTH = 190, 24, 640
 _TOP, _BAR, _GAP = 6, 16, 8
 _MORNING, _EVENING = 5, 21
@@ -19,16 +19,16 @@ _SUN, _LINE = "#f0b429", "#c9ced6"
 
 @dataclass(frozen=True, eq=False)
 class Sunlight:
-    """When the sun reaches the openings of a room on one day.
+    """Sunlit times of the openings of a room on one day.
 
     Attributes
     ----------
-    moments : middles of equal steps of the day
-    openings : their names
-    reached : whether the sun reaches each opening's point
-    hours : of sun of each opening [h]
-    room_hours : in which any opening has sun [h]
-    lowest_sun_deg : altitude from which the sun counts [°]
+    moments : middles of equal time steps of the day
+    openings : names of the openings
+    reached : whether the sun reaches the reference point of each opening
+    hours : hours of sun of each opening [h]
+    room_hours : hours in which at least one opening has sun [h]
+    lowest_sun_deg : minimum solar altitude [°]
     """
 
     moments: np.ndarray
@@ -40,7 +40,7 @@ class Sunlight:
 
 
 def sunlight_of(data: xr.Dataset) -> Sunlight | None:
-    """Return the sunlight in results, none where the study did not ask for it."""
+    """Return the exposure to sunlight in results, or None if not computed."""
     if "sun_reaches" not in data:
         return None
     return Sunlight(
@@ -54,7 +54,7 @@ def sunlight_of(data: xr.Dataset) -> Sunlight | None:
 
 
 def sunlight_section(sunlight: Sunlight | None) -> Markup:
-    """Return the day of each opening as a bar, and the level of the room."""
+    """Return a bar of sunlit times per opening, and the level of the room."""
     if sunlight is None:
         return Markup("")
     limits = ", ".join(
@@ -71,7 +71,7 @@ def sunlight_section(sunlight: Sunlight | None) -> Markup:
 
 
 def sunlight_words(sunlight: Sunlight) -> str:
-    """Return the level of the room in a sentence."""
+    """Return the exposure level of the room in words."""
     level = LEVELS[sunlight_level(sunlight.room_hours)]
     achieved = "no level" if level == "none" else f"level {level}"
     return (
@@ -81,7 +81,7 @@ def sunlight_words(sunlight: Sunlight) -> str:
 
 
 def clock(hours: float) -> str:
-    """Return hours with minutes.
+    """Return a duration in hours and minutes.
 
     >>> clock(3.75), clock(0.0)
     ('3 h 45 min', '0 h 00 min')

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Figure:
-    """A number and its standard error, both in the unit shown."""
+    """A value and its standard error, both in `unit`."""
 
     value: float
     error: float
     unit: str
 
     def __str__(self) -> str:
-        """Value and error, rounded to what the error allows.
+        """Value and error, rounded according to the error.
 
         >>> str(Figure(612.34, 4.2, "lux")), str(Figure(57.96, 0.3, "%"))
         ('612 ± 4 lux', '58.0 ± 0.3 %')

@@ -9,7 +9,7 @@ from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, element
 from clerestory.report.metric_maps import relative_errors
 
-# Relative errors are counted above this illuminance [lux]
+# Illuminance above which relative errors are evaluated [lux]
 LIT_LUX = 10.0
 _BANDS = (10.0, 100.0, 300.0, 1000.0, 3000.0, np.inf)
 _WIDTH, _HEIGHT, _LEFT, _FOOT = 480, 150, 40, 42
@@ -17,7 +17,7 @@ _BARS = 32
 
 
 def error_words(content: ReportContent) -> str:
-    """Return one sentence on the accuracy of the hourly values."""
+    """Return the uncertainty of the hourly values in words."""
     errors = relative_errors(content, above=LIT_LUX)
     if not errors.size:
         return f"No sensor receives more than {LIT_LUX:.0f} lux in any time step."

@@ -1,4 +1,4 @@
-"""Annual glare of each view: classes, hours, and the worst time steps."""
+"""Annual glare of each view: categories, hours and worst time steps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,29 +21,29 @@ from clerestory.report.markup import Markup, render
 from clerestory.report.period import hours_in, moment_words
 from clerestory.report.uncertain_value import number
 
-# From imperceptible to intolerable, distinct in lightness too
+# From imperceptible to intolerable; they also differ in lightness
 COLOURS = np.array(
     [[158, 196, 222], [246, 213, 92], [237, 125, 58], [156, 27, 47]], dtype=np.uint8
 )
 
-# Resolution of DGP in the page, and the number of time steps it lists
+# Resolution of DGP on the page, and number of worst time steps listed
 _STEP = 0.01
 _WORST = 5
 
-# DGP of an eye that hardly receives light, the constant of its formula; its colour
+# DGP at zero eye illuminance (constant of the formula), and its colour
 _PALEST = 0.16
 _PALE = np.array([235.0, 243.0, 249.0])
 
 
 @dataclass(frozen=True, eq=False)
 class ViewGlare:
-    """Glare of one view.
+    """Annual glare of one view.
 
     Attributes
     ----------
-    view : its name
-    dgp : of each step, NaN in the dark
-    illuminance : on the eye [lux], NaN in the dark
+    view : name of the view
+    dgp : DGP of each time step, NaN in the dark
+    illuminance : vertical eye illuminance [lux], NaN in the dark
     brightest : luminance of the brightest pixel [cd/m²], NaN in the dark
     """
 
@@ -53,16 +53,16 @@ class ViewGlare:
     brightest: Float[np.ndarray, " time"]
 
     def class_of(self, step: int) -> str:
-        """Return the category of glare in a step."""
+        """Return the glare category of a time step."""
         return CATEGORIES[int(DGP.category(self.dgp[step : step + 1])[0])]
 
     def rated(self) -> Float[np.ndarray, " time"]:
-        """DGP of each step, 0 in the dark."""
+        """DGP of each time step, 0 in the dark."""
         return np.asarray(np.nan_to_num(self.dgp, nan=0.0))
 
 
 def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
-    """Return the glare of the views in results, none where there are none."""
+    """Return the glare of the views in results; empty without views."""
     if "glare_dgp" not in data:
         return ()
 
@@ -84,7 +84,7 @@ def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
 
 
 def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
-    """Return the year of each view as a map of DGP in steps of 0.01."""
+    """Return the annual map of each view, with DGP in steps of 0.01."""
     level = np.arange(round(1 / _STEP) + 1) * _STEP
     group = DGP.category(level)
     texts = tuple(
@@ -103,7 +103,7 @@ def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
 
 
 def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
-    """Colour of DGPs: that of their class, paler for what is far from perceptible."""
+    """Colour of DGP values by category, paler far below the perceptible limit."""
     colours = COLOURS[DGP.category(dgp)].astype(float)
     low = dgp <= LIMITS[0]
     share = np.clip((dgp[low] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[:, None]
@@ -112,7 +112,7 @@ def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
 
 
 def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
-    # Rounded so that no step changes its class
+    # Rounded without changing the glare category
     low = np.round(np.clip(dgp, 0, 1) / _STEP)
     low = np.where(np.isnan(dgp), 0, low).astype(int)
     level = low * _STEP
@@ -127,7 +127,7 @@ def glare_section(
     *,
     occupied: Bool[np.ndarray, " time"],
 ) -> Markup:
-    """Return the year of each view, its classes and its worst time steps."""
+    """Return the annual glare of each view, with categories and worst time steps."""
     if not views:
         return Markup("")
     edges = (f"to {x:.2f}" for x in LIMITS)
@@ -151,7 +151,7 @@ def glare_section(
 
 
 def glare_words(glare: ViewGlare, occupied: Bool[np.ndarray, " time"]) -> str:
-    """Return the year of a view in a sentence."""
+    """Return the annual glare of a view in words."""
     dgp = glare.rated()[occupied]
     top = float(exceeded_dgp(dgp))
     level = protection_level(top)
@@ -165,7 +165,7 @@ def glare_words(glare: ViewGlare, occupied: Bool[np.ndarray, " time"]) -> str:
 
 
 def glare_note(views: Sequence[ViewGlare], view: str, step: int) -> str:
-    """Return the glare of a view in a step in words, empty where none is known."""
+    """Return the glare of a view at a time step in words; empty if unknown."""
     glare = next((each for each in views if each.view == view), None)
     if glare is None or not np.isfinite(glare.dgp[step]):
         return ""
@@ -211,9 +211,9 @@ def _worst_rows(
 def worst_steps(
     glare: ViewGlare, times: np.ndarray, occupied: Bool[np.ndarray, " time"]
 ) -> Int[np.ndarray, " step"]:
-    """Occupied steps of highest DGP, one a day, the worst first; five at most.
+    """Occupied time steps of highest DGP, at most five, one per day, worst first.
 
-    Of moments without perceptible glare only the worst.
+    Without perceptible glare, only the worst time step is returned.
     """
     rated = np.where(occupied & np.isfinite(glare.dgp), glare.rated(), -1.0)
     order = np.argsort(-rated, kind="stable")

@@ -1,7 +1,7 @@
 """Pictures of the views of a run, and their exposure for display.
 
-The exposure of each picture is the geometric mean of its own and the common exposure,
-so that a dim morning is darker than noon and still visible.
+The exposure of each picture is the geometric mean of its automatic exposure and the
+common exposure of all pictures, so that dim pictures are darker but still visible.
 """
 
 import json
@@ -23,17 +23,17 @@ from clerestory.report.colour import ColourScale
 
 Pixels = UInt8[np.ndarray, "row column 3"]
 
-# How far the exposure follows the moment: 0 not at all, 1 like an automatic camera
+# Weight of the automatic exposure: 0 common exposure, 1 exposure of the picture
 _ADAPTATION = 0.5
 
-# False colour: factor that it spans, and the share of pixels below its upper end
+# Dynamic range of the false-colour scale, and quantile at its upper limit
 _SPAN = 1000.0
 _COVERED = 0.997
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A picture of a run: the number of its time step, and its file."""
+    """Picture of a run: index of its time step, and its file."""
 
     step: int
     file: Path
@@ -41,16 +41,16 @@ class Moment:
 
 @dataclass(frozen=True)
 class ViewPictures:
-    """The pictures of one view, in the order of time."""
+    """Pictures of one view in chronological order."""
 
     view: str
     moments: tuple[Moment, ...]
 
 
 def view_pictures(data: xr.Dataset, folder: str | Path) -> tuple[ViewPictures, ...]:
-    """Return the pictures that the study asked for and the folder holds.
+    """Return the pictures requested by the study that exist in the folder.
 
-    What an earlier run left there and this study did not ask for is not taken.
+    Other pictures, left by earlier runs, are ignored.
     """
     study = json.loads(data.attrs.get("study", "{}"))
     stamps = np.datetime_as_string(data["time"].values, unit="m")
@@ -70,12 +70,12 @@ def view_pictures(data: xr.Dataset, folder: str | Path) -> tuple[ViewPictures, .
 
 
 def _file_name(view: str, stamp: str) -> str:
-    # As a run names its pictures
+    # File name used by runs
     return f"{view}_{stamp.replace(':', '')}.hdr"
 
 
 def read_small(file: str | Path, *, width: int) -> Picture:
-    """Return a picture, averaged to a width [pixels] if it is wider."""
+    """Return a picture, reduced to `width` [pixels] if it is wider."""
     picture = read_picture(file)
     if picture.columns <= width:
         return picture
@@ -84,9 +84,9 @@ def read_small(file: str | Path, *, width: int) -> Picture:
 
 
 def exposures(pictures: Sequence[Picture]) -> list[float]:
-    """Return the luminance that each picture shows as white [cd/m²].
+    """Return the luminance mapped to white in each picture [cd/m²].
 
-    The geometric mean of what suits the picture and what suits them all.
+    It is the geometric mean of the automatic values of the picture and of all pictures.
 
     Examples
     --------
@@ -103,12 +103,12 @@ def exposures(pictures: Sequence[Picture]) -> list[float]:
 
 
 def as_seen(picture: Picture, white: float) -> Pixels:
-    """Return a picture as a photograph would show it, sRGB; white out of view."""
+    """Return a tone-mapped picture in sRGB; white outside the view."""
     return _on_paper(to_srgb(filmic(picture, white=white)), picture)
 
 
 def luminance_scale(pictures: Sequence[Picture]) -> ColourScale:
-    """Return one scale of false colour for some pictures, three decades wide."""
+    """Return a common false-colour scale of three decades for several pictures."""
     seen: list[Any] = [photometric(p)[within_view(p)] for p in pictures]
     top = float(np.quantile(np.concatenate(seen), _COVERED))
     steps = [m * 10.0**decade for decade in range(7) for m in (1, 3)]
@@ -117,7 +117,7 @@ def luminance_scale(pictures: Sequence[Picture]) -> ColourScale:
 
 
 def as_luminance(picture: Picture, scale: ColourScale) -> Pixels:
-    """Return the luminance of a picture in false colour, sRGB; white out of view."""
+    """Return a false-colour luminance image in sRGB; white outside the view."""
     values: Float[np.ndarray, "row column"] = photometric(picture).astype(float)
     return _on_paper(scale.colours(values), picture)
 

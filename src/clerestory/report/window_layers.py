@@ -1,4 +1,4 @@
-"""Layers in the windows: angular distribution and transmittance."""
+"""Window layers: angular distribution and transmittance."""
 
 import io
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from clerestory.report.bsdf_plot import (
 from clerestory.report.embedded_data import png_address
 from clerestory.report.markup import Markup, element, render
 
-# Layers drawn as discs, as curves; the light of the discs [°]; dots per inch
+# Maximum number of layers as discs and as curves; incident directions [°]; resolution
 _MOST_DISCS, _MOST = 5, 8
 _SOURCES = ((0.0, 90.0), (45.0, 90.0))
 _DPI = 80
@@ -33,8 +33,8 @@ class Layer:
 
     Attributes
     ----------
-    name : of the window and of its state
-    transmission : of light from outside, on Klems' full basis [1/sr]
+    name : name of the window and its state
+    transmission : front transmission BSDF in the full Klems basis [1/sr]
     """
 
     name: str
@@ -57,7 +57,7 @@ def window_layers(data: xr.Dataset) -> tuple[Layer, ...]:
 
 
 def layers_section(layers: Sequence[Layer]) -> Markup:
-    """Return discs of the light sent into the room, and curves of what passes."""
+    """Return discs of the transmitted light, and curves of the transmittance."""
     if not layers:
         return Markup("")
     shown = [layer.bsdf() for layer in layers[:_MOST]]

@@ -1,4 +1,4 @@
-"""States of the windows through the year, as chosen by the control."""
+"""Annual window states, as selected by the control."""
 
 import json
 from collections.abc import Sequence
@@ -20,14 +20,14 @@ from clerestory.study.window_tables import ControlTable
 
 @dataclass(frozen=True, eq=False)
 class WindowStates:
-    """Which state a window group is in.
+    """States of a window group over the year.
 
     Attributes
     ----------
     window : name of the group
-    names : of its states, most open first
-    rule : what chose them, in words; may be empty
-    state : number of the state in each step
+    names : names of the states, most open first
+    rule : description of the control rule; may be empty
+    state : index of the state in each time step
     """
 
     window: str
@@ -43,7 +43,7 @@ class WindowStates:
 
 
 def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
-    """Return the states in results, none for windows that have but one."""
+    """Return the states in results, for windows with several states."""
     if "state" not in data:
         return ()
     study = json.loads(data.attrs.get("study", "{}"))
@@ -60,7 +60,7 @@ def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
 
 
 def state_maps(states: Sequence[WindowStates]) -> list[DayMap]:
-    """Return the year of each window as a map of its states."""
+    """Return the annual map of the states of each window."""
     return [
         DayMap(
             f"states-{k}",
@@ -79,7 +79,7 @@ def states_section(
     *,
     occupied: Bool[np.ndarray, " time"],
 ) -> Markup:
-    """Return the year of each window, with the share of each of its states."""
+    """Return the annual map of each window, with the share of each state."""
     if not states:
         return Markup("")
     windows = [
@@ -107,7 +107,7 @@ def state_shares(
 
 
 def states_note(states: Sequence[WindowStates], step: int) -> str:
-    """Return the states of a step in words, empty for windows with one state."""
+    """Return the window states at a time step in words."""
     return "; ".join(
         f"{each.window}: {each.names[each.state[step]]}" for each in states
     )
@@ -127,7 +127,7 @@ def _label(table: dict[str, Any]) -> str:
 
 
 def rule_words(control: dict[str, Any] | None) -> str:
-    """Return the rule's name and its parameters that differ from the defaults."""
+    """Return the name of the rule, and parameters that differ from the defaults."""
     if not control:
         return ""
     fields = ControlTable.model_fields

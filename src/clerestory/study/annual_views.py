@@ -1,7 +1,7 @@
-"""Pictures of a study: glare at every step, and files of the moments asked for.
+"""Annual glare of the views of a study, and images of selected time steps.
 
-No picture is kept: they come one after the other and are judged at once; only those
-asked for by name are written.
+Images are computed and evaluated one after the other; only those of the selected time
+steps are written.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -28,7 +28,7 @@ from clerestory.study.view_matrices import ViewMatrices
 
 PICTURE_FOLDER = "pictures"
 
-# Angle that an eye sees, a little less for views that are cut
+# Least view angle for glare, a little less than the field of view of the eye
 _EYE_DEG = 179.0
 
 
@@ -42,18 +42,18 @@ def study_views(
     out: Path,
     display: Display,
 ) -> xr.Dataset:
-    """Return the glare of every view at every step, and write the pictures asked for.
+    """Return the glare of every view at every step, and write the selected images.
 
     Steps without light have no glare: NaN.
 
     Parameters
     ----------
-    states : of every window group, over time
-    lamps, output : electric light that is added, and the share of it that is on
+    states : states of every window group over time
+    lamps, output : electric light to be added, and its fraction of full output
 
     Returns
     -------
-    variables `glare_…` over (view, time), for the views of an eye's width, such as
+    variables `glare_…` over (view, time), for views wide enough for glare, such as
     `glare_dgp` and `glare_illuminance`, the vertical illuminance at the eye [lux]
     """
     times = skies.whole.times
@@ -84,7 +84,7 @@ def study_views(
 
 
 def sees_glare(view: View) -> bool:
-    """Whether a view is as wide as an eye's, so that its glare can be judged.
+    """Whether a view is wide enough for the evaluation of glare.
 
     >>> sees_glare(View(kind="angular", horizontal=180, vertical=180))
     True
@@ -98,9 +98,9 @@ def sees_glare(view: View) -> bool:
 def glare_function(
     views: Sequence[ViewMatrices], skies: Skies, *, display: Display
 ) -> GlareFunction:
-    """Return what tells rules the glare of some steps, electric light left out.
+    """Return a function from time steps to their glare, without electric light.
 
-    Steps without daylight have none: 0.
+    The glare of steps without daylight is 0.
     """
     times = skies.whole.times
     lit = skies.whole.diffuse.max(axis=0) > 0
@@ -136,8 +136,8 @@ def glare_function(
 def _require_eye(view: ViewMatrices) -> None:
     if not sees_glare(view.camera.view):
         raise InputError(
-            f'view "{view.table.label}" is too narrow to judge glare by; an angular or'
-            " hemispherical one of 180° expected",
+            f'view "{view.table.label}" is too narrow for the evaluation of glare; an'
+            " angular or hemispherical view of 180° expected",
             file=view.table.file,
         )
 
@@ -151,7 +151,7 @@ def _glare(
     *,
     progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
-    # The pictures come by combinations of states; their times say where they belong
+    # Images are grouped by combinations of states; they are ordered by their times
     order = view.order(states, steps)
     return annual_glare(series, view.camera.view, times=times[order], progress=progress)
 
@@ -184,7 +184,7 @@ def _with_lamps(
     lamps: Sequence[np.ndarray],
     output: Float[np.ndarray, "zone time"],
 ) -> Iterator[tuple[int, Picture]]:
-    # Add the light of every zone as far as it is on
+    # Add the light of every zone by its output
     for step, picture in series:
         pixels = picture.radiance
         for lit, share in zip(lamps, output[:, step], strict=True):

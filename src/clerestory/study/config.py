@@ -1,7 +1,7 @@
-"""The study file: what to simulate, in TOML.
+"""Schema of the study file (TOML).
 
-Each table of the file is a class here; the description of a key is what messages
-expect of it. `docs/study-file.md` explains them all.
+Each table of the file is a class; error messages use the description of a key as the
+expected value. See `docs/study-file.md`.
 """
 
 import json
@@ -58,7 +58,7 @@ def _methods(value: Any) -> Any:
 
 
 class Study(Table):
-    """A whole run; the paths in it are resolved against its folder."""
+    """A study; paths are relative to its folder."""
 
     _folder: Path = PrivateAttr(Path())
 
@@ -104,7 +104,7 @@ class Study(Table):
                 )
         if self.methods == ["2-phase"] and self.view:
             raise rule_broken(
-                'method "2-phase" makes no pictures; no table [[view]] expected'
+                'method "2-phase" computes no images; no table [[view]] expected'
             )
         return self
 
@@ -130,8 +130,8 @@ class Study(Table):
         exact = "places" in self.sun.model_fields_set and self.sun.places == "exact"
         if exact and all(METHODS[m].correction == "never" for m in self.methods):
             raise rule_broken(
-                'method "{method}" spreads the sun over sky patches; sun "patches", or'
-                ' method "{other}" with the exact sun, expected',
+                'method "{method}" distributes the sun over sky patches; sun "patches",'
+                ' or method "{other}" with the exact sun, expected',
                 method=self.method,
                 other="6-phase" if METHODS[self.method].facade else "5-phase",
             )
@@ -147,7 +147,7 @@ class Study(Table):
 
     @model_validator(mode="after")
     def _names_that_exist(self) -> "Study":
-        # Rules and zones look at grids, views and zones of the study
+        # References of rules and zones to grids, views and zones of the study
         grids = [table.label for table in self.sensors]
         views = [table.label for table in self.view]
         for window in self.window:
@@ -183,20 +183,20 @@ class Study(Table):
         looks = control.rule == "glare" or "glare" in control.needs
         if looks or control.dgp_below is not None:
             raise rule_broken(
-                'rule "{rule}" of window "{name}" judges glare without a view; a table'
-                " [[view]] expected",
+                'rule "{rule}" of window "{name}" depends on glare, but there is no'
+                " view; a table [[view]] expected",
                 rule=control.rule,
                 name=window.label,
             )
 
     @property
     def method(self) -> MethodName:
-        """The method; the first where several are compared."""
+        """The method; the first if several are compared."""
         return self.methods[0]
 
     @property
     def corrected(self) -> bool:
-        """Whether the direct sun is taken out of its patches and put at its place."""
+        """Whether direct sun in patches is replaced by the sun's exact position."""
         choice = METHODS[self.method].correction
         return choice == "always" or (choice == "choice" and self.sun.places == "exact")
 
@@ -211,14 +211,14 @@ class Study(Table):
         return self._folder
 
     def with_method(self, method: MethodName) -> "Study":
-        """Return the study by one method; the two-phase one makes no pictures."""
+        """Return the study with one method; without views for the two-phase method."""
         change: dict[str, Any] = {"methods": [method]}
         if method == "2-phase":
             change["view"] = []
         return self.model_copy(update=change)
 
     def model_post_init(self, context: Any) -> None:
-        """Remember the folder that the study file stands in."""
+        """Store the folder of the study file."""
         self._folder = (context or {}).get("folder", Path())
 
     def with_trace(
@@ -228,7 +228,7 @@ class Study(Table):
         device: Device | None = None,
         cluster: str | None = None,
     ) -> "Study":
-        """Return the study with another seed, device or cluster, where one is given."""
+        """Return the study with another seed, device or cluster, if given."""
         given = {"seed": seed, "device": device, "cluster": cluster}
         change = {key: value for key, value in given.items() if value is not None}
         trace = self.trace.model_copy(update=change)
@@ -261,7 +261,7 @@ def _require(what: str, kind: str, names: list[str], known: list[str]) -> None:
     for name in names:
         if name and name not in known:
             raise rule_broken(
-                '{what} names {kind} "{name}"; one of {known} expected',
+                '{what} refers to {kind} "{name}"; one of {known} expected',
                 what=what,
                 kind=kind,
                 name=name,
@@ -270,7 +270,7 @@ def _require(what: str, kind: str, names: list[str], known: list[str]) -> None:
 
 
 def read_study(path: str | Path) -> Study:
-    """Return the study in a TOML file; its paths are relative to that file.
+    """Read a study from a TOML file; its paths are relative to that file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What is wrong with a study file, where, and what would be right, in one line."""
+"""Error messages of study files: key, line, value and expected value."""
 
 import json
 import math
@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 from clerestory.errors import InputError
 from clerestory.study.toml_lines import key_lines, line_of
 
-# What each kind of complaint of pydantic expects; {…} are its own limits
+# Expected value for each type of pydantic error; {…} are its limits
 _EXPECTED = {
     "int_type": "a whole number",
     "int_from_float": "a whole number",
@@ -38,7 +38,7 @@ def parse_toml(text: str, *, file: Path) -> dict[str, Any]:
 
     Raises
     ------
-    InputError : it is not TOML, with the line
+    InputError : the text is not TOML, with the line
     """
     try:
         return tomllib.loads(text)
@@ -53,7 +53,7 @@ def parse_toml(text: str, *, file: Path) -> dict[str, Any]:
 def input_error(
     error: ValidationError, *, model: type[BaseModel], text: str, file: Path
 ) -> InputError:
-    """Return pydantic's complaints as one error: the first in the file's order."""
+    """Return the pydantic error that is first in the file."""
     lines = key_lines(text)
 
     def place(details: ErrorDetails) -> float:
@@ -93,7 +93,7 @@ def _expected(details: ErrorDetails, model: type[BaseModel]) -> str:
 
 
 def _shown(value: Any) -> str:
-    # The value as the file has it, shortened
+    # The value in the file, abbreviated
     shown = json.dumps(value, default=str, ensure_ascii=False)
     return shown if len(shown) <= 60 else shown[:57] + "…"
 
@@ -104,7 +104,7 @@ def _keys(model: type[BaseModel]) -> list[str]:
 
 
 def _model_at(model: type[BaseModel], where: tuple[str | int, ...]) -> type[BaseModel]:
-    # The table that a path of keys leads to
+    # The table at a path of keys
     for part in where:
         if isinstance(part, str):
             model = _table_of(_field(model, part).annotation) or model

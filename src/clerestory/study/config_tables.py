@@ -1,6 +1,6 @@
-"""Tables of the study file, but for windows and lighting.
+"""Tables of the study file, except for windows and lighting.
 
-Each table is a class; the description of a key is what messages expect of it.
+Each table is a class; error messages use the description of a key as expected value.
 """
 
 from pathlib import Path
@@ -16,7 +16,7 @@ from clerestory.sky.station_file import MeasuredTable
 
 
 def _input_file(value: Any, info: Any) -> Any:
-    # Files are named relative to the study, and must be there; info is ValidationInfo
+    # Paths are relative to the study, and the files must exist; info is ValidationInfo
     if not isinstance(value, str) or not value:
         raise PydanticCustomError("file", "the name of a file in quotes")
     path: Path = (info.context or {}).get("folder", Path()) / value
@@ -34,12 +34,12 @@ MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])
 
 
 def rule_broken(message: str, **words: Any) -> PydanticCustomError:
-    """Return the complaint that keys of a table do not go together."""
+    """Return the error that keys of a table are inconsistent."""
     return PydanticCustomError("rule", message, words or None)
 
 
 class Table(BaseModel):
-    """A table of the study file: unknown keys and wrong types are refused."""
+    """A table of the study file; unknown keys and wrong types are errors."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False
@@ -47,7 +47,7 @@ class Table(BaseModel):
 
 
 class Named(Table):
-    """A table with a name of its own."""
+    """A table with a name."""
 
     name: str = Field(
         "",
@@ -57,7 +57,7 @@ class Named(Table):
 
     @property
     def label(self) -> str:
-        """Its name."""
+        """The name."""
         return self.name
 
 
@@ -73,7 +73,7 @@ class NamedFile(Named):
 
 
 class SceneTable(Table):
-    """The room and what stands around it."""
+    """The room and its surroundings."""
 
     files: list[InputFile] = Field(
         min_length=1, description="a list of Radiance scene files"
@@ -87,7 +87,7 @@ class SensorsTable(NamedFile):
 
 
 class ClearSkyTable(Table):
-    """A year without clouds, in place of a weather file."""
+    """A year of clear skies, instead of a weather file."""
 
     latitude_deg: float = Field(ge=-90, le=90, description="degrees, positive north")
     longitude_deg: float = Field(ge=-180, le=180, description="degrees, positive east")
@@ -149,7 +149,7 @@ class WeatherTable(Table):
 
 
 class SkyTable(Table):
-    """How finely the sky is cut, the ground, and where north is."""
+    """Sky subdivision, ground reflectance and orientation of the scene."""
 
     subdivision: Literal[1, 2, 3, 4, 5, 6] = 4
     ground_reflectance: float = Field(0.2, ge=0, le=1)
@@ -157,14 +157,14 @@ class SkyTable(Table):
 
 
 def _pictures(value: Any) -> Any:
-    # One word stands for every step
+    # The word "every" selects all steps
     if isinstance(value, str) and value != EVERY:
         raise PydanticCustomError("choice", '"every", or a list of moments')
     return [value] if isinstance(value, str) else value
 
 
 class ViewTable(NamedFile):
-    """A camera: glare at every step, and pictures of chosen moments."""
+    """A view: glare at every step, and images of selected moments."""
 
     file: InputFile = Field(description="a Radiance view file")
     resolution: int = Field(200, ge=8, le=4096)
@@ -179,7 +179,7 @@ class ViewTable(NamedFile):
 
 
 def sun_places(value: Any) -> Any:
-    """Return the table [sun] that one word stands for."""
+    """Return the table [sun] for its short form, one word."""
     return {"places": value} if isinstance(value, str) else value
 
 
@@ -194,7 +194,7 @@ class SunTable(Table):
 
 
 class TraceTable(Table):
-    """How long to trace; `relative_error` is 0.01 when neither goal is given."""
+    """Accuracy of tracing; `relative_error` is 0.01 if neither goal is given."""
 
     relative_error: float | None = Field(None, gt=0, lt=1)
     samples: int | None = Field(None, ge=1)
@@ -202,7 +202,7 @@ class TraceTable(Table):
     seed: int = Field(1, ge=0, lt=2**32)
     device: Device = "auto"
     memory_gb: float = Field(8.0, ge=0)
-    # Changes no result, so results do not tell it
+    # Results do not depend on it, so it is excluded from them
     cluster: str | None = Field(
         None, exclude=True, description="the address of a dask scheduler"
     )
@@ -217,7 +217,7 @@ class TraceTable(Table):
 
 
 class ScheduleTable(Table):
-    """The hours of the day that count, in local standard time."""
+    """Occupied hours of the day, in local standard time."""
 
     from_hour: float = Field(8.0, ge=0, le=24)
     to_hour: float = Field(18.0, ge=0, le=24)
@@ -232,13 +232,13 @@ class ScheduleTable(Table):
 
 
 class MetricsTable(Table):
-    """What the metrics ask for."""
+    """Targets and limits of the metrics."""
 
     target_lux: float = Field(TARGET_LUX, gt=0)
 
 
 class SunlightTable(Table):
-    """Exposure to sunlight after EN 17037, on one day."""
+    """Exposure to sunlight according to EN 17037, on one day."""
 
     day: MonthDay = LAST_DAY
     lowest_sun_deg: float = Field(10.0, ge=0, le=45)
@@ -261,7 +261,7 @@ class SunlightTable(Table):
 
 
 class OutputTable(Table):
-    """Files written beside results.nc and run.json."""
+    """Output files in addition to results.nc and run.json."""
 
     csv: bool = True
     ill: bool = False

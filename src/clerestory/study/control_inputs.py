@@ -1,6 +1,6 @@
-"""What rules look at: the sun and the light on the façade, before and in the room.
+"""Inputs of shade control rules: sun, façade irradiance, illuminance and glare.
 
-Everything is worked out when a rule asks for it.
+All are computed on demand.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 from clerestory.study.study_matrices import StudyMatrices
 
-# Daylight glare probability of some steps, the worst of the views named, given states
+# Function from steps, views and states to the largest DGP among the views
 GlareFunction = Callable[
     [States, Int[np.ndarray, " step"], Sequence[str]], Float[np.ndarray, " step"]
 ]
@@ -31,11 +31,11 @@ GlareFunction = Callable[
 
 @dataclass(frozen=True, eq=False)
 class ControlInputs:
-    """What is known about a study before the states are chosen.
+    """The inputs of the rules of a study.
 
     Attributes
     ----------
-    judge : tells the glare of some steps
+    judge : function that returns the glare of time steps
     """
 
     study: Study
@@ -78,13 +78,13 @@ class ControlInputs:
         return np.where(self.sun[:, 2] > 0, angle, np.nan)
 
     def direct_irradiance(self, group: int) -> Float[np.ndarray, " time"]:
-        """Irradiance of a façade straight from the sun, nothing in its way [W/m²]."""
+        """Return the unobstructed direct irradiance of a façade [W/m²]."""
         outward = -self.inputs.groups[group].inner.frame.normal
         slant = np.maximum(self.sun @ outward, 0) * (self.sun[:, 2] > 0)
         return np.asarray(self.inputs.weather.direct_normal * slant)
 
     def irradiance(self, group: int) -> Float[np.ndarray, " time"]:
-        """Solar irradiance of a façade from all around [W/m²]."""
+        """Return the global irradiance of a façade [W/m²]."""
         return self._on_facade("irradiance", group, self._solar) / LUMINOUS_EFFICACY
 
     def facade_illuminance(self, group: int) -> Float[np.ndarray, " time"]:
@@ -110,7 +110,7 @@ class ControlInputs:
         return self._kept[name, group]
 
     def _facade_row(self, group: int) -> TransferMatrix:
-        # The window's outer patches as one sensor; without D, nothing in the way
+        # The window's outer patches as one sensor; without D, unobstructed
         factors = self.matrices.windows[group].whole.factors
         if factors:
             daylight = factors[0][-1]  # with the shades most open
@@ -131,7 +131,7 @@ class ControlInputs:
     def illuminance(
         self, states: States, grid: str
     ) -> Float[np.ndarray, "sensor time"]:
-        """Illuminance of a grid with the windows in given states [lux]."""
+        """Return the illuminance of a grid for given states of the windows [lux]."""
         everything = range(len(self.inputs.groups))
         part = self.matrices.reduced(everything, self.inputs.rows(grid))
         found = part.illuminance(self.skies, states)
@@ -140,6 +140,6 @@ class ControlInputs:
     def direct(
         self, group: int, state: States, grid: str
     ) -> Float[np.ndarray, "sensor time"]:
-        """Illuminance of a grid straight from the sun through one window [lux]."""
+        """Return the direct sun illuminance of a grid through one window [lux]."""
         part = self.matrices.reduced([group], self.inputs.rows(grid))
         return np.asarray(part.direct_illuminance(self.skies, state).values)

@@ -1,8 +1,8 @@
-"""Rules of the study file as states over time: one function for each kind.
+"""Shade control rules: states of window groups over time.
 
-What a rule sees of the room depends on the other windows. Those decided before are in
-their states; those still to be decided count as closed, so that a limit that can be
-kept is kept, and the first in the file stays the most open.
+Rules that depend on the room are evaluated in the order of the file: window groups
+already decided are in their states, those not yet decided are closed. Limits are thus
+observed if possible, and the first group remains the most open.
 """
 
 from collections.abc import Callable
@@ -31,13 +31,13 @@ _StateTimes = Int[np.ndarray, " time"]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A window group that is to be decided.
+    """A window group whose states are to be determined.
 
     Attributes
     ----------
-    number : of the group
+    number : index of the group
     control : its rule
-    others : states of all groups as they stand; the group's own do not matter
+    others : current states of all groups; those of the group itself are ignored
     """
 
     signals: ControlInputs
@@ -68,7 +68,7 @@ def fixed(case: Case) -> _StateTimes:
 
 
 def cut_off(case: Case) -> _StateTimes:
-    """Return the most open tilt that stops the sun, where it shines."""
+    """Return the most open tilt that blocks direct sun, if there is any."""
     control = case.control
     width, spacing = control.slat_width, control.slat_spacing
     if width is None or spacing is None:
@@ -83,7 +83,7 @@ def cut_off(case: Case) -> _StateTimes:
 
 
 def by_profile(case: Case) -> _StateTimes:
-    """Return the number of angles that the sun's profile angle is below."""
+    """Return as state the number of angles above the sun's profile angle."""
     angle = case.signals.profile(case.number, vertical=case.control.vertical)
     if case.control.vertical:
         angle = np.abs(angle)
@@ -125,7 +125,7 @@ def by_glare(case: Case) -> _StateTimes:
 
 
 def by_score(case: Case) -> _StateTimes:
-    """Return the state that gives most of the light worth having, within limits."""
+    """Return the state with the highest useful illuminance within limits."""
     control, signals = case.control, case.signals
     target = control.target_lux or signals.study.metrics.target_lux
     lux = [
@@ -143,7 +143,7 @@ def by_score(case: Case) -> _StateTimes:
 
 
 def by_schedule(case: Case) -> _StateTimes:
-    """Return the states of a file: a line holds until the next one."""
+    """Return the states in a file; each line is valid until the next one."""
     group = case.signals.inputs.groups[case.number]
     file = case.control.file
     if file is None:
@@ -165,7 +165,7 @@ def by_schedule(case: Case) -> _StateTimes:
 
 
 def by_function(case: Case) -> _StateTimes:
-    """Return what the user's own function says."""
+    """Return the states chosen by a user-defined function."""
     file, function = case.control.function.rsplit(":", 1)
     rule = load_rule(case.signals.study.folder / file, function)
     try:
@@ -180,7 +180,7 @@ def by_function(case: Case) -> _StateTimes:
 
 
 def situation(case: Case) -> Situation:
-    """Return all that a user's function may look at."""
+    """Return the inputs of a user-defined function."""
     signals, number = case.signals, case.number
     weather = signals.inputs.weather
     return Situation(
@@ -201,7 +201,7 @@ def situation(case: Case) -> Situation:
 
 
 def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
-    # What the function wants to know for every state
+    # Quantities required for every state
     found, needs = {}, case.control.needs
     if "illuminance" in needs:
         for grid in case.signals.inputs.grids:
@@ -215,7 +215,7 @@ def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
     return found
 
 
-# Rules that look at the sky and the façade alone, and rules that look at the room
+# Rules that depend on sky and façade only, and rules that depend on the room
 OUTSIDE: dict[str, Callable[[Case], _StateTimes]] = {
     "fixed": fixed,
     "cut-off": cut_off,
@@ -271,7 +271,7 @@ def _glare(case: Case) -> Float[np.ndarray, "state time"]:
 
 
 def _glare_until(case: Case, bound: float) -> Float[np.ndarray, "state time"]:
-    # More closed states are judged only at the steps where no other was good
+    # More closed states are evaluated only at steps without an acceptable state
     steps = case.every_step()
     glare = np.full((case.count, len(steps)), np.inf)
     for state in range(case.count):

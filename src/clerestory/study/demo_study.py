@@ -1,4 +1,4 @@
-"""The study that comes with the package: a test room behind a venetian blind."""
+"""Demo study: a test room with a venetian blind."""
 
 import importlib.resources
 from importlib.resources.abc import Traversable
@@ -10,14 +10,14 @@ _WEATHER = "723170TYA.CSV"
 
 
 def write_demo(folder: str | Path) -> Path:
-    """Copy the demo study into a folder, made if need be; return its study file.
+    """Copy the demo study into a folder, created if missing; return its study file.
 
-    Files that are there already stay as they are, with what the user changed in them.
-    The weather is the TMY3 year of Greensboro, North Carolina, that pvlib carries.
+    Existing files are not overwritten. The weather is the TMY3 year of Greensboro,
+    North Carolina, from pvlib.
 
     Raises
     ------
-    OutputError : the folder cannot be made or written
+    OutputError : the folder cannot be created or written
     """
     folder = make_folder(folder)
     bundled = importlib.resources.files("clerestory") / "demo"

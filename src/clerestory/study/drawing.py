@@ -1,4 +1,4 @@
-"""The room, its windows and their layers, kept with the results for drawings."""
+"""Geometry and layer transmission in the results, for drawings."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ from clerestory.study.window_groups import WindowGroup
 def room_drawing(scene: Scene) -> xr.Dataset:
     """Return the surfaces as triangles [m] with the colour of their material, 0…1.
 
-    A scene without surfaces gives nothing.
+    Empty for a scene without surfaces.
     """
     if not scene.surfaces:
         return xr.Dataset()
@@ -62,7 +62,7 @@ def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
 
 
 def layer_drawing(groups: Sequence[WindowGroup]) -> xr.Dataset:
-    """Return how light from outside passes the layers [1/sr], on Klems' full basis.
+    """Return the layers' BTDF from outside [1/sr], in Klems' full basis.
 
     A layer is a state of a window; those of one file are one. No windows give nothing.
     """

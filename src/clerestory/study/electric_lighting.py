@@ -1,4 +1,4 @@
-"""What the luminaires of a study do at every step, and what they use."""
+"""Output, illuminance and energy use of the luminaires of a study."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from clerestory.metrics.lighting_energy import LightingUse, LightingZone, lighti
 from clerestory.study.lighting_tables import LightingTable
 from clerestory.study.luminaire_matrices import Lamps, Zone
 
-# Rounds in which zones that light each other settle
+# Fixed-point iterations of zones that light each other
 _ROUNDS = 8
 
 
@@ -23,15 +23,16 @@ def lighting(
     occupied: Bool[np.ndarray, " time"],
     step_hours: float,
 ) -> xr.Dataset:
-    """Return what the luminaires do at every step.
+    """Return output, illuminance and power of the luminaires at every step.
 
-    Dimmed zones see daylight and each other; those that are switched see daylight.
+    The photosensors of dimmed zones receive daylight and the light of other zones,
+    those of switched zones daylight only.
 
     Parameters
     ----------
     hourly : `illuminance` and `standard_error` of daylight [lux]
-    rows : numbers of the sensors that govern each zone
-    occupied : whether somebody is there
+    rows : indices of the sensors that control each zone
+    occupied : whether the zone is occupied
     step_hours : length of a step [h]
 
     Returns
@@ -88,7 +89,7 @@ def _governed(zone: Zone, full: np.ndarray) -> LightingZone:
 def _reading(
     table: LightingTable, seen: Float[np.ndarray, "sensor time"], full: np.ndarray
 ) -> Float[np.ndarray, " time"]:
-    # Illuminance of the photosensor; "lowest" is the sensor that needs most light
+    # Illuminance of the photosensor; "lowest" is the sensor with the lowest illuminance
     if table.reading == "mean":
         return np.asarray(seen.mean(axis=0))
     missing = ((table.setpoint_lux - seen) / full[:, None]).max(axis=0)

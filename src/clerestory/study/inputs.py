@@ -1,4 +1,4 @@
-"""All that a study names, read and checked before anything is traced."""
+"""Input files of a study, read and checked before tracing."""
 
 from dataclasses import dataclass
 
@@ -20,15 +20,15 @@ from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """What a study is made of.
+    """The inputs of a study.
 
     Attributes
     ----------
     scene : the room without its windows
     groups : the window groups
     grids : sensors by the name of their grid
-    cameras : of the study's views, in order
-    weather : the part of the year that is simulated
+    cameras : views of the study, in order
+    weather : the simulated part of the year
     """
 
     scene: Scene
@@ -46,7 +46,7 @@ class Inputs:
         )
 
     def rows(self, grid: str) -> Int[np.ndarray, " sensor"]:
-        """Numbers of the sensors of a grid; of all if it has no name."""
+        """Return the indices of the sensors of a grid, or of all for an empty name."""
         owner = np.repeat(list(self.grids), [len(s) for s in self.grids.values()])
         return np.flatnonzero((owner == grid) | (not grid))
 
@@ -56,7 +56,7 @@ def read_inputs(study: Study) -> Inputs:
 
     Raises
     ------
-    InputError : a file is wrong, or two of them do not fit together
+    InputError : a file is invalid, or files are inconsistent
     """
     groups = [group for table in study.window for group in read_window_groups(table)]
     names = [group.name for group in groups]

@@ -1,4 +1,4 @@
-"""Label what a run found: names, places, hours that count, states, drawings."""
+"""Results of a run as one labelled dataset."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from clerestory.study.inputs import Inputs
 from clerestory.study.results import sensor_names
 from clerestory.study.shade_operation import ShadeOperation
 
-# Sensors whose metrics are taken at a time: a year of them takes 140 MB
+# Sensors per block of metrics: a year of them requires 140 MB
 _SENSORS = 4096
 
 
@@ -40,12 +40,12 @@ def label_results(
     signals: ControlInputs,
     acts: ShadeOperation,
 ) -> xr.Dataset:
-    """Return all that a run found as one dataset; see `Results`.
+    """Return all results of a run as one dataset; see `Results`.
 
     Parameters
     ----------
     hourly : daylight at the sensors
-    parts : what else is known: electric light, glare
+    parts : further results: electric light, glare
     acts : states of the shades
     """
     sensors = inputs.sensors()
@@ -88,7 +88,7 @@ def label_results(
 def _metrics(
     hourly: xr.Dataset, hours: Bool[np.ndarray, " time"], *, target_lux: float
 ) -> xr.Dataset:
-    # Some sensors at a time: hourly results may lie in a file
+    # In blocks of sensors: hourly results may be in a file
     parts = [
         sensor_metrics(
             hourly.isel(sensor=slice(first, first + _SENSORS)).load(),
@@ -116,7 +116,7 @@ def _sensors_left_out(part: xr.Dataset) -> xr.Dataset:
 
 
 def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:
-    # What the shades did and what they looked at, where there is a choice
+    # States and control inputs of windows with several states
     groups = signals.inputs.groups
     if all(len(group.states) == 1 for group in groups):
         return xr.Dataset()
@@ -152,7 +152,7 @@ def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:
 
 
 def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.Dataset:
-    # Light straight from the sun with every shade at its most open, where it is known
+    # Direct sun with all shades most open, if it was traced
     matrices = signals.matrices
     if not matrices.has_direct:
         return xr.Dataset()
@@ -162,7 +162,7 @@ def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.
     sun = lux.drop_vars(["sensor", "time"])
     found = xr.Dataset({"direct_open": sun}, coords={"time": signals.times})
     if matrices.suns is None:
-        return found  # spread over patches, too dim to count hours above a limit
+        return found  # sun in patches: too low for hours above a limit
     step_hours = signals.step_minutes / 60
     return found.assign(sun_hours=hours_above(sun, hours, step_hours=step_hours))
 

@@ -211,7 +211,7 @@ def test_tilt_dims_a_tilted_lamp(ies):
         pytest.approx(0.95)
     )
     lying = ies(tilt="INCLUDE\n2\n2\n0 90\n1 .5")
-    with pytest.raises(InputError, match="lying lamps"):
+    with pytest.raises(InputError, match="horizontal lamps"):
         luminaire_scene(lying, tilt_deg=10)
 
 

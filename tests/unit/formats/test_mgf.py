@@ -150,8 +150,8 @@ def test_a_long_line_may_be_continued(tmp_path):
         ("cspec 400 500 0 0", "without visible light"),
         ("cmix 1 a", "weights and colours"),
         ("v a =\nring a 0 1", "a vertex with a normal"),
-        ("v a =\nn 0 0 1\nring a 1 1", "growing radii"),
-        ("v a =\nn 0 0 1\ntorus a 1 1", "growing radii"),
+        ("v a =\nn 0 0 1\nring a 1 1", "increasing radii"),
+        ("v a =\nn 0 0 1\ntorus a 1 1", "increasing radii"),
         ("v a =\ntorus a 0 1", "without normal"),
         ("v a =\ncone a 1 a 1", "two different points"),
         ("v a =\ncone a 1 a -1", "no change of sign"),
@@ -165,7 +165,7 @@ def test_a_long_line_may_be_continued(tmp_path):
         ("i room.mgf", "names another file"),
         ("m a =\nrd .8\ntd .4\nv a =\nsph a 1", "reflects and transmits 1.200"),
         ("xf -a 99999 -a 99999 -t 0 0 1\n#\nv a =\nxf", "arrays of 1e\\+10 instances"),
-        ("xf -t 0 0 1\n" * 65, "more than 64 transforms"),
+        ("xf -t 0 0 1\n" * 65, "more than 64 nested transforms"),
     ],
 )
 def test_malformed_statements_are_refused_with_their_line(text, message):

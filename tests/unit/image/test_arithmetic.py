@@ -112,14 +112,14 @@ def test_statistics_are_those_of_the_masked_pixels():
         (lambda p: weighted_sum([p, random_picture(3, 3)]), "picture 2 has 3 × 3"),
         (
             lambda p: weighted_sum([p, random_picture(quantity="irradiance")]),
-            "picture 2 holds irradiance",
+            "picture 2 contains irradiance",
         ),
         (lambda p: scale(p, np.nan), "finite"),
         (lambda p: crop(p, left=0, top=0, columns=19, rows=1), "within 18 × 12"),
         (lambda p: crop(p, left=0, top=0, columns=0, rows=1), "within 18 × 12"),
-        (lambda p: reduce(p, columns=19, rows=1), "up to 18 × 12"),
-        (lambda p: masked(p, np.ones((2, 2), bool)), "a mask of shape"),
-        (lambda p: statistics(p, np.zeros((12, 18), bool)), "leaves no pixel"),
+        (lambda p: reduce(p, columns=19, rows=1), "1 × 1 to 18 × 12"),
+        (lambda p: masked(p, np.ones((2, 2), bool)), "mask of shape"),
+        (lambda p: statistics(p, np.zeros((12, 18), bool)), "selects no pixel"),
     ],
 )
 def test_what_does_not_fit_is_refused(work, words):

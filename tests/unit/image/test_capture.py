@@ -109,7 +109,7 @@ def test_what_the_shortest_exposure_cannot_hold_is_told():
 
 def test_brackets_that_do_not_fit_are_refused():
     shots = photographs(scene(), linear_response())
-    with pytest.raises(InputError, match="1 photographs; two or more"):
+    with pytest.raises(InputError, match="number of photographs: 1; two or more"):
         merge_bracket(shots[:1], EXPOSURES[:1], linear_response())
     with pytest.raises(InputError, match="9 exposures for 10 photographs"):
         merge_bracket(shots, EXPOSURES[:-1], linear_response())
@@ -131,9 +131,9 @@ def test_responses_are_kept_in_files(tmp_path):
     assert curves[200, 0] == pytest.approx(x * (1 + x) / (middle * (1 + middle)))
     assert curves[200, 1] == pytest.approx((x / middle) ** 2)
     (tmp_path / "bad.rsp").write_text("2 1\n")
-    with pytest.raises(InputError, match="no response"):
+    with pytest.raises(InputError, match="not a camera response"):
         read_response(tmp_path / "bad.rsp")
-    with pytest.raises(InputError, match="finite and positive"):
+    with pytest.raises(InputError, match="not finite, or not positive"):
         ResponseCurve(np.zeros((256, 3)))
 
 
@@ -150,7 +150,7 @@ def test_photographs_tell_their_exposure(tmp_path):
     with pytest.raises(InputError, match="EXIF data lack the time"):
         read_exposure(tmp_path / "plain.png")
     (tmp_path / "broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 nothing")
-    with pytest.raises(InputError, match="no photograph"):
+    with pytest.raises(InputError, match="not a photograph"):
         read_photograph(tmp_path / "broken.jpg")
 
 
@@ -238,9 +238,9 @@ def test_a_uniform_field_keeps_its_illuminance_through_a_lens():
 
 
 def test_lenses_that_cannot_be_are_refused():
-    with pytest.raises(InputError, match="radius that grows"):
+    with pytest.raises(InputError, match="radius that increases"):
         Lens("polynomial", (1.0, -1.0))
-    with pytest.raises(InputError, match="go together"):
+    with pytest.raises(InputError, match="and only for it"):
         Lens("equisolid", (1.0,))
     with pytest.raises(InputError, match="radius 0; above 0"):
         ImageCircle(row=1, column=1, radius=0)
@@ -257,7 +257,7 @@ def test_vignetting_is_measured_and_put_back():
     dimmed = true.passed(angle)[..., None].repeat(3, axis=2).astype(np.float32)
     mended = correct_vignetting(Picture(dimmed, view=FISHEYE), fitted).radiance
     assert np.allclose(mended[angle < np.pi / 2], 1, rtol=1e-5)
-    with pytest.raises(InputError, match="passes -"):
+    with pytest.raises(InputError, match="transmission of -"):
         Vignetting((-0.9,))
 
 
@@ -277,7 +277,7 @@ def test_light_that_changes_is_told():
         calibrate(fisheye(3.0), before=1000, after=2000)
     with pytest.raises(InputError, match="measured illuminance 0 lux"):
         calibrate(fisheye(3.0), before=0, after=100)
-    with pytest.raises(InputError, match="a black picture"):
+    with pytest.raises(InputError, match="black picture"):
         calibrate(fisheye(0.0), before=10, after=10)
 
 
@@ -288,7 +288,7 @@ def test_a_clipped_sun_is_found_and_mended():
     whole = Picture(truth, view=FISHEYE)
     measured = eye_illuminance(whole)
     clipped = Picture(np.minimum(truth, 1e4 / 179), view=FISHEYE)
-    with pytest.warns(ClerestoryWarning, match="are clipped"):
+    with pytest.warns(ClerestoryWarning, match="are probably clipped"):
         missing = overflow(clipped, measured)
     omega = solid_angles(FISHEYE, 90, 90)[30, 45]
     sun = 1e6 * omega * np.cos(np.radians(29))

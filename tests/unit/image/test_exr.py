@@ -91,7 +91,7 @@ def test_what_is_no_picture_is_refused(tmp_path, capfd):
     whole = (tmp_path / "c.exr").read_bytes()
     for cut in (8, 100, len(whole) - 30):
         (tmp_path / "d.exr").write_bytes(whole[:cut])
-        with pytest.raises(InputError, match="broken OpenEXR file") as caught:
+        with pytest.raises(InputError, match="damaged OpenEXR file") as caught:
             read_picture(tmp_path / "d.exr")
         assert "\n" not in str(caught.value)
 

@@ -170,8 +170,8 @@ def test_other_primaries_become_radiance_s(tmp_path):
         ({"size": "-Y 2 +Y 2"}, 'resolution "-Y 2'),
         ({"size": "-Y 0 +X 3"}, "0 pixels|3 × 0 pixels"),
         ({"size": "-Y 999999999 +X 999999999"}, "million expected"),
-        ({"size": "-Y 1000 +X 1000"}, "broken pixels: the data end"),
-        ({"pixels": b""}, "broken pixels: the data end"),
+        ({"size": "-Y 1000 +X 1000"}, "damaged pixel data: the data end"),
+        ({"pixels": b""}, "damaged pixel data: the data end"),
     ],
 )
 def test_broken_files_are_refused_in_one_line(parts, words, tmp_path):
@@ -184,7 +184,7 @@ def test_broken_files_are_refused_in_one_line(parts, words, tmp_path):
 def test_a_header_without_end_is_refused(tmp_path):
     path = tmp_path / "a.hdr"
     path.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n")
-    with pytest.raises(InputError, match="no end"):
+    with pytest.raises(InputError, match="does not end"):
         read_picture(path)
 
 

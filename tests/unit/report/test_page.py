@@ -192,7 +192,7 @@ def test_a_scene_without_windows_has_a_page(room):
 def test_values_that_are_not_numbers_are_refused(room):
     results = room.analytic_results(times=room.year(days=2))
     results.data["illuminance"][0, 5] = np.nan
-    with pytest.raises(InputError, match="not numbers"):
+    with pytest.raises(InputError, match="NaN or infinite"):
         from_results(results)
 
 

@@ -349,11 +349,11 @@ WRONG_RULES = {
     ),
     "no such grid": (
         'rule = "best"\ngrid = "roof"',
-        'of window "south" names grid "roof"; one of desk',
+        'of window "south" refers to grid "roof"; one of desk',
     ),
     "glare without a view": (
         'rule = "glare"',
-        'of window "south" judges glare without a view',
+        'of window "south" depends on glare, but there is no',
     ),
     "function without a file": (
         'rule = "python"\nfunction = "shade"',

@@ -1,1 +1,1 @@
-"""Luminaires: intensity tables from files, and the surfaces that send such light."""
+"""Luminaires: photometric files and the emitting surfaces of their luminaires."""

@@ -1,7 +1,7 @@
-"""Luminaires from EULUMDAT files (.ldt).
+"""Reader of EULUMDAT files (.ldt).
 
-Intensities are given per 1000 lumens of lamp flux; here they are made absolute with the
-flux of the first set of lamps. The length of the luminaire lies in the plane C90–C270.
+Intensities per 1000 lm are converted to absolute ones by the flux of the first set of
+lamps. The length of the luminaire is in the plane C90–C270.
 
 Reference: A. Stockmar, EULUMDAT – ein Leuchtendatenformat für den europäischen
 Beleuchtungsplaner, Licht '90, 1990.
@@ -27,7 +27,7 @@ _MILLIMETRE = 0.001
 
 
 def read_eulumdat(path: str | Path) -> Luminaire:
-    """Return the luminaire in a EULUMDAT file."""
+    """Read a luminaire from a EULUMDAT file."""
     text = [line.strip() for line in read_text(path).splitlines()]
     numbered = range(1, len(text) + 1)
     lines = WordReader(text, path=path, lines=numbered, decimal_comma=True)
@@ -63,7 +63,7 @@ def read_eulumdat(path: str | Path) -> Luminaire:
 
 @dataclass(frozen=True)
 class _Head:
-    # The first twelve lines, as far as they matter
+    # The relevant ones of the first twelve lines
     maker: str
     symmetry: int
     planes: int

@@ -1,8 +1,8 @@
-"""Luminaires from IES files (LM-63 of 1986, 1991, 1995, 2002 and 2019).
+"""Reader of IES files (LM-63 of 1986, 1991, 1995, 2002 and 2019).
 
-The multiplier and the ballast factor are applied, in files before 1995 the ballast-lamp
-factor too. Shapes that the standard knows and we do not are replaced by the nearest of
-ours, as Radiance does: horizontal cylinders by boxes, ellipses by circles or boxes.
+The candela multiplier and the ballast factor are applied, before 1995 also the
+ballast-lamp factor. Unsupported shapes are replaced as in Radiance: horizontal
+cylinders by boxes, ellipses by circles or boxes.
 
 Reference: IES LM-63-86, -91, -95, -02, -19; the meaning of the dimensions' signs in
 each version after R. Fritz's comments in Radiance's ies2rad.
@@ -27,7 +27,7 @@ from clerestory.formats.word_reader import WordReader
 # Feet to metres
 _FOOT = 0.3048
 
-# Diameter of a luminaire without extent [m]
+# Diameter of a point source [m]
 POINT = 0.001
 
 _MOST_ANGLES = 10_000
@@ -37,7 +37,7 @@ _KEYWORD = re.compile(r"\s*\[([^\]]+)\]\s*(.*)")
 
 
 def read_ies(path: str | Path) -> Luminaire:
-    """Return the luminaire in an IES file."""
+    """Read a luminaire from an IES file."""
     text = read_text(path)
     head, mark, rest = text.partition("TILT=")
     if not mark:
@@ -52,7 +52,7 @@ def read_ies(path: str | Path) -> Luminaire:
 
 
 def _words(text: str, path: str | Path, line: int) -> WordReader:
-    # Words of a text whose first line has a number
+    # Words of a text, with the line of each
     words, lines, at = [], [], 0
     for match in _WORD.finditer(text):
         line += text.count("\n", at, match.start())
@@ -183,5 +183,5 @@ def _cylinder(width: float, length: float, height: float) -> LuminousShape:
 
 
 def _box(length: float, width: float, height: float) -> LuminousShape:
-    # The length lies along the photometric 0°
+    # The length is along the photometric 0°
     return LuminousShape("box", max(length, POINT), max(width, POINT), height)

@@ -1,13 +1,13 @@
-"""Luminaires: a table of luminous intensity, the shape that shines, and its flux.
+"""Luminous intensity distribution, luminous shape and flux of luminaires.
 
-The luminaire hangs with its nadir along -z and its photometric 0° towards +x. Angles of
-the table, for a unit vector l of the light that leaves:
+The nadir of the luminaire is -z, its photometric 0° +x. Angles of the table for a
+direction of emission l:
 
-- type C: the vertical angle counts from the nadir, the horizontal one from +x to +y;
+- type C: the vertical angle is from the nadir, the horizontal one from +x to +y;
 - type B: the vertical angle is atan2(lx, -lz), about the y axis; the horizontal one
-  asin(-ly) counts out of that plane;
+  asin(-ly) is out of that plane;
 - type A: the horizontal angle is atan2(-ly, -lz), about the x axis; the vertical one
-  asin(lx) counts out of that plane.
+  asin(lx) is out of that plane.
 
 Reference: I. Ashdown, Thinking photometrically, LightFair 2001 (types A, B and C);
 IES LM-63-02.
@@ -24,17 +24,17 @@ from clerestory.errors import InputError
 
 PhotometricType = Literal["A", "B", "C"]
 
-# Angles nearer than this are the same [deg]
+# Tolerance of angles [deg]
 _SAME_DEG = 1e-6
 
 
 @dataclass(frozen=True)
 class LuminousShape:
-    """The body that shines, centred at the origin.
+    """The luminous shape, centred at the origin.
 
     Attributes
     ----------
-    kind : a box, an upright cylinder or a sphere; flat where its height is 0
+    kind : a box, a vertical cylinder or a sphere; flat if its height is 0
     x, y, z : its extents [m]; x and y are the diameter of a cylinder or sphere
     """
 
@@ -54,12 +54,12 @@ class LuminousShape:
 
 @dataclass(frozen=True)
 class TiltTable:
-    """How a lamp's output falls as the luminaire is tilted.
+    """The dependence of lamp output on the tilt of the luminaire.
 
     Attributes
     ----------
-    geometry : 1 for lamps upright in a level luminaire, 2 and 3 for lying ones
-    angle_deg, factor : multiplier by angle of tilt
+    geometry : lamp-to-luminaire geometry: 1 for vertical lamps, 2 and 3 for horizontal
+    angle_deg, factor : multiplier by tilt angle
     """
 
     geometry: int
@@ -67,25 +67,25 @@ class TiltTable:
     factor: tuple[float, ...]
 
     def at(self, tilt_deg: float) -> float:
-        """Multiplier of the output at an angle of tilt."""
+        """Return the multiplier of the output at a tilt angle."""
         return float(np.interp(abs(tilt_deg), self.angle_deg, self.factor))
 
 
 @dataclass(frozen=True, eq=False)
 class Luminaire:
-    """Luminous intensity over direction, in absolute terms.
+    """An absolute luminous intensity distribution with shape and lamp data.
 
     Attributes
     ----------
-    name : what the file calls it
+    name : name in the file
     photometry : type of the table's angles
-    horizontal_deg : growing; 0 to 360 for type C, a single 0 if it does not matter
-    vertical_deg : growing; beyond them no light leaves
+    horizontal_deg : ascending; 0 to 360 for type C, a single 0 for rotational symmetry
+    vertical_deg : ascending; beyond them the intensity is zero
     intensity : [cd]
-    shape : the body that shines
-    lamp_lumens : of all lamps together [lm]; None for absolute photometry
+    shape : luminous shape
+    lamp_lumens : flux of all lamps [lm]; None for absolute photometry
     watts : electric power
-    keywords : what else the file says
+    keywords : other data in the file
     tilt : None if the output does not depend on tilt
     """
 
@@ -113,11 +113,11 @@ class Luminaire:
     def candela(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Luminous intensity [cd] in the luminaire's own frame.
+        """Return luminous intensities [cd] in the luminaire's frame.
 
         Parameters
         ----------
-        direction : unit vectors in which light leaves
+        direction : unit vectors of emission
 
         Examples
         --------
@@ -134,7 +134,7 @@ class Luminaire:
     def angles(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch"]]:
-        """Horizontal and vertical angle [deg] of directions in the table."""
+        """Return horizontal and vertical angles [deg] of directions."""
         x, y, z = np.moveaxis(direction, -1, 0)
         match self.photometry:
             case "C":
@@ -149,7 +149,7 @@ class Luminaire:
         return np.asarray(horizontal), np.asarray(vertical)
 
     def flux(self) -> float:
-        """Luminous flux [lm]: the intensity, linear between angles, integrated.
+        """Return the luminous flux [lm], the integral of the interpolated intensity.
 
         Examples
         --------
@@ -161,7 +161,7 @@ class Luminaire:
         100.0
         """
         if self.photometry == "B":
-            # The horizontal angle is the one that leaves the plane
+            # The horizontal angle is out of the plane
             weights = _latitude_weights(self.horizontal_deg)
             turn, table = self.vertical_deg, self.intensity
         else:
@@ -174,11 +174,11 @@ class Luminaire:
         return float(np.trapezoid(around, np.radians(turn)))
 
     def scaled(self, factor: float) -> "Luminaire":
-        """Return the luminaire dimmed, or with lamps of another flux.
+        """Return the luminaire with scaled intensity and lamp flux.
 
         Parameters
         ----------
-        factor : on every intensity, and on the flux of the lamps
+        factor : factor of every intensity and of the lamps' flux
         """
         if not (np.isfinite(factor) and factor >= 0):
             raise InputError(f"luminaire scaled by {factor}; 0 or more expected")
@@ -219,7 +219,7 @@ def _bilinear(
 def _place(
     angles: Float[np.ndarray, " angles"], at: Float[np.ndarray, "*batch"]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    # The interval of each angle, the place in it, and whether the table holds it
+    # Interval of each angle, relative position in it, and whether it is in the table
     if len(angles) == 1:
         zero = np.zeros(at.shape)
         return zero.astype(int), zero, np.ones(at.shape, dtype=bool)

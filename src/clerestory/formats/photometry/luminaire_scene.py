@@ -1,4 +1,4 @@
-"""Luminaires and light panels as scenes: surfaces that shine, placed in the room."""
+"""Scenes of luminaires and light panels."""
 
 import numpy as np
 from jaxtyping import Float
@@ -30,22 +30,22 @@ def luminaire_scene(
     colour: tuple[float, float, float] = WHITE,
     name: str = "luminaire",
 ) -> Scene:
-    """Return a luminaire's shining surfaces as a scene, to be added to a room.
+    """Return a luminaire's emitting surfaces as a scene, to be added to a room.
 
     Parameters
     ----------
     luminaire : its intensity and shape
-    position : of its centre [m]
-    turn_deg : counter-clockwise about the vertical, seen from above
-    tilt_deg : of the level luminaire, about its x axis before it is turned
-    dimming : share of the light that it sends
-    colour : of its light; only ratios matter, the luminance stays
-    name : of its material, and before the names of its surfaces
+    position : centre of the luminous shape [m]
+    turn_deg : rotation about the vertical, counter-clockwise seen from above
+    tilt_deg : rotation about its x axis, before `turn_deg`
+    dimming : fraction of full output
+    colour : colour of its light; only the ratios of the values are used
+    name : name of its material, and prefix of the names of its surfaces
 
     Raises
     ------
-    InputError : a dimming or colour below 0, or a tilt whose effect on lying lamps
-        is not known
+    InputError : a dimming or colour below 0, or a tilt of horizontal lamps whose output
+        depends on it
 
     Examples
     --------
@@ -72,14 +72,14 @@ def panel_scene(
     colour: tuple[float, float, float] = WHITE,
     name: str = "panel",
 ) -> Scene:
-    """Return an evenly shining panel as a scene: one luminance all over and around.
+    """Return a Lambertian panel of uniform luminance as a scene.
 
     Parameters
     ----------
-    vertices : its outline [m]; the front, where they run counter-clockwise, shines
-    lumens : luminous flux that leaves it [lm]
-    colour : of its light; only ratios matter, the luminance stays
-    name : of its material and its surface
+    vertices : outline [m], counter-clockwise as seen from the emitting front
+    lumens : luminous flux [lm]
+    colour : colour of its light; only the ratios of the values are used
+    name : name of its material and its surface
 
     Raises
     ------
@@ -96,7 +96,7 @@ def panel_scene(
     if not area > 0:
         raise InputError(f'the panel "{name}" has no area')
     if not (np.isfinite(lumens) and lumens >= 0):
-        raise InputError(f'the panel "{name}" sends {lumens} lm; 0 or more expected')
+        raise InputError(f'the panel "{name}" emits {lumens} lm; 0 or more expected')
     radiance = lumens / LUMINOUS_EFFICACY / (np.pi * area)
     light = Light(name, radiance * _balanced(colour))
     return Scene({name: light}, (Polygon(vertices, name, name),))
@@ -117,8 +117,8 @@ def _tilt_factor(luminaire: Luminaire, tilt_deg: float) -> float:
         return 1.0
     if luminaire.tilt.geometry != 1 and tilt_deg != 0:
         raise InputError(
-            f'luminaire "{luminaire.name}" has lying lamps whose output depends on'
-            " how it is tilted; a tilt of 0 expected"
+            f'luminaire "{luminaire.name}" has horizontal lamps whose output depends on'
+            " the tilt; a tilt of 0 expected"
         )
     return luminaire.tilt.at(tilt_deg)
 

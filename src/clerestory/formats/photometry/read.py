@@ -1,4 +1,4 @@
-"""Luminaires from files of either format."""
+"""Reader of luminaires from IES and EULUMDAT files."""
 
 import warnings
 from pathlib import Path
@@ -10,20 +10,20 @@ from clerestory.formats.photometry.luminaire import Luminaire
 
 LUMINAIRE_SUFFIXES = (".ies", ".ldt")
 
-# Share of the lamps' flux above which a file contradicts itself
+# Ratio of luminaire flux to lamp flux above which a file is inconsistent
 _MOST_OUTPUT = 1.02
 
 
 def read_luminaire(path: str | Path) -> Luminaire:
-    r"""Return the luminaire in an IES (LM-63) or EULUMDAT (.ldt) file.
+    r"""Read a luminaire from an IES (LM-63) or EULUMDAT (.ldt) file.
 
     Raises
     ------
-    InputError : with file and line, where it is missing or malformed
+    InputError : the file is missing or malformed
 
     Warns
     -----
-    ClerestoryWarning : more light leaves than the lamps have
+    ClerestoryWarning : the flux of the luminaire exceeds that of its lamps
 
     Examples
     --------
@@ -47,8 +47,8 @@ def _doubt_flux(luminaire: Luminaire, path: str | Path) -> None:
     lamps, flux = luminaire.lamp_lumens, luminaire.flux()
     if lamps and flux > _MOST_OUTPUT * lamps:
         warnings.warn(
-            f"{path}: its intensities send {flux:.0f} lm, {flux / lamps:.0%} of the"
-            f" {lamps:.0f} lm of its lamps; less than 100 % expected",
+            f"{path}: the flux of the luminaire is {flux:.0f} lm, {flux / lamps:.0%} of"
+            f" the {lamps:.0f} lm of its lamps; less than 100 % expected",
             ClerestoryWarning,
             stacklevel=3,
         )

@@ -1,8 +1,7 @@
-"""Which surfaces of a luminaire shine, and how bright they look from a direction.
+"""Emitting surfaces of luminaires and their radiance by direction.
 
-A radiance times the projected area of the shining body is an intensity, so the
-intensity over the projected area is the radiance that all of its surfaces show. A
-body that sends light down only, or up only, shines from that one face.
+The radiance of all emitting surfaces is the intensity divided by their projected area.
+A shape with downward light only, or upward light only, emits from that one face.
 """
 
 from dataclasses import dataclass, field
@@ -18,16 +17,16 @@ from clerestory.scene.transform import Transform
 # What luminaires are made of
 Shining = Polygon | Sphere | Cone | Ring
 
-# Distance between the two faces of a flat luminaire that shines up and down [m]
+# Distance between the two faces of a flat luminaire with direct and indirect light [m]
 _THICKNESS = 0.0005
 
-# Less height than this has no sides [m]
+# Least height of a luminous shape with sides [m]
 _LEAST_SIDE = 0.001
 
 
 @dataclass(frozen=True)
 class Faces:
-    """Which faces of a box or cylinder shine: its lower, its upper, its sides."""
+    """Whether the lower face, the upper face and the sides of a shape emit light."""
 
     lower: bool
     upper: bool
@@ -35,10 +34,10 @@ class Faces:
 
 
 def faces(luminaire: Luminaire) -> Faces:
-    """Return which faces shine.
+    """Return which faces emit light.
 
-    The lower and the upper one do where light goes down and up; the sides do where the
-    shape has a height and the table reaches above and below the horizon.
+    The lower and upper face do if there is light downwards and upwards, the sides if
+    the shape has a height and the table extends above and below the horizontal.
     """
     if luminaire.photometry != "C":
         return Faces(lower=True, upper=False, sides=False)
@@ -50,12 +49,12 @@ def faces(luminaire: Luminaire) -> Faces:
 
 @dataclass(frozen=True, eq=False)
 class LuminairePattern:
-    """Radiance [W/(m²·sr)] of a luminaire's shining surfaces, by direction.
+    """Radiance [W/(m²·sr)] of a luminaire's emitting surfaces by direction.
 
     Attributes
     ----------
     luminaire : its intensity
-    shining : which of its faces shine
+    shining : its emitting faces
     transform : from the luminaire's frame to the scene's
 
     Examples
@@ -82,7 +81,7 @@ class LuminairePattern:
         normal: Float[np.ndarray, "rays 3"] | None = None,
         point: Float[np.ndarray, "rays 3"] | None = None,
     ) -> Float[np.ndarray, "rays 3"]:
-        """Radiance that the surfaces show; see `Pattern.value`."""
+        """Return the radiance of the surfaces; see `Pattern.value`."""
         back = np.linalg.inv(self.transform.matrix[:3, :3]) * self.transform.scale
         local = direction @ back
         area = self._projected_area(local) * self.transform.scale**2
@@ -114,12 +113,12 @@ class LuminairePattern:
 def shining_surfaces(
     luminaire: Luminaire, *, material: str, name: str
 ) -> tuple[Shining, ...]:
-    """Return the surfaces that shine, in the luminaire's frame, fronts outwards.
+    """Return the emitting surfaces in the luminaire's frame, with outward fronts.
 
     Parameters
     ----------
-    material : what they are made of
-    name : stands before the name of each
+    material : key of their material
+    name : prefix of their names
     """
     shape, shining = luminaire.shape, faces(luminaire)
     if shape.kind == "sphere":

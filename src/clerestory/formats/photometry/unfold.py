@@ -1,4 +1,4 @@
-"""Symmetric tables of intensity, written once, unfolded to all directions."""
+"""Expansion of symmetric intensity tables to all directions."""
 
 import numpy as np
 from jaxtyping import Float
@@ -14,8 +14,8 @@ def unfold_type_c(
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
     """Return horizontal angles from 0° to 360° and their intensities.
 
-    A quadrant (0 to 90°) is mirrored twice, a half (0 to 180°, 90 to 270° or -90 to
-    90°) once; a single angle means that the horizontal angle does not matter.
+    A quadrant (0 to 90°) is reflected twice, a half (0 to 180°, 90 to 270° or -90 to
+    90°) once; a single angle means rotational symmetry.
 
     Examples
     --------
@@ -45,7 +45,7 @@ def unfold_sides(
     horizontal_deg: Float[np.ndarray, " given"],
     intensity: Float[np.ndarray, "given vertical"],
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
-    """Return the angles of type A or B from -90° on; 0 to 90° alone is mirrored."""
+    """Return angles of type A or B from -90°; those from 0 to 90° are reflected."""
     if len(horizontal_deg) > 1 and abs(horizontal_deg[0]) < _SAME_DEG:
         angle = np.concatenate([-horizontal_deg[:0:-1], horizontal_deg])
         return angle, np.concatenate([intensity[:0:-1], intensity])
@@ -60,7 +60,7 @@ def _joined(
     copies: list[Float[np.ndarray, " given"]],
     intensity: Float[np.ndarray, "given vertical"],
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
-    # Sort the copies' angles, each once, and close the circle
+    # Unique sorted angles of the copies, over the full circle
     angle = np.mod(np.concatenate(copies), 360.0).round(6)
     table = np.concatenate([intensity] * len(copies))
     angle, first = np.unique(angle, return_index=True)
