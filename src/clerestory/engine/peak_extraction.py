@@ -1,11 +1,12 @@
-"""Light that passes a layer unscattered, found in its BSDF (Radiance's aBSDF).
+"""Extraction of unscattered transmission from a BSDF (Radiance's aBSDF).
 
-A clear pane in a BSDF file is one bright cell around the direction straight on. The
-cells around that direction are sorted by their values: those within a factor of eight
-of the brightest, and no larger than one and a half of the smallest cells, are the
-peak. What they hold above their surround passes straight, and leaves the data.
+A clear pane in a BSDF file is one bright cell around the direction of straight
+transmission. Of the cells around that direction, the peak consists of those within a
+factor of eight of the brightest cell and at most 1.5 times as large as the smallest
+cell. Their flux above the surrounding values is transmitted straight and removed from
+the data.
 
-The criteria are those that Radiance's material documents (m_bsdf.c).
+The criteria are documented in Radiance's source (m_bsdf.c).
 """
 
 import drjit as dr
@@ -22,10 +23,10 @@ from clerestory.engine.square import square_from_disc
 from clerestory.engine.upload import on_device
 from clerestory.hemisphere.shirley_chiu import disc_from_square
 
-# Directions are looked up on a grid with this many cells along an edge.
+# Number of cells along an edge of the look-up grid of directions.
 _GRID = 128
 
-# Points around the direction straight on, in edges of the smallest cell.
+# Points around the straight direction, in units of the smallest cell's edge.
 _STEPS = np.array(
     [(i, j) for i in range(-4, 5) for j in range(-4, 5) if i * i + j * j <= 18]
 )
@@ -35,7 +36,7 @@ _REACH = float(np.sqrt(18) * _STEP + np.sqrt(0.5))
 _CONTRAST = 8.0
 _LARGEST = 1.5
 
-# Peaks that carry less than this share of the light are none.
+# Smallest transmittance of a peak.
 _FAINT = 5e-4
 
 _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
@@ -44,8 +45,8 @@ _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
 class PeakTable:
     """The peak of a layer's transmission, for kernels.
 
-    Light that leaves to the room is looked up in the first half of the tables, light
-    that leaves to the outside in the second.
+    The first half of the tables is for light exiting to the room, the second half for
+    light exiting to the outside.
     """
 
     def __init__(self, bsdf: Bsdf):
@@ -68,14 +69,14 @@ class PeakTable:
         return outside + mi.UInt32(row * _GRID + column)
 
     def transmittance(self, wi):
-        """Return the share of light that passes straight to a direction."""
+        """Return the straight transmittance towards a direction."""
         cell = self._cell(wi) * 3
         return mi.Color3f(
             *[dr.gather(mi.Float, self.passed, cell + i) for i in range(3)]
         )
 
     def without(self, value, wi, wo):
-        """Return a value of the transmission without the peak."""
+        """Return a value of the transmission data without the peak."""
         cell = self._cell(wi)
         side = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(1))
         apart = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
@@ -109,7 +110,7 @@ def _peaks(
     bright = values[len(values) // 2]
     in_peak, limit = _select(bright, size, inside, smallest)
 
-    # The peak carries what it holds above its surround; each cell counts once
+    # Transmittance of the peak above its surround; each cell counts once
     first = _first_of_each(bright) & inside
     around = first & ~in_peak
     weight = np.where(around, size, 0).sum(axis=1)
@@ -138,7 +139,7 @@ def _smallest(part: ScatteringFunction) -> float | None:
 
 
 def _around(edge: float):
-    # For each cell of the grid its middle, and directions around straight on
+    # Centre of each grid cell, and directions around the straight direction
     middle = (np.arange(_GRID) + 0.5) / _GRID
     a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
     x, y = disc_from_square(a, b)
@@ -153,7 +154,7 @@ def _around(edge: float):
 
 
 def _first_of_each(values: Float[np.ndarray, "cell step"]):
-    # Points with the value of an earlier one lie in the same cell
+    # Points with equal values are in the same cell
     order = np.argsort(values, axis=1, kind="stable")
     ranked = np.take_along_axis(values, order, axis=1)
     new = np.ones_like(ranked, dtype=bool)
@@ -164,7 +165,7 @@ def _first_of_each(values: Float[np.ndarray, "cell step"]):
 
 
 def _select(values, size, inside, smallest: float):
-    # Which points lie in the peak: bright ones, of small cells
+    # Select the points in the peak: bright points in small cells
     small = inside & (size <= _LARGEST * smallest)
     brightest = np.where(inside, values, 0).max(axis=1)
     sharp = np.where(small, values, 0).max(axis=1) >= brightest

@@ -1,8 +1,8 @@
 """Surface points sampled by pilot paths.
 
-Pilot paths scatter diffusely from surface to surface on this side of all windows. Their
-vertices sample the surfaces that gather light: those which the sun may light
-(`sun_patches`), and those from which portals are sampled (`path_guiding`).
+Pilot paths scatter diffusely from surface to surface inside all windows. Their vertices
+sample the surfaces that may be sunlit (`sun_patches`) and from which portals are
+sampled (`path_guiding`).
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from clerestory.engine.sampler import points
 from clerestory.engine.upload import launching
 from clerestory.engine.visibility import offset
 
-# Pilot paths, and vertices of each.
+# Number of pilot paths, and of vertices per path.
 PILOT_PATHS = 1 << 13
 _VERTICES = 4
 
@@ -29,8 +29,8 @@ class SurfacePoints:
 
     Attributes
     ----------
-    point, start : on its surface, and moved off it [m]
-    normal : on the side that light is gathered from
+    point, start : point on the surface, and point offset from the surface [m]
+    normal : normal on the illuminated side
     """
 
     point: Float[np.ndarray, "n 3"]

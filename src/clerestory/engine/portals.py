@@ -1,8 +1,8 @@
 """Portals: rectangles around windows and sunlit areas, for path guiding.
 
-Daylight enters a room through a few openings. Directions towards them are sampled
-beside those of the materials; the density of each technique is known for every
-direction, so their combination stays unbiased whatever the rectangles leave out.
+Daylight enters a room through a few openings. Directions towards them are sampled in
+addition to BSDF sampling; the density of each technique is known for every direction,
+so the combination is unbiased even if rectangles are missing.
 
 Rectangles are sampled by the solid angle they subtend (`spherical_rectangle`). Sunlit
 areas join the windows (`sun_patches`). Sampling probabilities are learned per cell of
@@ -22,17 +22,17 @@ from clerestory.engine.spherical_rectangle import SphericalRectangle
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
 
-# Rectangles beyond the largest ones only cost time.
+# Largest number of rectangles; smaller rectangles cost more time than they save.
 MOST = 12
 
-# Polygons smaller than this share of the largest are no portals.
+# Polygons below this fraction of the largest polygon are not used as portals.
 _SMALLEST = 1e-3
 
-# Kernels go through rectangles without a loop, which would fetch each from memory for
-# each path: five times slower. There is a kernel for every multiple of so many.
+# The loop over rectangles is unrolled: a loop that fetches them from memory is five
+# times slower. There is one kernel per multiple of this number.
 _TOGETHER = 4
 
-# Chance of a portal before sampling probabilities are learned.
+# Probability of sampling a portal before probabilities are learned.
 _UNIFORM_CHANCE = 0.35
 
 _TRANSMITTING = (Glass, BsdfSurface, Illum, Trans)
@@ -40,7 +40,7 @@ _TRANSMITTING = (Glass, BsdfSurface, Illum, Trans)
 
 @dataclass
 class Rectangles:
-    """Rectangles as plain values.
+    """Rectangles as NumPy arrays.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Rectangles:
 
     @classmethod
     def none(cls, count: int = 0) -> "Rectangles":
-        """Return no rectangles, or placeholders of no probability."""
+        """Return no rectangles, or placeholders with zero probability."""
         return cls(*(np.tile(edge, (count, 1)) for edge in np.eye(3)))
 
     def some(self, chosen: Bool[np.ndarray, " n"]) -> "Rectangles":
@@ -74,16 +74,16 @@ class Portals:
 
     Attributes
     ----------
-    count : of rectangles
-    slots : for rectangles, some of them empty: kernels serve any number up to that
+    count : number of rectangles
+    slots : number of rectangle slots in kernels; surplus slots are empty
     corner, edge_u, edge_v : of each [m]
-    facing : edge_u × edge_v [m²]
-    across, upwards : edges over their squared lengths [1/m]
-    cells : of the room
-    share : of each rectangle in the paths that continue towards them, cell by cell
-    sunlit : of each rectangle in the rays that look for sunlit surfaces
-    chance : that a path continues towards any of them
-    sunny : whether suns light anything in any of them
+    facing : normal times area, edge_u × edge_v [m²]
+    across, upwards : edges divided by their squared lengths [1/m]
+    cells : guiding cells of the room
+    share : probability of each rectangle for continued paths, by cell
+    sunlit : probability of each rectangle for rays towards sunlit surfaces, by cell
+    chance : probability that a path continues towards any rectangle
+    sunny : whether any rectangle contains sunlit surfaces
     """
 
     count: int
@@ -132,7 +132,7 @@ class Portals:
 
     @classmethod
     def uniform(cls, rectangles: Rectangles) -> "Portals | None":
-        """Return portals of equal probabilities; None without any rectangle."""
+        """Return portals of equal probabilities; None if there are no rectangles."""
         if len(rectangles) == 0:
             return None
         cells = GuidingCells.around(np.zeros((0, 3)))
@@ -170,7 +170,7 @@ class Portals:
         return dr.select(view.usable, 1 / view.solid_angle, by_area)
 
     def met(self, origin, direction):
-        """Return which rectangles a ray meets, a bit of 32 for each."""
+        """Return the rectangles met by a ray, as bits of 32-bit integers."""
         found = mi.UInt32(0)
         for number in range(self.slots):
             one = mi.UInt32(number)
@@ -197,7 +197,7 @@ class Portals:
 
         Returns
         -------
-        direction, valid : valid is false where all probabilities of the cell are zero
+        direction, and a mask that is false if all probabilities of the cell are zero
         """
         target, before = mi.Float(u), mi.Float(0)
         chosen, valid = mi.UInt32(0), mi.Bool(False)
@@ -216,7 +216,8 @@ class Portals:
 
         Returns
         -------
-        onward, sunlit : of continued paths, and of looking for sunlit surfaces
+        onward, sunlit : densities of continued paths, and of rays towards sunlit
+            surfaces
         """
         onward, sunlit = mi.Float(0), mi.Float(0)
         left = self.met(origin, direction)
@@ -235,7 +236,9 @@ def _inverse(edges: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
 
 
 def window_rectangles(scene: Scene, origin: Float[np.ndarray, "3"]) -> Rectangles:
-    """Return rectangles around the largest transmitting polygons, from an origin."""
+    """Return rectangles around the largest transmitting polygons, relative to an
+    origin.
+    """
     found = [
         _rectangle(surface.vertices)
         for surface in scene.surfaces
@@ -250,7 +253,7 @@ def window_rectangles(scene: Scene, origin: Float[np.ndarray, "3"]) -> Rectangle
 
 
 def _rectangle(vertices: Float[np.ndarray, "n 3"]):
-    # A rectangle around a polygon, along its longest edge
+    # Bounding rectangle of a polygon, aligned with its longest edge
     edges = np.roll(vertices, -1, axis=0) - vertices
     longest = edges[np.argmax(np.linalg.norm(edges, axis=1))]
     right = longest / np.linalg.norm(longest)

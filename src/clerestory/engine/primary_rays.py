@@ -1,6 +1,6 @@
-"""Primary rays of matrices: numbering of paths, and rays from patches of windows.
+"""Primary rays of matrices: numbering of paths, and rays from window patches.
 
-Each launch covers all rows, batches and sample points it is given: lane number =
+A launch traces all given rows, batches and sample points: lane index =
 (row × batches + batch) × points + point.
 """
 
@@ -24,15 +24,15 @@ from clerestory.engine.windows import WindowTable
 
 @dataclass
 class Lanes:
-    """The paths of one launch.
+    """Paths of one launch.
 
     Attributes
     ----------
     row : row of the matrix, counted within the launch
     slot : row and batch within the launch
-    number : number of the row in the whole matrix
-    seed : of the row and batch in the whole trace
-    index : number of the sample point in the table
+    number : index of the row in the whole matrix
+    seed : seed of the row and batch
+    index : index of the sample point in the table
     """
 
     row: mi.UInt32
@@ -49,12 +49,13 @@ class Lanes:
 def lanes(
     points: Points, *, rows: np.ndarray, batches: int, seed: int, stream: int
 ) -> Lanes:
-    """Return the paths of a launch over the matrix rows with the given numbers.
+    """Return the paths of a launch over the matrix rows with the given indices.
 
-    Streams keep matrices of one seed independent: errors of V and D must not agree.
-
-    The seed of a row and batch depends on nothing but their numbers, so results do
-    not depend on how rows are spread over launches.
+    Streams make matrices of one seed independent: errors of V and D must be
+    independent.
+    The seed of a row and batch depends only on their indices, so results do not depend
+    on
+    the division of rows into launches.
     """
     lane = dr.arange(mi.UInt32, len(rows) * batches * points.count)
     slot = lane // points.stride
@@ -71,15 +72,14 @@ def lanes(
 
 
 def window_ray(window: WindowTable, patch: mi.UInt32, numbers: PathNumbers) -> mi.Ray3f:
-    """Return rays outwards from the patches of one window, spread over its area.
+    """Return outward rays from the patches of one window, distributed over its area.
 
-    A row of a daylight matrix is the light that arrives through one patch.
-    Straight-through light keeps its patch number, so rays leave against the patch's
-    direction.
+    A row of a daylight matrix is the light that arrives through one patch. Unscattered
+    light keeps its patch index, so rays leave against the direction of the patch.
 
     Parameters
     ----------
-    window : table of this window alone
+    window : table of this window only
     """
     a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
     u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)

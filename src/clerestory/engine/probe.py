@@ -1,7 +1,7 @@
-"""A kernel that a child process compiles to find out whether a device works.
+"""Test kernel, compiled in a child process to check that a device works.
 
-Run as a script with the Mitsuba variant as its argument. It holds what aborts
-with unsuitable LLVM versions: a compiled loop with ray tracing, a virtual call
+Run as a script with the Mitsuba variant as its argument. It contains the features that
+abort with unsuitable LLVM versions: a compiled loop with ray tracing, a virtual call
 and exact sums by 64-bit scatters.
 """
 

@@ -1,7 +1,7 @@
 """Jobs of radiance and irradiance at one instant: pictures, sensors, window emitters.
 
-Radiance has no upper limit, so sums are in floating point; they are added in the order
-of their units, whose size does not depend on the machine.
+Radiance has no upper limit, so sums are floating-point numbers; they are added in the
+order of the units, whose size does not depend on the machine.
 """
 
 import math
@@ -19,7 +19,7 @@ from clerestory.engine.work_units import Unit, UnitSize
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
-# Independent batches of a pixel or a direction, unless the effort says otherwise
+# Default number of independent batches per pixel or direction
 PICTURE_BATCHES = 8
 
 
@@ -30,9 +30,9 @@ class RadianceEstimate:
     Attributes
     ----------
     value : radiance of pixels or irradiance of sensors
-    error : standard error of each
-    paths : traced in all
-    reached : whether the relative error aimed at was reached
+    error : standard error of each value
+    paths : total number of paths
+    reached : whether the target relative error was reached
     """
 
     value: Float[np.ndarray, "row band"]
@@ -54,12 +54,14 @@ class RadianceJob(EstimatedJob):
         return Sums.floating((rows, *self.shape[1:]))
 
     def error(self, sums: Sums) -> float:
-        """Error of the mean row: root mean square of the errors, over the mean."""
+        """Error of the mean row: ratio of the root mean square of the errors to the
+        mean.
+        """
         return mean_error(sums.collected(), axis=1)
 
     def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of consecutive rows in the middle."""
-        # A good part of them, or all with many samples
+        # A large fraction of the rows, or all rows with many samples
         rows, shortest = self.shape[0], self.growth.pilot
         block = max(1, min(rows, paths // (self.batches * shortest)))
         first = (rows - block) // 2
@@ -75,7 +77,7 @@ class PictureJob(RadianceJob):
     Attributes
     ----------
     columns, rows : size of the picture
-    quantity : radiance, or the irradiance of the surface that a pixel shows
+    quantity : radiance, or irradiance of the visible surface
     """
 
     tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_picture")
@@ -115,10 +117,10 @@ class EmitterPatches:
 
     Attributes
     ----------
-    frame : of each patch; rows: two axes in it and its normal
-    corner : of all triangles [m]
-    first : of each patch, its first triangle; at the end the number of triangles
-    cumulative : of each triangle, the share of its patch up to and with it
+    frame : frame of each patch; rows: two axes in the patch and its normal
+    corner : corners of all triangles [m]
+    first : first triangle of each patch, followed by the number of triangles
+    cumulative : cumulative area fraction of the triangles within each patch
     """
 
     frame: Float[np.ndarray, "patch 3 3"]
@@ -129,9 +131,9 @@ class EmitterPatches:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ExitingRadianceJob(RadianceJob):
-    """Mean radiance that patches send within rings and sectors, patch by patch.
+    """Mean exiting radiance of patches within rings and sectors, patch by patch.
 
-    Suns seen straight through the patch are left out.
+    Suns seen straight through the patch are excluded.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("exiting_radiance_tracer", "prepare_outgoing")
@@ -148,7 +150,7 @@ class ExitingRadianceJob(RadianceJob):
 
 
 def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
-    """Estimate radiance or irradiance until its samples or its error are reached."""
+    """Estimate radiance or irradiance up to the given samples or relative error."""
     rows, _, _, bands = job.shape
     if not effort.executor.accepts(job, effort.goal):
         nothing = np.zeros((rows, bands))

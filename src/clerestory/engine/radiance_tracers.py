@@ -29,14 +29,14 @@ from clerestory.engine.upload import launching, vectors
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 
-# Hashed numbers of the point in a pixel
+# Dimensions of the hashed random numbers for the point in a pixel
 _PIXEL = 0x40000
 
 _SINK = RadianceSink()
 
 
 def prepare_picture(job: PictureJob) -> Tracer:
-    """Return what traces the radiance of a view's pixels, or their irradiance."""
+    """Return the tracer of the radiance or irradiance of a view's pixels."""
     rays = CameraRays.of(job.view, job.columns, job.rows)
     origin = np.asarray(job.view.position, dtype=float)
     tracer = radiance_tracer(
@@ -45,7 +45,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     limit = segments_of(job.bounces)
 
     def irradiance(numbers: PathNumbers, row):
-        # The first numbers of the sequence go to the surface, not to the pixel
+        # The first dimensions of the sequence sample the surface, not the pixel
         x, y = numbers.hashed(_PIXEL), numbers.hashed(_PIXEL + 1)
         ray, valid = rays.through(row, x, y)
         position, normal, found = first_hit(tracer.model, ray, valid)
@@ -64,7 +64,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
 
 
 def prepare_irradiance(job: IrradianceJob) -> Tracer:
-    """Return what traces the irradiance of sensors."""
+    """Return the tracer of the irradiance of sensors."""
     origin = np.mean(job.sensors.position, axis=0)
     position = vectors(mi.Point3f, job.sensors.position - origin)
     normal = vectors(mi.Vector3f, job.sensors.direction)
@@ -98,11 +98,11 @@ def radiance_tracer(
     bounces: int | None,
     pilots: Callable[[], mi.Ray3f],
 ) -> PathTracer:
-    """Return a path tracer around a point, guided to windows and sunlit areas.
+    """Return a path tracer around a point, guided towards windows and sunlit areas.
 
     Parameters
     ----------
-    pilots : function that returns first segments of pilot paths
+    pilots : function that returns the first segments of pilot paths
     """
     illuminated = Illumination.of(scene, origin)
     windows = window_rectangles(scene, origin)
@@ -113,7 +113,7 @@ def radiance_tracer(
 
 
 def _splits_lobes(scene: Scene, bounces: int | None) -> bool:
-    # Whether matt and glossy parts of materials count differently for a limit
+    # Whether diffuse and glossy reflections are counted differently for a bounce limit
     materials = scene.materials.values()
     return bounces is not None and any(
         getattr(each, "specularity", 0) > 0 for each in materials
@@ -121,7 +121,7 @@ def _splits_lobes(scene: Scene, bounces: int | None) -> bool:
 
 
 def _pilot_numbers(count: int):
-    # Row of each pilot path, and numbers of its direction
+    # Row of each pilot path, and random numbers for its direction
     lane = dr.arange(mi.UInt32, PILOT_PATHS)
     numbers = PathNumbers(points(0, PILOT_PATHS), mi.UInt32(1), lane, mi.UInt32(0))
     pick, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))
@@ -142,7 +142,7 @@ def _sensor_pilots(position: mi.Point3f, normal: mi.Vector3f, count: int) -> mi.
 
 
 def tracer_of(light: Callable, seed: int, batches: int) -> Tracer:
-    """Return what traces units: consecutive rows and a range of the sequence."""
+    """Return the tracer of units: consecutive rows and a range of the sequence."""
     stretch = lru_cache(maxsize=1)(points)
 
     def trace(unit: Unit) -> Float[np.ndarray, "row batch 1 3"]:

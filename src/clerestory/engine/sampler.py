@@ -1,9 +1,9 @@
 """Low-discrepancy sample points: Sobol' sequences with hashed Owen scrambling.
 
-One table holds the sequence for the first bounces of a path; every row and batch
-of a matrix scrambles it with a seed of its own. Batches are then independent,
-unbiased estimates, and within a batch the points of each bounce fill their square
-evenly. Deeper bounces, where little energy is left, use hashed random numbers.
+One table contains the sequence for the first bounces of a path; every row and batch of
+a matrix scrambles it with a different seed. Batches are then independent, unbiased
+estimates, and within a batch the points of each bounce are evenly distributed. Deeper
+bounces, which carry little energy, use hashed random numbers.
 
 References: I. M. Sobol', USSR Comput. Math. Math. Phys. 7 (4), 1967, with the
 direction numbers of S. Joe and F. Kuo, SIAM J. Sci. Comput. 30, 2008 (as in SciPy);
@@ -20,24 +20,25 @@ from scipy.stats import qmc
 
 from clerestory.engine.upload import on_device
 
-# Numbers a vertex of a path consumes, by purpose.
+# Dimensions of the sample point used at a path vertex, by purpose.
 CONNECT_U, CONNECT_V, LOBE, DIRECTION_U, DIRECTION_V = range(5)
 PER_VERTEX = 5
 
-# Vertices that take Sobol' points; later ones take hashed random numbers.
+# Number of vertices with Sobol' points; later vertices use hashed random numbers.
 VERTICES = 8
 
 
 @dataclass
 class Points:
-    """A stretch of the sequence, bit-reversed, dimension-major.
+    """A range of the sequence, bit-reversed, dimension-major.
 
     Attributes
     ----------
     table : (dimensions * count,) coordinates as 32-bit integers, bits reversed
-    count : points in this stretch
-    stride : of the table: the count, in memory, so that kernels serve any stretch
-    first : number of its first point in the sequence, by which hashed numbers differ
+    count : number of points
+    stride : stride of the table (equal to count), stored in memory so that one kernel
+        serves any range
+    first : index of the first point in the sequence, which seeds the hashed numbers
     """
 
     table: mi.UInt32
@@ -73,7 +74,7 @@ def to_unit(bits):
 
 
 def random_number(seed, index, dimension):
-    """Return a hashed random number in [0, 1) that is no part of the sequence."""
+    """Return a hashed random number in [0, 1), independent of the sequence."""
     return to_unit(mix(mix(index, seed), dimension * mi.UInt32(0x9E3779B9) + 1))
 
 
@@ -82,7 +83,7 @@ def coordinate(sequence: Points, seed, index, vertex, purpose: int):
 
     Parameters
     ----------
-    seed : of the row and batch; the same for all their paths
+    seed : seed of the row and batch
     index : number of the path's point in the table
     vertex : vertices of the path so far
     purpose : one of CONNECT_U … DIRECTION_V
@@ -106,16 +107,16 @@ def coordinate(sequence: Points, seed, index, vertex, purpose: int):
 
 
 def choose(cumulative: mi.Float, count: int, pick):
-    """Choose one of several by a number in [0, 1).
+    """Choose an item by a random number in [0, 1).
 
     Parameters
     ----------
-    cumulative : sum of the probabilities up to and with each
+    cumulative : cumulative probabilities
 
     Returns
     -------
-    number, probability : of the chosen one
-    rest : what is left of the number, in [0, 1)
+    number, probability : index and probability of the chosen item
+    rest : remainder of the random number, rescaled to [0, 1)
     """
     number = mi.UInt32(
         dr.binary_search(
@@ -128,7 +129,7 @@ def choose(cumulative: mi.Float, count: int, pick):
 
 
 def probability(cumulative: mi.Float, number):
-    """Return the probability of one of several; see `choose`."""
+    """Return the probability of an item; see `choose`."""
     low = dr.gather(mi.Float, cumulative, number - 1, number > 0)
     return dr.gather(mi.Float, cumulative, number) - low
 
@@ -139,8 +140,8 @@ class PathNumbers:
 
     Attributes
     ----------
-    points : of the sequence
-    seed : of the row and batch
+    points : points of the sequence
+    seed : seed of the row and batch
     index : number of the path's point in the table
     vertex : vertices of the path so far
     """
@@ -151,7 +152,7 @@ class PathNumbers:
     vertex: mi.UInt32
 
     def at(self, vertex: mi.UInt32) -> "PathNumbers":
-        """Return the numbers of another vertex."""
+        """Return the sample numbers of another vertex."""
         return PathNumbers(self.points, self.seed, self.index, vertex)
 
     def sobol(self, purpose: int):
@@ -159,9 +160,9 @@ class PathNumbers:
         return coordinate(self.points, self.seed, self.index, self.vertex, purpose)
 
     def hashed(self, dimension):
-        """Return a random number of the path that is no part of the sequence."""
+        """Return a hashed random number of the path."""
         return random_number(self.seed, self.index + self.points.first, dimension)
 
     def extra(self, purpose: int):
-        """Return a random number of the vertex, by its purpose below 16."""
+        """Return a hashed random number of the vertex, for a purpose below 16."""
         return self.hashed(self.vertex * 16 + (0x20000 + purpose))

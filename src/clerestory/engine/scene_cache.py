@@ -1,9 +1,9 @@
-"""What was built on the device for one job, and serves the next as well.
+"""Cache of device scenes between successive jobs.
 
-A scene of millions of triangles takes longer to build than the daylight matrix of
-one window behind it takes to trace. So what a preparation builds stays on the cache
-of its executor: the next one takes it from there if it asks for the same, and
-otherwise all that it has not taken is let go *before* anything new is built.
+A scene of millions of triangles takes longer to build than the daylight matrix of one
+of its windows takes to trace. Objects built by a preparation are therefore kept in the
+executor's cache. The next preparation reuses equal objects; objects not reused are
+released *before* anything new is built.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,7 +15,7 @@ _in_use: ContextVar["SceneCache | None"] = ContextVar("cache", default=None)
 
 
 class SceneCache:
-    """Keeps what the last preparation built.
+    """Cache of the objects built by the last preparation.
 
     Examples
     --------
@@ -34,7 +34,7 @@ class SceneCache:
 
     @contextmanager
     def preparing(self) -> Iterator[None]:
-        """Serve `cached` meanwhile; what nobody asked for is let go at the end."""
+        """Serve `cached` within the block; unused objects are released at the end."""
         self._former = set(self._kept)
         token = _in_use.set(self)
         try:
@@ -44,7 +44,7 @@ class SceneCache:
             self._let_go()
 
     def take(self, key: tuple[object, ...], build: Callable[[], Any]) -> Any:
-        """Return what was built for a key, or build it."""
+        """Return the object cached for a key, or build it."""
         self._former.discard(key)
         if key not in self._kept:
             self._let_go()
@@ -58,11 +58,11 @@ class SceneCache:
 
 
 def cached(key: tuple[object, ...], build: Callable[[], Any]) -> Any:
-    """Return what was built for a key, or build it; without a cache, always build.
+    """Return the object cached for a key, or build it; without a cache, always build.
 
     Parameters
     ----------
-    key : all that it depends on; scenes and windows are compared by identity
+    key : all inputs of the object; scenes and windows are compared by identity
     """
     cache = _in_use.get()
     return build() if cache is None else cache.take(key, build)

@@ -1,4 +1,4 @@
-"""Sinks of a path tracer: where contributions of paths are added up.
+"""Sinks of a path tracer: accumulation of path contributions.
 
 A matrix is summed in 64-bit fixed point: exact, independent of the order of additions
 and bitwise reproducible. Radiance has no upper limit and is summed in floating point.
@@ -11,8 +11,7 @@ import mitsuba as mi
 
 from clerestory.engine.sums import FIXED_POINT
 
-# A weight is cut into two whole numbers of twenty bits and more, which processors
-# convert fastest.
+# A weight is split into two integers of 20 bits or more, which CPUs convert fastest.
 _HALF = FIXED_POINT**0.5
 
 # Weights are at most a few π; anything beyond this limit would overflow.
@@ -27,7 +26,8 @@ class MatrixSink:
     ----------
     sums : first the number of weights outside the range of the sums, then a sum for
         each (row and batch, column, channel)
-    columns, channels : of the matrix; one channel where all are alike
+    columns, channels : numbers of columns and channels of the matrix; one channel if
+        all are equal
     slot : row and batch of each path
     """
 
@@ -37,7 +37,7 @@ class MatrixSink:
     slot: mi.UInt32 | None = None
 
     def begin(self) -> None:
-        """Return what a path carries of its sum: nothing."""
+        """Return None: paths carry no partial sum."""
 
     def add(self, _total: None, column, value, active) -> None:
         """Add the contribution of a path to a column of its row and batch."""
@@ -75,7 +75,7 @@ Sink = MatrixSink | RadianceSink
 
 
 def _reduction() -> dr.ReduceMode:
-    # Copies of the sums for each thread of a processor gain nothing here, and are
-    # kernels of their own for every number of sums
+    # Copies of the sums per CPU thread bring no gain here, and require a separate
+    # kernel for every number of sums
     processor = dr.backend_v(mi.UInt64) == dr.JitBackend.LLVM
     return dr.ReduceMode.Direct if processor else dr.ReduceMode.Auto

@@ -1,8 +1,8 @@
 """Sums of path contributions, their means and standard errors.
 
-Every row is estimated by independent batches. The spread of the batch means is the
-standard error. Sums in fixed point are exact, whatever the order of the additions; sums
-in floating point are added in the order of their units.
+Every row is estimated by independent batches. The standard error is computed from the
+variance of the batch means. Fixed-point sums are exact in any order of addition;
+floating-point sums are added in the order of the units.
 """
 
 from dataclasses import dataclass
@@ -10,13 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-# Independent batches of a row, unless its kind of result needs fewer
+# Default number of independent batches per row
 BATCHES = 16
 
-# Bytes of sums that are converted at a time, to stay in the processor's cache
+# Bytes of sums converted at a time, to fit in the processor's cache
 _CACHED = 1 << 20
 
-# A path of weight 1 adds 2⁴⁰ to a sum in fixed point; sums stay exact below 2²⁴
+# A path of weight 1 adds 2⁴⁰ to a fixed-point sum; the sum of weights must stay below
+# 2²⁴
 FIXED_POINT = float(1 << 40)
 
 
@@ -27,10 +28,10 @@ class Estimate:
     Attributes
     ----------
     values : mean over the batches
-    components : error components; the sum of their squares is the variance; None if
-        they are not kept
-    paths : traced in all
-    reached : whether the relative error aimed at was reached in all rows
+    components : error components, whose sum of squares is the variance; None if not
+        kept
+    paths : total number of paths
+    reached : whether the target relative error was reached in all rows
     """
 
     values: Float[np.ndarray, "channel row column"]
@@ -45,9 +46,9 @@ class Sums:
 
     Attributes
     ----------
-    total : 64-bit whole numbers in fixed point, or floating-point numbers
-    count : sample points of each batch so far
-    one : what a path of weight 1 adds
+    total : 64-bit fixed-point or floating-point sums
+    count : number of sample points of each batch so far
+    one : value added by a path of weight 1
     """
 
     total: np.ndarray
@@ -74,7 +75,7 @@ class Sums:
 
         Parameters
         ----------
-        columns : consecutive ones; None for all
+        columns : consecutive column indices; None for all
         """
         chosen: slice | np.ndarray = rows
         if rows[-1] - rows[0] == len(rows) - 1:
@@ -103,7 +104,7 @@ def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
 
 
 def estimated(sums: Sums, *, reached: bool, components: bool) -> Estimate:
-    """Return the means of sums, and error components if they are asked for."""
+    """Return the means of sums and, on request, error components."""
     rows, batches, columns, channels = sums.total.shape
     values = np.empty((channels, rows, columns))
     shape = batches, channels, rows, columns

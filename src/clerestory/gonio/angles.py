@@ -5,15 +5,15 @@ from jaxtyping import Float
 
 from clerestory.array_types import Directions, Points2, Values
 
-# Largest distance from the centre of the disc.
+# Largest radius of a point on the unit disc.
 _RIM = 0.9999
 
 
 def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directions:
     """Unit vectors at a polar angle and an azimuth [°].
 
-    The azimuth runs from the right upwards. Negative polar angles are on the opposite
-    azimuth; beyond 90° the vector points to the other side of the layer.
+    The azimuth runs from right (+x) to up (+y). A negative polar angle means the
+    opposite azimuth; beyond 90° the vector points to the other side of the layer.
 
     >>> from_degrees(90.0, 90.0).round(6).tolist()  # up
     [0.0, 1.0, 0.0]
@@ -52,8 +52,8 @@ def angle_table(
 
 
 def directions_over_disc(disc: Points2) -> Directions:
-    """Unit vectors over points of the unit disc; points beyond the rim are moved
-    inside.
+    """Unit vectors that project to points of the unit disc; points beyond the rim are
+    moved inside.
 
     >>> directions_over_disc(np.array([[0.6, 0.0], [0.0, 3.0]])).round(2).tolist()
     [[0.6, 0.0, 0.8], [0.0, 1.0, 0.01]]
@@ -65,5 +65,5 @@ def directions_over_disc(disc: Points2) -> Directions:
 
 
 def undeviated(incident: Directions) -> Directions:
-    """Direction of undeviated transmission or of mirror reflection, equal in x, y."""
+    """Direction of undeviated transmission or mirror reflection, mapped to z ≥ 0."""
     return np.asarray(incident * [-1.0, -1.0, 1.0])

@@ -32,7 +32,7 @@ def export_bsdf(
     Parameters
     ----------
     target : Klems basis, or "tree": rank 3 for isotropic layers, else rank 4
-    halvings, tolerance, processes : of trees, as in `to_tree`
+    halvings, tolerance, processes : parameters of `to_tree`, for trees only
     progress : called with the name of each phase
     """
     bsdf = measured_bsdf(fits)
@@ -45,8 +45,8 @@ def export_bsdf(
     ranks = {fit.interpolant.symmetry == "isotropic" for fit in fits}
     if len(ranks) > 1:
         raise InputError(
-            "isotropic and other functions in one layer; trees of one rank expected:"
-            " export matrices, or fit all with the same symmetry"
+            "isotropic and anisotropic functions in one layer; trees of one rank"
+            " expected; export matrices, or fit all functions with the same symmetry"
         )
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for (channel, name), part in bsdf.functions.items():

@@ -15,21 +15,22 @@ from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
 from clerestory.gonio.symmetry import SYMMETRIES, Symmetry, deduce_symmetry, images
 
-# Distance from the nearest point that counts as a gap, at least this many degrees and
-# this many point spacings.
+# Smallest distance from the nearest point that counts as a gap [°], and the same in
+# point spacings; the larger one applies.
 _GAP_DEG = 6.0
 _GAP_PER_SPACING = 3.0
 
-# Largest distance from the plane of incidence of in-plane points [°].
+# Largest angle between in-plane points and the plane of incidence [°].
 _IN_PLANE_DEG = 2.0
 
-# Neighbours for a quadratic fit of the noise, and most places where it is made.
+# Number of neighbours in the quadratic fit that estimates noise, and largest number of
+# fits.
 _NEIGHBOURS, _MOST_SAMPLED = 16, 300
 
 # Halvings of the grid on which gaps are counted.
 _HALVINGS = 5
 
-# Largest asymmetry of a layer that is taken as symmetric.
+# Largest asymmetry of a layer that is considered symmetric.
 _ALIKE = 0.1
 
 
@@ -40,12 +41,12 @@ class ScanReport:
     Attributes
     ----------
     theta_deg, phi_deg : incident direction [°]
-    points : measured directions
-    reach_deg : largest polar angle [°]
+    points : number of measured directions
+    reach_deg : largest polar angle of the measured directions [°]
     gap : fraction of the projected hemisphere without nearby points
     gap_deg : largest distance of a direction from the nearest point [°]
-    negative : fraction of negative values
-    noise : relative deviation of neighbouring values
+    negative : fraction of values that are negative
+    noise : relative deviation of values from a local quadratic fit
     in_plane : whether only the plane of incidence was measured
     flux : directional-hemispherical value
     peak : largest BSDF [1/sr]
@@ -71,10 +72,10 @@ class Coverage:
     Attributes
     ----------
     scans : one report per scan
-    implied : symmetry that the incident directions imply; None if they imply none
-    claimed : symmetry in the file; None if it has none
-    asymmetry : mean fraction of the flux by which scans differ from their mirror
-        images, for each symmetry that the incident directions allow to test
+    implied : symmetry that the incident directions imply; None if it is ambiguous
+    claimed : symmetry stated in the file; None if not stated
+    asymmetry : mean fraction of the flux by which scans differ from the mirror images
+        of other scans, for each symmetry that the incident directions can test
     """
 
     scans: tuple[ScanReport, ...]
@@ -92,7 +93,7 @@ class Coverage:
             elif report.gap > 0.02:
                 lines.append(
                     f"{place}: {report.gap:.0%} of the hemisphere has no data,"
-                    f" up to {report.gap_deg:.0f}° from the next point"
+                    f" up to {report.gap_deg:.0f}° from the nearest point"
                 )
             if report.negative > 0.01:
                 lines.append(f"{place}: {report.negative:.0%} of values are negative")
@@ -106,8 +107,8 @@ class Coverage:
             found = max(self.asymmetry.values())
         if found is not None and found > _ALIKE:
             lines.append(
-                f"{symmetry} by its incident directions, but {found:.0%} of the flux"
-                " differs between mirror images"
+                f"{symmetry} according to the file or the incident directions, but"
+                f" {found:.0%} of the flux differs between mirror images"
             )
         if len(self.scans) < 2:
             lines.append("one incident direction; two or more are needed for a fit")
@@ -148,13 +149,13 @@ def _report(scan: Scan) -> ScanReport:
 
 
 def _spacing(tree: cKDTree, scan: Scan) -> float:
-    # Median root of the solid angle per point
+    # Median point spacing: half the distance to the fourth neighbour
     distance, _ = tree.query(scan.leaving, k=[5])
     return float(np.median(distance)) / 2
 
 
 def _noise(tree: cKDTree, scan: Scan) -> float:
-    # Deviation of neighbouring values from a local quadratic, at bright points
+    # Median deviation of values from a local quadratic fit, at bright points
     bright = np.flatnonzero(scan.values >= np.abs(scan.values).mean())
     if len(scan.values) < _NEIGHBOURS or not len(bright):
         return 0.0
@@ -183,7 +184,7 @@ def _in_plane(scan: Scan) -> bool:
 
 
 def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
-    # Compare scans with the images of others of the same incident direction
+    # Compare scans with mirror images of scans at the same incident direction
     found: dict[Symmetry, float] = {}
     incidents = measurement.incidents
     lights = [_light(scan) for scan in measurement.scans]
@@ -201,7 +202,7 @@ def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
 
 
 def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
-    # Flux on a coarse grid of the unit square, on which images are flips
+    # Flux on a coarse grid of the unit square, where mirror images are array flips
     points = condensed_points(scan)
     flux = np.maximum(points.value * points.weight, 0)
     spread = np.full(len(flux), np.sqrt(2 * np.pi) / (1 << _HALVINGS))

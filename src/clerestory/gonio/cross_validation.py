@@ -1,8 +1,8 @@
 """Leave-one-out cross-validation of interpolated measurements.
 
-Each scan is predicted from all others and compared with its measurement. As the
-neighbours are twice as far apart as in use, errors are conservative; scans at the rim
-are extrapolated.
+Each scan is predicted from all other scans and compared with the measurement. Errors
+are conservative: without the scan its neighbours are twice as far apart. Scans at the
+rim of the measured region are extrapolated.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,23 +34,23 @@ from clerestory.gonio.transport_network import Network
 from clerestory.gonio.transport_refinement import refine_some_plans
 from clerestory.progress import Progress
 
-# Fewest scans for cross-validation.
+# Smallest number of scans for cross-validation.
 _FEWEST = 3
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Prediction of one scan from the others.
+    """Prediction of one scan from all other scans.
 
     Attributes
     ----------
     theta_deg, phi_deg : incident direction [°]
-    inside : whether it is interpolated, not extrapolated
-    measured, predicted : directional-hemispherical value
+    inside : whether the scan is interpolated, not extrapolated
+    measured, predicted : measured and predicted directional-hemispherical value
     peak_deg : angle between the measured and the predicted beam direction [°]
     earth_mover_deg : earth mover's distance [°]; NaN without predicted flux
     misplaced : fraction of the flux in wrong directions, including measurement noise
-    fitted : the same for the fit of the scan itself, a lower limit
+    fitted : `misplaced` of the lobes fitted to the scan itself, a lower limit
     """
 
     theta_deg: float
@@ -71,19 +71,19 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class CrossValidation:
-    """Errors of all scans.
+    """Prediction errors of all scans.
 
     Attributes
     ----------
-    scans : one per scan
-    smoothing : of the fits
+    scans : predictions, one per scan
+    smoothing : smoothing factor of the fits
     """
 
     scans: tuple[LeftOut, ...]
     smoothing: float
 
     def median(self, name: str, *, inside: bool = True) -> float:
-        """Median absolute error over interpolated, or extrapolated, scans.
+        """Median absolute value of an attribute over inter- or extrapolated scans.
 
         >>> one = LeftOut(30, 0, True, 0.5, 0.49, 1.0, 2.0, 0.1, 0.02)
         >>> round(CrossValidation((one,), 1.0).median("flux_error"), 3)
@@ -102,7 +102,7 @@ def cross_validate(
     processes: int = 1,
     progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> CrossValidation:
-    """Return the error of predicting each scan from all others.
+    """Return the error of predicting each scan from all other scans.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def _left_out(
 
 
 def _about(network: Network, symmetry: Symmetry, scan: Scan) -> Indices:
-    # Edges that affect the prediction: those of the corners around a direction
+    # Edges that affect the prediction: those at corners around the incident direction
     mesh = network.mesh
     place = locate(mesh, _folded(network, symmetry, scan))
     simplex = mesh.edges if place.on_edge[0] else mesh.triangles

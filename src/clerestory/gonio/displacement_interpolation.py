@@ -1,13 +1,13 @@
 """Displacement interpolation of lobes between measured incident directions.
 
-Each unit of flux of a transport plan moves from its lobe at the start to its lobe at
-the end; flux and squared radius are interpolated linearly, and flux without a partner
-fades in place. If the total flux is known, all flux is scaled to it, mostly the flux
-that differs between the corners.
+According to the transport plans, flux moves from lobes at one incident direction to
+lobes at the next; flux and squared radius are interpolated linearly. Unmatched flux
+fades in place. If the total flux is known, fluxes are scaled to it; fluxes that differ
+most between the corners are scaled most.
 
-Interpolation is linear in the disc below the hemisphere, in which the effect of a flat
-surface, a prism or a grating is nearly a translation: a beam has the same barycentric
-coordinates as the incident direction.
+Positions are interpolated linearly in the disc, the projection of the hemisphere. There
+the effect of a flat surface, a prism or a grating is nearly a translation, so that a
+beam has the same barycentric coordinates as the incident direction.
 
 References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward, M.
 Kurt, N. Bonneel, MAM 2014, for triangles.
@@ -21,10 +21,10 @@ from clerestory.gonio.angles import directions_over_disc
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.particles import Particles
 
-# Limit of the exponent, and steps and tolerance of its search.
+# Largest absolute exponent; largest number of steps and tolerance of its search.
 _STEEPEST, _STEPS, _STEP_ENDS = 60.0, 20, 1e-9
 
-# Smallest sum of weights.
+# Sum of weights below which weights are replaced by equal ones.
 _NOTHING = 1e-9
 
 
@@ -41,10 +41,10 @@ def displace(
 
     Parameters
     ----------
-    corners : lobes of A, B, C; C of an edge is ignored
-    s, t : fractions of the way from A to B, and from there to C
-    weights : barycentric coordinates of the lobe positions; those of s and t if None
-    total : flux of all lobes; None or not finite for that of the interpolation
+    corners : lobes at A, B and C; C is ignored on edges
+    s, t : fraction of the way from A to B, and from that point to C
+    weights : barycentric coordinates for lobe positions; default: computed from s and t
+    total : total flux; None or NaN keeps the interpolated flux
 
     Examples
     --------
@@ -86,7 +86,7 @@ def with_total(flux: Values, change: Values, total: float) -> Values:
     Each flux is multiplied by exp(power · change), with a common power found by
     Newton's method, so that none becomes negative.
 
-    `change`: mean relative deviation of the corner fluxes from the interpolated one.
+    `change`: mean relative deviation of the corner fluxes from the interpolated flux.
 
     >>> with_total(np.array([0.3, 0.2]), np.array([1.0, 0.0]), 0.4).round(6).tolist()
     [0.2, 0.2]
@@ -112,7 +112,7 @@ def with_total(flux: Values, change: Values, total: float) -> Values:
 def _among(
     present: Bool[np.ndarray, "particles 3"], weights: Vector
 ) -> Float[np.ndarray, "particles 3"]:
-    # Normalized weights of the corners at which a particle has a lobe
+    # Normalize weights over the corners at which a particle has a lobe
     own = present * weights
     total = own.sum(axis=1, keepdims=True)
     even = present / present.sum(axis=1, keepdims=True)

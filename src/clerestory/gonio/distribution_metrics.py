@@ -1,7 +1,7 @@
 """Earth mover's distance and beam direction of scattered distributions.
 
-The beam direction is the centroid of all directions near the peak with at least half of
-its BSDF, which is less sensitive to noise than the peak itself.
+The beam direction is the centroid of the directions near the peak where the BSDF is at
+least half of the peak value; it is less sensitive to noise than the peak itself.
 """
 
 import functools
@@ -16,18 +16,18 @@ from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
-# Halvings of the cells of the distance, and of those that lobes are rasterized on.
+# Halvings of the cells for the distance, and of the cells for rasterizing lobes.
 _HALVINGS, _DRAWN = 4, 6
 
-# Smallest fraction of the flux of a cell.
+# Fraction of the flux below which a cell is ignored.
 _LEAST = 1e-6
 
 
 def earth_movers_distance(one: Lobes, other: Lobes) -> float:
-    """Mean angle by which flux must be moved between two distributions [rad].
+    """Earth mover's distance: mean angle by which flux must be moved [rad].
 
-    Distributions are normalized, on cells of equal projected solid angle that are 7°
-    wide at the normal. NaN if one has no flux.
+    Distributions are normalized and sampled on cells of equal projected solid angle, 7°
+    wide at the normal. The result is NaN if either distribution has no flux.
 
     >>> a = Lobes(np.array([[0, 0, 1.0]]), np.array([0.1]), np.array([0.5]))
     >>> b = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.1]), np.array([0.2]))
@@ -56,10 +56,10 @@ def _angles() -> Float[np.ndarray, "cells cells"]:
     return angle_between(direction[:, None], direction)
 
 
-# Largest distance from the peak of directions of the same beam [rad].
+# Largest angle between the peak and directions of the same beam [rad].
 _REACH = np.radians(20.0)
 
-# Halvings of the grid of the beam direction, and fewest cells for a centroid.
+# Halvings of the grid for the beam direction, and fewest cells for a centroid.
 _BEAM_HALVINGS, _FEWEST = 6, 8
 
 

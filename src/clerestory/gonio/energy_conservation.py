@@ -21,8 +21,8 @@ class Conserved:
 
     Attributes
     ----------
-    fits : in the given order
-    largest : largest sum before the correction
+    fits : corrected fits in the given order
+    largest : largest transmittance plus reflectance before the correction
     changed : number of incident directions that were scaled
     """
 
@@ -34,7 +34,7 @@ class Conserved:
 def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
     """Scale measured directions whose transmittance plus reflectance exceeds 1.
 
-    Factors are those of the visible channel, for all channels.
+    Factors of the visible channel are used for all channels.
     """
     visible = {
         fit.function: fit.interpolant for fit in fits if fit.channel == "visible"
@@ -54,7 +54,7 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
 
 
 def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
-    # Transmittance plus reflectance at each vertex
+    # Visible transmittance plus reflectance at each vertex
     vertices = fit.interpolant.network.mesh.vertices
     side = next(pair for pair in OF_SIDE.values() if fit.function in pair)
     known = [visible[name] for name in side if name in visible]

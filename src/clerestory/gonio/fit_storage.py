@@ -1,8 +1,8 @@
 """Storage of fitted measurements in NetCDF.
 
-The file is NetCDF-4 with a group per function: vertices of the mesh, and the
-concatenated lobes of all vertices and moves of all plans. A SHA-256 sum follows the
-data, as in files of transfer matrices.
+The file is NetCDF-4 with one group per scattering function. A group contains the mesh,
+the concatenated lobes of all vertices and the concatenated moves of all transport
+plans. A SHA-256 checksum follows the data, as in files of transfer matrices.
 """
 
 import io
@@ -50,30 +50,31 @@ def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
 
 
 def read_fits(path: str | Path) -> tuple[Fitted, ...]:
-    """Return the fitted functions of a file of `write_fits`."""
+    """Return the fitted functions from a file written by `write_fits`."""
     data = read_bytes(path)
     if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
         raise InputError(
-            "damaged, or not written by this package; a file of clerestory gonio fit"
-            " expected",
+            "the file is damaged or not written by this package; a file written by"
+            " `clerestory gonio fit` expected",
             file=path,
         )
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
             if file.attrs.get("format") != _FORMAT:
-                raise InputError(f"not a file of the format {_FORMAT!r}")
+                raise InputError(f"another file format; {_FORMAT!r} expected")
             return tuple(_fitted(file[name]) for name in sorted(file))
     except InputError as error:
         raise InputError(error.message, file=path) from error
     except Exception as error:  # HDF5 reports damage by many kinds of exception
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
-            f"damaged or not NetCDF-4 ({reason[:120]}); a fit expected", file=path
+            f"damaged or not NetCDF-4 ({reason[:120]}); a fitted measurement expected",
+            file=path,
         ) from error
 
 
 def _write(group: Any, network: Network) -> None:
-    # Arrays of a group with their dimensions; those of lobes and plans are concatenated
+    # Write the arrays of a group; arrays of lobes and plans are concatenated
     mesh, lobes, plans = network.mesh, network.lobes, network.plans
     for name, dimensions, parts in (
         ("vertices", ("vertex", "axis"), [mesh.vertices]),
@@ -105,7 +106,9 @@ def _fitted(group: h5py.Group) -> Fitted:
     attributes = group.attrs
     function, symmetry = str(attributes["function"]), str(attributes["symmetry"])
     if function not in get_args(Function) or symmetry not in SYMMETRIES:
-        raise InputError(f"function {function!r} of symmetry {symmetry!r}")
+        raise InputError(
+            f"function {function!r} with symmetry {symmetry!r}; known names expected"
+        )
     smoothing = float(np.ravel(attributes["smoothing"])[0])
     return Fitted(
         Interpolant(_network(group), symmetry),

@@ -18,14 +18,14 @@ from clerestory.progress import Progress
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """One function of a layer, fitted to its measurement.
+    """One scattering function of a layer, fitted to its measurement.
 
     Attributes
     ----------
-    interpolant : the function
-    function, channel : its name
-    name : of the sample
-    options : of the lobe fits
+    interpolant : interpolated scattering function
+    function, channel : name and channel of the scattering function
+    name : name of the sample
+    options : options of the lobe fits
     """
 
     interpolant: Interpolant
@@ -47,15 +47,15 @@ def fit_measurement(
 
     Parameters
     ----------
-    symmetry : of the layer; None for that of the file or else of the incident
-        directions
+    symmetry : symmetry of the layer; default: as stated in the file, otherwise as
+        implied by the incident directions
     processes : number of parallel processes
-    progress : called with the name of each phase; returns a function that receives the
-        fraction done
+    progress : function called with the name of each phase; it returns a function that
+        is called with the fraction done
 
     Raises
     ------
-    InputError : too few directions, or a scan without flux
+    InputError : there are too few directions, or a scan has no flux
     """
     if symmetry is None:
         symmetry = measurement.symmetry
@@ -86,11 +86,11 @@ def measured_bsdf(fits: Sequence[Fitted], *, source: str | None = None) -> Bsdf:
 
     Parameters
     ----------
-    source : file, for messages
+    source : file name, for error messages
 
     Raises
     ------
-    InputError : none, or two of the same function and channel
+    InputError : there is no fit, or two fits have the same function and channel
     """
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for fit in fits:
@@ -98,7 +98,7 @@ def measured_bsdf(fits: Sequence[Fitted], *, source: str | None = None) -> Bsdf:
         if key in functions:
             raise InputError(
                 f"{fit.channel} {fit.function.replace('_', ' ')} is given twice; one"
-                " measurement of each function expected"
+                " measurement per function expected"
             )
         functions[key] = fit.interpolant
     if not functions:

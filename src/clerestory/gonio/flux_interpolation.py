@@ -1,14 +1,14 @@
 """Interpolation of directional-hemispherical values between incident directions.
 
-Displacement interpolation of lobes is linear in flux, which is up to 5 % below
-Fresnel's curves at 10° steps and does not resolve cut-offs between measured directions.
+Displacement interpolation of lobes is linear in flux. Linear interpolation at 10° steps
+is up to 5 % below Fresnel's equations and does not resolve cut-offs between measured
+directions.
 
 For isotropic layers a monotone cubic curve interpolates over 1 − cos θ, the variable of
-Schlick's approximation. For others a Gaussian process is used in coordinates that suit
-windows: for horizontal slats or prisms the flux depends mainly on the profile angle, so
-that all directions of one profile angle share information and cut-offs are resolved
-finer than the mesh. Coordinates and length scales maximize the marginal likelihood,
-with the images that symmetry implies.
+Schlick's approximation. For anisotropic layers a Gaussian process is used. With
+horizontal slats or prisms the flux depends mainly on the profile angle; in this
+coordinate the process resolves cut-offs more finely than the mesh. Coordinates and
+length scales maximize the marginal likelihood of the values and their mirror images.
 
 References: C. Schlick, "An inexpensive BRDF model for physically-based rendering",
 Computer Graphics Forum 13 (3), 1994; F. N. Fritsch, R. E. Carlson, "Monotone piecewise
@@ -30,28 +30,28 @@ from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import NO_LIGHT
 from clerestory.gonio.symmetry import Symmetry, fold, images
 
-# Profile angle across horizontal or vertical slats with the cosine along them, or the
-# disc.
+# "profile", "sideways": profile angle across horizontal or vertical slats, and the
+# direction cosine along the slats; "disc": x and y.
 Coordinates = Literal["profile", "sideways", "disc"]
 _COORDINATES: tuple[Coordinates, ...] = ("profile", "sideways", "disc")
 
-# Length scales that are tried, and the initial one [rad or 1].
+# Candidate length scales [rad or 1], and index of the initial one.
 _REACHES = (0.12, 0.25, 0.5, 1.0, 2.0, 8.0)
 _FIRST = 3
 
-# Variances of the noise over that of the process that are tried.
+# Candidate ratios of noise variance to process variance.
 _NOISES = (1e-6, 1e-4, 1e-3)
 
-# Least z in profile angles.
+# Smallest z in profile angles.
 _LEAST_HEIGHT = 0.02
 
-# Most sweeps of the coordinate search.
+# Largest number of sweeps of the coordinate search.
 _SWEEPS = 4
 
 # Largest 1 − cos θ of normal incidence.
 _AT_NORMAL = 1e-9
 
-# Digits of unit vectors of equal directions.
+# Decimal digits to which equal directions agree.
 _DIGITS = 7
 
 
@@ -68,7 +68,7 @@ class FluxCurve:
 
     Attributes
     ----------
-    curve : over 1 − cos θ
+    curve : interpolating curve over 1 − cos θ
 
     Examples
     --------
@@ -82,7 +82,7 @@ class FluxCurve:
     curve: PchipInterpolator
 
     def at(self, direction: Directions) -> Values:
-        """Value at each direction; NaN beyond the outermost measured ones."""
+        """Value at each direction; NaN beyond the outermost measured direction."""
         return np.asarray(self.curve(_fall(direction)))
 
 
@@ -93,11 +93,12 @@ class FluxProcess:
     Attributes
     ----------
     known : measured directions
-    images : factors of x, y, z that symmetry implies
-    coordinates : of the kernel
+    images : factors of x, y and z for the mirror images that symmetry implies
+    coordinates : coordinates of the kernel
     reach : length scale of each coordinate [rad or 1]
-    weight : of the kernels at the measured directions
-    mean, most : of the process, and upper limit of its values
+    weight : weights of the kernels at the measured directions
+    mean : mean of the process
+    most : upper limit of the values
     """
 
     known: Float[np.ndarray, "known 3"]
@@ -123,7 +124,7 @@ def flux_surface(
 ) -> Flux:
     """Return the interpolation of the values at the vertices of a mesh.
 
-    `quadrant`: signs of x and y of the measured part.
+    `quadrant`: signs of x and y in the measured part of the hemisphere.
     """
     if mesh.arc:
         return _curve(mesh.vertices, totals)
@@ -137,7 +138,7 @@ def _process(
     totals: Float[np.ndarray, " known"],
     factors: Float[np.ndarray, "images 3"],
 ) -> FluxProcess:
-    # The most likely coordinates
+    # Choose the coordinates with the largest marginal likelihood
     most = max(1.0, float(totals.max()))
     spread = float(np.ptp(totals))
     if spread < 1e-9:
@@ -158,7 +159,7 @@ def _likeliest(
     factors: Float[np.ndarray, "images 3"],
     name: Coordinates,
 ) -> tuple[float, Vector, float]:
-    """Return negative log likelihood, length scales and noise, by coordinate search."""
+    """Search length scales and noise; return them after the negative log likelihood."""
     seen: dict[tuple[int, ...], float] = {}
 
     def unlikely(choice: tuple[int, ...]) -> float:
@@ -185,7 +186,7 @@ def _unlikeliness(
     totals: Float[np.ndarray, " known"],
     noise: float,
 ) -> float:
-    # −log of the marginal likelihood, at the optimal variance of the process
+    # Negative log marginal likelihood, at the optimal variance of the process
     count = len(totals)
     kernel = kernel * (count / np.trace(kernel))
     factor, inverse = _inverse(kernel, noise)
@@ -219,7 +220,7 @@ def _kernel(
     name: Coordinates,
     reach: Vector,
 ) -> Float[np.ndarray, "one other"]:
-    # Matérn kernel of order 3/2, summed over all images
+    # Matérn kernel of order 3/2, summed over the mirror images
     total = np.zeros((len(one), len(other)))
     place = _coordinates(one, name) / reach
     for factor in factors:
@@ -241,7 +242,7 @@ def _coordinates(direction: Directions, name: Coordinates) -> Directions:
 
 
 def _curve(vertices: Directions, totals: Values) -> FluxCurve:
-    # The curve is even about the normal; vertices beyond it are mirror images
+    # Use vertices with x ≥ 0 only: a vertex with x < 0 is a mirror image
     own = vertices[:, 0] >= 0
     fall, total = _fall(vertices[own]), totals[own]
     if fall[0] > _AT_NORMAL:

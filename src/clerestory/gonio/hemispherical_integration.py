@@ -1,9 +1,9 @@
 """Hemispherical integration of scattered data.
 
-Areas of the disc below the hemisphere are projected solid angles. The points are
-triangulated there, and each gets a third of the adjacent triangles: the integral of the
-piecewise linear surface. Beyond the outermost points the nearest value is extended to
-the horizon.
+Directions are projected onto the unit disc, where areas are projected solid angles, and
+triangulated. The weight of a point is a third of the area of its triangles, which
+integrates the piecewise linear interpolation exactly. Beyond the outermost points the
+nearest value is extended to the horizon.
 """
 
 import functools
@@ -14,13 +14,13 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from clerestory.array_types import Directions, Values
 
-# Points on the horizon with the nearest measured value.
+# Number of added points on the horizon, which take the nearest measured value.
 _RIM = 240
 
-# Digits of equal points, such as all azimuths at the normal.
+# Decimal digits to which equal points agree, such as all azimuths at the normal.
 _DIGITS = 9
 
-# Distance from the centre of points on the horizon.
+# Radius on the disc from which a point counts as on the horizon.
 _AT_RIM = 0.9995
 
 
@@ -71,7 +71,7 @@ def _thirds(
     area = np.abs(ax * by - ay * bx) / 2
     share = np.bincount(mesh.simplices.ravel(), np.repeat(area / 3, 3), len(point))
 
-    # Points that coincide with a corner are not in the triangulation
+    # Share the weight of a corner among points that coincide with it
     mates = np.ones(len(point))
     if len(mesh.coplanar):
         left, kept = mesh.coplanar[:, 0], mesh.coplanar[:, 2]

@@ -1,10 +1,11 @@
 """Triangulation of incident directions.
 
-A stereographic projection preserves circles, so that a Delaunay triangulation in the
-plane is one on the sphere. A direction in a triangle (A, B, C) is given by the fraction
-s from A to B and t from there to C. Directions outside are projected onto the rim.
+Stereographic projection preserves circles, so that a Delaunay triangulation in the
+plane is also one on the sphere. The position in a triangle (A, B, C) is given by the
+fraction s of the way from A to B and the fraction t from that point to C. Directions
+outside the mesh are projected onto its rim.
 
-Directions of isotropic layers are an arc of edges from the normal.
+For isotropic layers the mesh is an arc of edges from the normal.
 """
 
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ from clerestory.gonio.angles import angle_between, from_degrees
 # Tolerance of barycentric coordinates.
 _INSIDE = -1e-9
 
-# Least volume spanned by the corners of a triangle.
+# Smallest volume spanned by the corners of a triangle.
 _THINNEST = 1e-6
 
 
@@ -31,9 +32,9 @@ class Mesh:
     Attributes
     ----------
     vertices : unit vectors with z ≥ 0
-    triangles : corners in ascending order
-    edges : pairs of vertices in ascending order
-    rim : which edges have a triangle on one side only
+    triangles : vertex indices of the corners in ascending order
+    edges : vertex indices of both ends in ascending order
+    rim : whether each edge has a triangle on one side only
 
     Examples
     --------
@@ -56,14 +57,14 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Places of directions in a mesh.
+    """Positions of directions in a mesh.
 
     Attributes
     ----------
-    simplex : number of the triangle, or of an edge where `on_edge`
-    on_edge : on an arc, or beyond the rim
+    simplex : index of the triangle, or of the edge if `on_edge`
+    on_edge : whether the direction is on an arc or beyond the rim
     s : fraction of the way from the first corner to the second
-    t : fraction of the way from there to the third corner; 0 on edges
+    t : fraction of the way from that point to the third corner; 0 on edges
     found : the direction itself, or its projection onto the rim
     """
 
@@ -82,7 +83,7 @@ def triangulate(vertices: Directions) -> Mesh:
     except (QhullError, ValueError) as error:
         raise InputError(
             f"{len(vertices)} incident directions in one plane; directions around the"
-            " normal expected, or an isotropic layer"
+            " normal expected, unless the layer is isotropic"
         ) from error
     volume = np.abs(np.linalg.det(vertices[corners]))
     corners = corners[volume > _THINNEST].astype(int)
@@ -119,9 +120,10 @@ def locate(mesh: Mesh, direction: Directions) -> Place:
 
 
 def flat_weights(corners: Directions, direction: Vector) -> tuple[Vector, Vector2]:
-    """Weights of corners in the disc below the hemisphere, and the resulting place.
+    """Barycentric weights of corners in the disc, and the point that they give.
 
-    In a triangle that is the place of the direction; on an edge the nearest.
+    In a triangle the point is the projected direction, on an edge the point nearest to
+    it.
 
     >>> corners = from_degrees(np.array([0.0, 90]), np.array([0.0, 0]))
     >>> weights, place = flat_weights(corners, from_degrees(30.0, 0.0))
@@ -161,7 +163,7 @@ def _in_triangles(
 
 
 def _on_rim(mesh: Mesh, direction: Directions) -> tuple[Indices, Values, Directions]:
-    # The nearest point of each rim edge on its great circle
+    # Find the nearest point of each rim edge along its great circle
     rim = np.flatnonzero(mesh.rim)
     a, b = mesh.vertices[mesh.edges[rim]].transpose(1, 0, 2)
     angle = angle_between(a, b)

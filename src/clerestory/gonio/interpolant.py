@@ -1,6 +1,6 @@
 """Interpolated scattering function of a goniophotometer measurement.
 
-A `ScatteringFunction` without cells: its resolution is that of the fitted lobes.
+A `ScatteringFunction` without cells; its resolution is that of the fitted lobes.
 """
 
 from collections.abc import Iterator
@@ -38,11 +38,11 @@ from clerestory.gonio.transport_network import Network
 from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.partition import RingPartition
 
-# Halvings of the grid for sampling and patch averages; the smallest Klems patch has
-# forty of its cells.
+# Halvings of the grid for sampling and patch averages; the smallest Klems patch
+# contains forty cells.
 _GATHER = 6
 
-# Rings and azimuths of the incident directions of a patch average.
+# Numbers of rings and azimuths of incident directions in a patch average.
 _PATCH_RINGS, _PATCH_AZIMUTHS = 2, 4
 
 # Halvings of the reciprocal and of the tabulated function.
@@ -57,7 +57,7 @@ class Interpolant(ScatteringFunction):
     Attributes
     ----------
     network : lobes at the measured directions, and transport plans between them
-    symmetry : of the layer
+    symmetry : symmetry of the layer
 
     Examples
     --------
@@ -78,10 +78,10 @@ class Interpolant(ScatteringFunction):
 
     @cached_property
     def follow(self) -> float:
-        """Mean rotation of lobes over that of the incident direction.
+        """Mean ratio of lobe displacement to displacement of undeviated light.
 
-        Used for extrapolation beyond the outermost directions: 1 for a clear pane, 0
-        for a diffuser.
+        It is 1 for a clear pane and 0 for a diffuser, and extrapolates beyond the
+        outermost directions.
         """
         return mean_motion(self.network)
 
@@ -111,11 +111,11 @@ class Interpolant(ScatteringFunction):
         return Interpolant, (self.network, self.symmetry)
 
     def lobes(self, incident: Vector) -> Lobes:
-        """Lobes of the light from one direction."""
+        """Lobes of the scattered light for one incident direction."""
         return next(self.lobes_of(incident[None]))
 
     def lobes_of(self, incident: Directions) -> Iterator[Lobes]:
-        """Yield the lobes of the light from each direction."""
+        """Yield the lobes of the scattered light for each incident direction."""
         source = upper_hemisphere(np.asarray(incident, dtype=float))
         source = source / np.linalg.norm(source, axis=1, keepdims=True)
         if self.symmetry == "isotropic":
@@ -153,7 +153,7 @@ class Interpolant(ScatteringFunction):
         return share.reshape(np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Exit directions and their probability density [1/sr]."""
+        """Sample exit directions; return them and their probability density [1/sr]."""
         source, u = np.reshape(incident, (-1, 3)), np.reshape(u, (-1, 2))
         leaving, density = np.empty((len(source), 3)), np.empty(len(source))
         raster = Raster.of(_GATHER)
@@ -182,7 +182,7 @@ class Interpolant(ScatteringFunction):
         return np.asarray(table / measure)
 
     def extrema(self) -> tuple[float, float]:
-        """Smallest value, and the largest at a measured direction [1/sr]."""
+        """Zero, and the largest value over the measured incident directions [1/sr]."""
         peaks = [
             lobes.evaluate(lobes.strongest()[None]).max()
             for lobes in self.network.lobes
@@ -236,7 +236,7 @@ class Interpolant(ScatteringFunction):
 
 
 def _stratified() -> Points2:
-    # Rings of equal flux, with azimuths staggered between rings
+    # Stratified points: rings of equal area, with azimuths staggered between rings
     ring, turn = np.meshgrid(
         np.arange(_PATCH_RINGS), np.arange(_PATCH_AZIMUTHS), indexing="ij"
     )
@@ -246,7 +246,7 @@ def _stratified() -> Points2:
 
 
 def _shifted(lobes: Lobes, found: Vector2, wanted: Vector, follow: float) -> Lobes:
-    # Move the centres with the incident direction in the disc
+    # Displace the lobe centres in the disc along with the incident direction
     turn = (found - wanted[:2]) * follow
     if np.hypot(*turn) < 1e-9:
         return lobes

@@ -1,7 +1,7 @@
 """Reader of layers from BSDF files or from files of fitted measurements.
 
-Fits are used at the resolution of their lobes. Their reader is imported on demand, as
-it imports the solver of optimal transport.
+Fitted measurements are used at the resolution of their lobes. Their reader is imported
+on demand because it imports the optimal transport solver.
 """
 
 import importlib

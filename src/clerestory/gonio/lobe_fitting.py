@@ -1,9 +1,10 @@
 """Fitting of Gaussian lobes to one scan.
 
-Centres and radii follow the cells of an adaptive quadtree; fluxes are the non-negative
-least-squares solution, with each value weighted by its variance as a photon count.
-Where there are no data, as in the shadow of the detector, fluxes are regularized
-towards the mean of their cell. Finally all fluxes are scaled to the measured total.
+Centres and radii follow the cells of an adaptive quadtree. Fluxes are a non-negative
+least-squares solution; the variance of a value is assumed proportional to the value, as
+for photon counts. Fluxes are regularized towards the flux of their cell, which
+determines them where there are no data. Finally all fluxes are scaled to the measured
+total.
 """
 
 import functools
@@ -23,23 +24,22 @@ from clerestory.gonio.quadtree import Quadtree
 from clerestory.gonio.scattering_measurement import Scan
 from clerestory.progress import Progress
 
-# Most condensed points in a fit.
+# Largest number of condensed points in a fit.
 _MOST_BINS = 2000
 
-# Smallest weight of a point over the mean weight.
+# Smallest ratio of a point's weight to the mean weight.
 _LEAST_WEIGHT = 1e-6
 
-# Halvings of the coarsest cells of points and of lobes.
+# Halvings of the largest cells for points and for lobes.
 _COARSEST_BIN, _COARSEST_LOBE = 5, 2
 
-# Radius of a lobe over the width of its cell at smoothing 1, at which lobes sum to a
-# plateau.
+# Ratio of lobe radius to cell width at smoothing 1; equal lobes then sum to a plateau.
 _RADIUS_OVER_WIDTH = 0.6
 
-# Residual above which the number of lobes is doubled.
+# Misplaced flux fraction above which the number of lobes is doubled.
 _MISPLACED = 0.05
 
-# Flux of dark scans over that of the brightest.
+# Largest flux of a dark scan, as a fraction of the brightest scan's flux.
 _DARK = 1e-3
 
 # Weight of the regularization.
@@ -48,7 +48,7 @@ _PRIOR = 1e-2
 # Quantile of the values that gives the uniform background.
 _EVEN = 0.05
 
-# Floor of values as a share of their mean.
+# Smallest value in weights, as a fraction of the mean value.
 _FLOOR = 1e-2
 
 
@@ -58,14 +58,14 @@ class FitOptions:
 
     Attributes
     ----------
-    lobes : most lobes per scan; twice as many where the residual exceeds a twentieth of
-        the flux, as on plateaus with steep edges
-    smoothing : width of lobes over their distance; 1 sums to a smooth plateau, less is
-        sharper and more sensitive to noise, more is smoother
+    lobes : largest number of lobes per scan; doubled if more than 5 % of the flux is
+        misplaced, as on plateaus with steep edges
+    smoothing : relative width of lobes; 1 sums to a smooth plateau, smaller values are
+        sharper and more sensitive to noise
 
     Raises
     ------
-    InputError : fewer than 4 lobes or a smoothing outside 0.2…5
+    InputError : `lobes` is below 4 or `smoothing` outside 0.2…5
     """
 
     lobes: int = 200
@@ -74,7 +74,7 @@ class FitOptions:
     def __post_init__(self) -> None:
         if self.lobes < 4 or not 0.2 <= self.smoothing <= 5:
             raise InputError(
-                f"{self.lobes} lobes of smoothing {self.smoothing}; 4 or more lobes"
+                f"{self.lobes} lobes with smoothing {self.smoothing}; 4 or more lobes"
                 " and a smoothing from 0.2 to 5 expected"
             )
 
@@ -135,7 +135,7 @@ def fit_scans(
 ) -> list[Lobes]:
     """Return the lobes of every scan.
 
-    Scans with almost no flux compared to the largest one are taken as dark.
+    Scans with almost no flux compared to the brightest scan are treated as dark.
     """
     most = max(total_flux(scan) for scan in scans)
     return map_in_order(
@@ -154,12 +154,12 @@ def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
 
 
 def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
-    """Return the lobes of a scan; their flux is that of the scan."""
+    """Return the lobes of a scan; flux is conserved."""
     points = condensed_points(scan)
     if points.flux <= 0:
         raise InputError(
-            f"a total flux of {points.flux:.3g} from {scan.words}; more than zero"
-            " expected: is the blank reading too large?",
+            f"total flux of {points.flux:.3g} from {scan.words}; a positive flux"
+            " expected; is the blank reading too large?",
             file=scan.source,
         )
     lobes = _fitted(points, options, options.lobes)
@@ -169,12 +169,12 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
 
 
 def misplaced_flux(points: Points, predicted: Values) -> float:
-    """Fraction of the measured flux that a prediction puts elsewhere; 1 without flux.
+    """Fraction of the measured flux that a prediction misplaces; 1 if there is no flux.
 
     Parameters
     ----------
-    points : of a scan, condensed
-    predicted : BSDF at the points [1/sr]
+    points : condensed points of a scan
+    predicted : predicted BSDF at the points [1/sr]
     """
     if points.flux <= 0:
         return 1.0
@@ -183,7 +183,7 @@ def misplaced_flux(points: Points, predicted: Values) -> float:
 
 
 def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
-    # Lobes scaled to the flux of the points
+    # Fit lobes and scale them to the flux of the points
     centre, radius, prior = _placed(points, options, most)
     basis = Lobes(centre, radius, prior).basis(points.direction)
     flux = _solve(basis, points, prior)
@@ -195,7 +195,7 @@ def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
 def _placed(
     points: Points, options: FitOptions, most: int
 ) -> tuple[Directions, Values, Values]:
-    # One lobe per cell: at its flux centroid, with its width and flux
+    # Place a lobe at the flux centroid of each cell, with the cell's width and flux
     cells = Quadtree(points.direction, points.value).cut(
         most - 1, coarsest=_COARSEST_LOBE
     )
@@ -220,7 +220,7 @@ def _solve(
     points: Points,
     prior: Float[np.ndarray, " lobes"],
 ) -> Float[np.ndarray, " lobes"]:
-    # Least squares weighted by the variance of photon counts
+    # Least squares with weights inverse to the variance of photon counts
     floor = _FLOOR * points.flux / np.pi
     weight = points.weight / (np.maximum(basis @ prior, 0) + floor)
     gram = basis.T @ (basis * weight[:, None])

@@ -1,9 +1,9 @@
 """Motion of lobes with the incident direction, estimated from transport plans.
 
-The moves of a lobe along all edges of its vertex, and those of nearby lobes, give a 2 ×
-2 matrix from the displacement of the incident direction to that of the lobe, both in
-the disc below the hemisphere. Lobes without a partner at the next incident direction
-move likewise while they fade.
+The moves of a lobe and its neighbours along all edges of a vertex give a 2 × 2 matrix:
+the displacement of the lobe is the matrix times the displacement of undeviated light,
+both in the disc. Lobes without a partner at the next incident direction move
+accordingly while they fade.
 """
 
 from dataclasses import replace
@@ -17,10 +17,10 @@ from clerestory.gonio.lobes import Lobes, angles_among
 from clerestory.gonio.optimal_transport import Plan
 from clerestory.gonio.transport_network import Network
 
-# Distance in radii of lobes with similar motion.
+# Distance within which lobes have similar motion, in radii.
 _ALIKE = 3.0
 
-# Weight of the mean motion of all lobes, over the squared motion of the flux of a lobe.
+# Weight of the mean motion of all lobes, relative to the typical squared displacement.
 _PRIOR = 0.05
 
 # Largest radius of lobes with a significant motion [rad].
@@ -28,14 +28,14 @@ _WIDE = 0.5
 
 
 def mean_motion(network: Network) -> float:
-    """Mean motion of lobes over that of undeviated light, over all plans; -1…1."""
+    """Mean ratio of lobe displacement to displacement of undeviated light, −1…1."""
     along, squared = 0.0, 0.0
     for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
         ends = undeviated(network.mesh.vertices[[a, b]])
         turn = (ends[1] - ends[0])[:2]
         start, end = network.lobes[a], network.lobes[b]
         move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
-        # Narrow lobes show the motion; that of wide ones is noise of the grid
+        # Weight narrow lobes most: the displacement of wide lobes is mostly noise
         flux = np.minimum(plan.sent, plan.received)
         weight = flux / (start.radius[plan.source] * end.radius[plan.target])
         along += float(weight @ (move @ turn))
@@ -48,13 +48,13 @@ class LobeMotion:
 
     Parameters
     ----------
-    follow : mean motion of lobes over that of undeviated light
+    follow : result of `mean_motion`
 
     Attributes
     ----------
-    lobes : of the vertex
-    matrix : from the displacement of undeviated light to that of each lobe
-    sure : fraction of the squared moves of each lobe that the matrix explains
+    lobes : lobes of the vertex
+    matrix : matrix from the displacement of undeviated light to that of each lobe
+    sure : fraction of each lobe's squared displacements that the matrix explains
     """
 
     def __init__(self, network: Network, vertex: int, follow: float) -> None:
@@ -94,19 +94,19 @@ class LobeMotion:
         self.sure = np.clip(1 - missed / np.maximum(moved, 1e-30), 0, 1)
 
     def expected(self, turn: Vector2) -> Points2:
-        """Expected places of the lobes in the disc, weighted by `sure`."""
+        """Expected positions of the lobes in the disc; displacements times `sure`."""
         shift = self.sure[:, None] * (self.matrix @ turn)
         return np.asarray(self.lobes.centre[:, :2] + shift)
 
     def moved(self, number: Indices, turn: Vector2) -> Lobes:
-        """Lobes without flux at the expected places."""
+        """Lobes with zero flux at their displaced positions."""
         disc = self.lobes.centre[number, :2] + self.matrix[number] @ turn
         return Lobes(
             directions_over_disc(disc), self.lobes.radius[number], np.zeros(len(number))
         )
 
     def _alike(self) -> Float[np.ndarray, "lobes lobes"]:
-        # Weights of nearby lobes, larger for narrow ones
+        # Weights of nearby lobes; narrow lobes weigh more
         radius = self.lobes.radius
         apart = angles_among(self.lobes)
         near = np.exp(-0.5 * (apart / (_ALIKE * np.minimum.outer(radius, radius))) ** 2)
@@ -117,7 +117,8 @@ class LobeMotion:
 def _moves(
     network: Network, number: int, vertex: int
 ) -> tuple[Indices, Points2, Vector2, Values]:
-    # Own lobes, their moves in the disc, displacement of undeviated light, and flux
+    # Lobes of the vertex that move along an edge, their displacements in the disc, the
+    # displacement of undeviated light, and the flux of each move
     plan = network.plans[number]
     a, b = network.mesh.edges[number]
     move = (
@@ -133,7 +134,7 @@ def _moves(
 def with_unmatched_lobes(network: Network, *, follow: float) -> Network:
     """Return a network in which lobes without a partner move while they fade.
 
-    `follow`: mean rotation of lobes over that of the incident direction.
+    `follow`: result of `mean_motion`.
     """
     turns = [
         LobeMotion(network, vertex, follow) for vertex in range(len(network.lobes))

@@ -1,9 +1,8 @@
 """Gaussian lobes: scattered distributions as sums of radial basis functions.
 
 A lobe has a centre, a radius and a flux. Its BSDF is proportional to exp((cos α − 1) /
-r²), the radial basis function of Ward, Kurt and Bonneel, normalized to its flux over
-the hemisphere without the part below the horizon, so that total flux is conserved when
-lobes move.
+r²), the radial basis function of Ward, Kurt and Bonneel. It is normalized over the part
+above the horizon, so that the total flux is conserved when lobes move.
 
 Reference: G. Ward, M. Kurt, N. Bonneel, "Reducing anisotropic BSDF measurement to
 common practice", Workshop on Material Appearance Modeling, 2014.
@@ -21,23 +20,23 @@ from clerestory.array_types import Directions, Values, Vector
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_table
 
-# Pairs of a direction and a lobe that are evaluated together.
+# Largest number of pairs of a direction and a lobe that are evaluated together.
 _TOGETHER = 1 << 20
 
 # Range of radii [rad]: 0.02° to 115°.
 LEAST_RADIUS, MOST_RADIUS = 3e-4, 2.0
 
-# Flux of dark distributions, so that their shape is defined.
+# Flux of dark distributions; not zero, so that their shape is defined.
 NO_LIGHT = 1e-9
 
-# Candidate lobes for the peak, and steps and tolerance of mean shift.
+# Candidate lobes for the peak; largest number of steps and tolerance of mean shift.
 _CANDIDATES, _MOST_STEPS, _STEP_ENDS = 64, 200, 1e-5
 
 # Table of the curvature correction: nodes in elevation and radius.
 _ELEVATIONS, _RADII, _QUADRATURE = 65, 33, 200
 _FLAT_RADIUS = 0.02
 
-# Cached sets of lobes: those of a vertex are used by several plans.
+# Number of cached tables: the lobes of a vertex are used by several plans.
 _KEPT = 32
 
 
@@ -48,12 +47,12 @@ class Lobes:
     Attributes
     ----------
     centre : unit vectors, z ≥ 0
-    radius : of each lobe [rad]
-    flux : of each lobe per incident flux
+    radius : radius of each lobe [rad]
+    flux : flux of each lobe per incident flux
 
     Raises
     ------
-    InputError : different lengths, or values that define no lobe
+    InputError : the arrays differ in length, or a value is invalid
 
     Examples
     --------
@@ -79,8 +78,8 @@ class Lobes:
             or np.any(self.flux < 0)
         ):
             raise InputError(
-                "a lobe is not finite, has no radius or a negative flux; a centre, a"
-                " radius [rad] and a flux of 0 or more expected"
+                "invalid lobe; a finite centre, a positive radius [rad] and a flux of 0"
+                " or more expected"
             )
 
     def __len__(self) -> int:
@@ -93,7 +92,7 @@ class Lobes:
 
     @property
     def half_maximum(self) -> Values:
-        """Angle from the centre at half of the peak [rad]."""
+        """Angle from the centre at which a lobe has half of its peak value [rad]."""
         return np.asarray(np.arccos(np.maximum(1 - self.radius**2 * np.log(2), -1)))
 
     @property
@@ -102,7 +101,7 @@ class Lobes:
         return np.asarray(self.flux / norm(self.centre[:, 2], self.radius))
 
     def evaluate(self, leaving: Directions) -> Values:
-        """BSDF [1/sr]."""
+        """BSDF for exit directions [1/sr]."""
         peak, value = self.peak, np.zeros(len(leaving))
         step = max(1, _TOGETHER // max(len(self), 1))
         for start in range(0, len(leaving), step):
@@ -124,7 +123,7 @@ class Lobes:
         )
 
     def climb(self, direction: Vector) -> Vector:
-        """Direction of the local maximum uphill of a direction, by mean shift.
+        """Direction of the local maximum reached from a direction by mean shift.
 
         Reference: D. Comaniciu, P. Meer, "Mean shift", IEEE Transactions on Pattern
         Analysis and Machine Intelligence 24 (5), 2002.
@@ -161,7 +160,7 @@ def angles_among(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
 def norm(height: Values, radius: Values) -> Values:
     """Integral of exp((cos α − 1)/r²) times the cosine over the hemisphere [sr].
 
-    `height`: z of the centre of the lobe.
+    `height`: z coordinate of the lobe centre.
 
     >>> small = norm(np.array([1.0]), np.array([0.01]))  # nearly 2π r²
     >>> round(float(small[0] / (2 * np.pi * 0.01**2)), 3)
@@ -174,7 +173,7 @@ def norm(height: Values, radius: Values) -> Values:
 
 
 def _flat(elevation: Values, radius: Values) -> Values:
-    # Plane Gaussian above the horizon: E[max(sin(e + r·x), 0)] to first order in r
+    # Plane Gaussian cut at the horizon: E[max(sin(e + r·x), 0)] to first order in r
     reach = elevation / radius
     above = special.ndtr(reach)
     edge = np.exp(-(reach**2) / 2) / np.sqrt(2 * np.pi)
@@ -183,7 +182,7 @@ def _flat(elevation: Values, radius: Values) -> Values:
 
 
 def _integral(elevation: Values, radius: Values) -> Values:
-    # On rings of equal θ the integral over azimuth is a Bessel function
+    # Integrate over θ; the integral over azimuth is a Bessel function
     centre = np.pi / 2 - elevation[..., None]
     wide = 8 * radius[..., None]
     low, high = np.maximum(centre - wide, 0), np.minimum(centre + wide, np.pi / 2)

@@ -1,7 +1,7 @@
 """Reader of goniophotometer files, by a registry of formats.
 
-The registry is made of the modules in `clerestory.gonio.formats`; the format of a file
-is recognized from its first bytes.
+The modules in `clerestory.gonio.formats` form the registry. The format of a file is
+recognized from its first bytes.
 """
 
 import importlib
@@ -23,7 +23,7 @@ from clerestory.gonio.formats.file_format import (
 )
 from clerestory.gonio.scattering_measurement import Measurement, merge_scans
 
-# Bytes at the start of a file from which its format is recognized.
+# Number of bytes at the start of a file from which its format is recognized.
 _HEAD = 4096
 
 
@@ -52,11 +52,11 @@ def read_measurement(
 
     Parameters
     ----------
-    form : name of the format; None to recognize it from the first file
-    function : scattering function that was measured, where the format does not say
-    facing : side that the normal of the sample faces, for pab-opto's files
-    blank : readings without a sample, for workbooks of the RT-300S
-    merge : join scans of the same incident direction instead of refusing them
+    form : name of the format; default: recognized from the first file
+    function : measured scattering function, for formats that do not state it
+    facing : side that the normal of the sample faces, for pab-opto files
+    blank : file of readings without a sample, for RT-300S workbooks
+    merge : join scans with equal incident directions instead of raising an error
 
     Returns
     -------
@@ -64,7 +64,7 @@ def read_measurement(
 
     Raises
     ------
-    InputError : a file is damaged or of no known format
+    InputError : a file is damaged, or its format is unknown
     """
     files = [Path(path) for path in paths]
     if not files:
@@ -97,7 +97,7 @@ def recognized_format(path: Path) -> FileFormat:
 def _merged(
     files: Sequence[Path], kind: FileFormat, options: ReadOptions
 ) -> tuple[Measurement, ...]:
-    # Read every file alone, then join the scans of each function and channel
+    # Read each file separately, then join the scans of each function and channel
     groups: dict[tuple[str, str], list[Measurement]] = {}
     for file in files:
         for part in kind.read([file], options):

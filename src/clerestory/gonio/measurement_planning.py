@@ -1,8 +1,8 @@
 """Planning of additional scans.
 
 Leave-one-out cross-validation shows where interpolation is inaccurate. The priority of
-a direction is the error at the nearest scan times the angle to it, so that new
-directions are dense where the distribution changes fast.
+a direction is the error at the nearest scan times the angle to that scan. New
+directions are therefore dense where the distribution changes quickly.
 """
 
 import numpy as np
@@ -13,19 +13,19 @@ from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.symmetry import Symmetry, fold, images, measured_quadrant
 
-# Candidate directions over the hemisphere, 2° apart.
+# Number of candidate directions over the hemisphere; they are 2° apart.
 _CANDIDATES = 4000
 
 
 def recommended_directions(
     validation: CrossValidation, *, symmetry: Symmetry, count: int
 ) -> Directions:
-    """Incident directions of the highest priority, in this order.
+    """Incident directions for new scans, in order of decreasing priority.
 
-    They are in the measured part of the hemisphere, within the largest measured polar
+    They lie in the measured part of the hemisphere, within the largest measured polar
     angle.
 
-    `symmetry`: of the layer.
+    `symmetry`: symmetry of the layer.
 
     >>> from clerestory.gonio.cross_validation import LeftOut
     >>> scans = [LeftOut(t, 0, True, 0.5, 0.5, 1.0, 1.0, m, 0.01)
@@ -64,7 +64,7 @@ def recommended_directions(
 def _within(
     known: Float[np.ndarray, "scans 3"], symmetry: Symmetry, most_deg: float
 ) -> Float[np.ndarray, "candidates 3"]:
-    # Fibonacci spiral over the measured part
+    # Fibonacci spiral over the measured part of the hemisphere
     turn = np.pi * (1 + 5**0.5) * (np.arange(_CANDIDATES) + 0.5)
     height = 1 - (np.arange(_CANDIDATES) + 0.5) / _CANDIDATES
     flat = np.sqrt(1 - height**2)

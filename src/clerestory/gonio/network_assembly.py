@@ -1,7 +1,7 @@
 """Assembly of the transport network of a measurement.
 
-Images that symmetry implies are part of the mesh, so that it has no seam at the border
-of the measured part; triangles outside that part are dropped.
+The mesh includes the mirror images that symmetry implies, so that it is continuous
+across the border of the measured part; triangles outside the measured part are removed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ def connect(
     processes: int = 1,
     report: Progress = silent,
 ) -> Network:
-    """Return fits joined by transport plans, with the images symmetry implies."""
+    """Return fits and their mirror images, connected by transport plans."""
     network = join(incidents, fits, symmetry, processes=processes, report=report)
     return refine_plans(network, processes=processes, report=report)
 
@@ -45,13 +45,14 @@ def join(
     processes: int = 1,
     report: Progress = silent,
 ) -> Network:
-    """Return fits joined by initial plans, which `refine_plans` refines.
+    """Return fits connected by initial plans, for `refine_plans`.
 
-    `known`: initial plans of another network of the same fits, which are reused.
+    `known`: initial plans of another network of the same fits, to be reused.
     """
     if len(fits) < 2:
         raise InputError(
-            f"{len(fits)} incident direction; two or more expected for interpolation"
+            f"number of incident directions: {len(fits)}; two or more expected for"
+            " interpolation"
         )
     if symmetry == "isotropic":
         mesh, lobes = _isotropic(incidents, fits)
@@ -73,7 +74,7 @@ def transformed(lobes: Lobes, turn: Float[np.ndarray, "3 3"]) -> Lobes:
 
 
 def rotation_about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
-    """Matrix of a rotation about the normal, from right upwards [rad]."""
+    """Matrix of a rotation about the normal by an angle [rad], from right to up."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
 
@@ -81,7 +82,7 @@ def rotation_about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
 def _around(
     incidents: Directions, fits: Sequence[Lobes], symmetry: Symmetry
 ) -> tuple[Mesh, tuple[Lobes, ...], Vector2]:
-    # Triangles that overlap the measured part
+    # Build the mesh; keep the triangles that overlap the measured part
     quadrant = measured_quadrant(incidents)
     vertices, lobes = _with_images(incidents, fits, symmetry)
     mesh = triangulate(vertices)
@@ -92,7 +93,7 @@ def _around(
 def _isotropic(
     incidents: Directions, fits: Sequence[Lobes]
 ) -> tuple[Mesh, tuple[Lobes, ...]]:
-    # Rotate every direction to azimuth 0; without normal incidence add an image
+    # Rotate every direction to azimuth 0; if normal incidence is missing, add an image
     azimuth = np.arctan2(incidents[:, 1], incidents[:, 0])
     theta = np.arctan2(np.hypot(*incidents[:, :2].T), incidents[:, 2])
     order = np.argsort(theta)
@@ -102,7 +103,7 @@ def _isotropic(
     if len(same):
         raise InputError(
             f"two scans at θ {np.degrees(theta[same[0]]):.1f}° of an isotropic layer;"
-            " one per polar angle expected"
+            " one scan per polar angle expected"
         )
     if theta[0] > SAME_DIRECTION:
         theta = np.concatenate([[-theta[0]], theta])

@@ -1,9 +1,9 @@
 """Non-negative least squares from normal equations, by block principal pivoting.
 
-All unknowns that contradict the current active set are exchanged together, or one at a
-time where that no longer helps, which terminates. As most lobes are positive, a few
-linear solves suffice where an active-set method from zero needs as many as there are
-lobes.
+All unknowns that contradict the current active set are exchanged together. If this
+makes no progress, they are exchanged one at a time, which guarantees termination. As
+most lobes are positive, a few linear solves suffice, whereas an active-set method that
+starts from zero needs one per lobe.
 
 Reference: L. F. Portugal, J. J. Júdice, L. N. Vicente, "A comparison of block pivoting
 and interior-point algorithms for linear least squares problems with nonnegative
@@ -14,10 +14,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy import linalg
 
-# Block exchanges without progress before single ones are made.
+# Number of block exchanges without progress before single exchanges.
 _PATIENCE = 3
 
-# Tolerance of negative values, as a share of the target.
+# Tolerance for negative values, relative to the largest target.
 _NEGATIVE = 1e-12
 
 
@@ -58,7 +58,7 @@ def _solved(
     target: Float[np.ndarray, " unknowns"],
     free: Bool[np.ndarray, " unknowns"],
 ) -> tuple[Float[np.ndarray, " unknowns"], Float[np.ndarray, " unknowns"]]:
-    # Solution for the free unknowns, and the gradient for the others
+    # Solution for the free unknowns, and negative gradient for the fixed ones
     found = np.zeros(len(target))
     if np.any(free):
         factor = linalg.cho_factor(gram[np.ix_(free, free)], check_finite=False)

@@ -1,12 +1,12 @@
 """Optimal transport between the lobes of two incident directions.
 
-Lobes at both ends of a mesh edge are joined at the least cost: squared angle plus
-squared difference of radii per unit of flux.
+Lobes at the two ends of a mesh edge are matched at the least cost: squared angle plus
+squared difference of radii, per unit of flux.
 
-As the total flux differs between the ends, fluxes are balanced locally first: where one
-end has less flux within the *reach* of a lobe, the other is reduced to it. The
-remaining flux of a lobe is gained or lost on the way. A lobe without a partner in reach
-fades in place, as moving it would create a spurious beam half-way.
+As the total flux differs between the ends, fluxes are balanced locally first: a lobe
+takes part with at most the flux that the other end has within the *reach* of the lobe.
+The difference to its full flux is gained or lost on the way. A lobe without a partner
+within reach fades in place; moving it would create a spurious beam half-way.
 
 References: N. Bonneel, M. van de Panne, S. Paris, W. Heidrich, "Displacement
 interpolation using Lagrangian mass transport", ACM Transactions on Graphics 30 (6),
@@ -24,23 +24,25 @@ from clerestory.array_types import Values
 from clerestory.gonio.angles import angle_table
 from clerestory.gonio.lobes import Lobes, angles_among
 
-# Reach of a lobe over the angle between incident directions: tilted mirrors and prisms
+# Reach of a lobe per angle between incident directions: tilted mirrors and prisms
 # deviate light by up to twice their rotation …
 _REACH_PER_ANGLE = 1.5
 
 # … plus this many radii.
 _REACH_PER_RADIUS = 1.0
 
-# Distance in radii of lobes that belong to one peak.
+# Largest distance between lobes of one peak, as a multiple of the sum of their radii.
 _TOUCHING = 1.5
 
 # Ratio of radii above which lobes belong to different peaks.
 _WIDER = 3.0
 
-# The weight of lobes falls with distance to the power 2^(1 + steepness).
+# The weight of a neighbouring lobe is 1 / (1 + d^n) for a distance of d reaches, with
+# n = 2^(1 + steepness).
 _STEEPNESS = 2
 
-# Least flux of a move as a share of all flux, and least share of a lobe that is sent.
+# Smallest flux of a move as a fraction of the total flux, and smallest fraction of a
+# lobe's flux that must move.
 _LEAST_SHARE, _NO_PARTNER = 1e-7, 1e-2
 
 
@@ -50,10 +52,10 @@ class Plan:
 
     Attributes
     ----------
-    source, target : numbers of the joined lobes
+    source, target : indices of the lobes that each move connects
     sent, received : flux of each move at the start and at the end
-    fading : flux of each lobe at the start without a target
-    rising : flux of each lobe at the end without a source
+    fading : unmatched flux of each lobe at the start
+    rising : unmatched flux of each lobe at the end
     """
 
     source: Int[np.ndarray, " moves"]
@@ -67,7 +69,7 @@ class Plan:
 def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
     """Return the plan of least cost between two sets of lobes.
 
-    `angle`: between the two incident directions [rad].
+    `angle`: angle between the two incident directions [rad].
 
     >>> up = np.array([[0, 0, 1.0]])
     >>> one = Lobes(up, np.array([0.1]), np.array([0.5]))
@@ -87,8 +89,8 @@ def plan_moves(
 
     Parameters
     ----------
-    distance : from each lobe of the start, or its expected place, to each of the end
-        [rad]
+    distance : angle from each lobe at the start, or its expected position, to each lobe
+        at the end [rad]
     slack : reach of a lobe beyond its radius [rad]
     """
     moved = _moved(start, end, distance, slack)
@@ -97,7 +99,7 @@ def plan_moves(
     out = np.bincount(source, flux, len(start))
     came = np.bincount(target, flux, len(end))
 
-    # A lobe divides all of its flux like the flux that it sends
+    # Distribute the full flux of each lobe in proportion to its moves
     partner = (out > _NO_PARTNER * start.flux)[source]
     partner &= (came > _NO_PARTNER * end.flux)[target]
     source, target, flux = source[partner], target[partner], flux[partner]
@@ -106,7 +108,7 @@ def plan_moves(
     sent = start.flux[source] * flux / out[source]
     received = end.flux[target] * flux / came[target]
 
-    # A lobe without moves follows its nearest neighbour that has some
+    # Let lobes without moves follow their nearest neighbours with moves
     lone, _, to = _companions(start, out > 0, source, target, flux)
     late, _, off = _companions(end, came > 0, target, source, flux)
     fading = np.where(out > 0, 0, start.flux)
@@ -131,8 +133,8 @@ def _companions(
 ) -> tuple[
     Int[np.ndarray, " lone"], Int[np.ndarray, " lone"], Int[np.ndarray, " lone"]
 ]:
-    """Lobes without moves, their neighbours with moves, and the main
-    targets of these.
+    """Lobes without moves, their nearest neighbours with moves, and the main target of
+    each neighbour.
     """
     lone, part = np.flatnonzero(~taking_part), np.flatnonzero(taking_part)
     if not len(lone) or not len(part):
@@ -154,7 +156,7 @@ def _companions(
 def _moved(
     start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], slack: float
 ) -> Float[np.ndarray, "start end"]:
-    # Reduce each lobe to the flux that both ends have within its reach
+    # Limit each lobe to the flux that both ends have within its reach
     reach, reach_end = _reach(start, slack), _reach(end, slack)
     give = start.flux * np.minimum(
         1,
@@ -167,7 +169,7 @@ def _moved(
         / (_near(angles_among(end) / reach_end[:, None]) @ end.flux),
     )
 
-    # A dummy lobe on each side takes and gives the difference
+    # Add a dummy lobe at each end that absorbs or supplies the difference of flux
     table = np.zeros((len(start) + 1, len(end) + 1))
     table[:-1, :-1] = distance**2 + (start.radius[:, None] - end.radius) ** 2
     table[:-1, -1] = reach**2 / 2

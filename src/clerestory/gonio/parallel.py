@@ -1,7 +1,6 @@
-"""Parallel map in one process or several.
+"""Parallel map over one or several processes.
 
-Linear algebra is limited to one thread per process, as the matrices of a scan are
-small.
+Linear algebra is limited to one thread per process, as its matrices are small.
 """
 
 import functools
@@ -14,7 +13,7 @@ from threadpoolctl import ThreadpoolController
 
 from clerestory.progress import Progress
 
-# Fewest values for which processes are started.
+# Smallest number of values for which processes are started.
 _WORTH_IT = 16
 
 _Value = TypeVar("_Value")
@@ -32,12 +31,12 @@ def map_in_order(
     processes: int = 1,
     report: Progress = silent,
 ) -> list[_Result]:
-    """Return the function of each value; the result does not depend on `processes`.
+    """Apply a function to each value; the result does not depend on `processes`.
 
     Parameters
     ----------
-    function : defined in a module, so that other processes can import it
-    report : called with the fraction done and a note
+    function : function at module level, so that other processes can import it
+    report : function called with the fraction done and a note
 
     Examples
     --------
@@ -70,5 +69,5 @@ def _alone(function: Callable[[_Value], _Result], value: _Value) -> _Result:
 
 @functools.cache
 def _libraries() -> ThreadpoolController:
-    # Controller of the loaded linear algebra libraries
+    # Thread controller of the loaded linear algebra libraries
     return ThreadpoolController()

@@ -1,9 +1,9 @@
 """Particles of displacement interpolation on edges and triangles of the mesh.
 
-A particle joins one lobe per corner and has the flux of the transport plans at every
-corner, so that corners reproduce the fits and edges are equal in both of their
-triangles. In a triangle flux moves along the edge from A to B, then towards C: the part
-of A by the plan from A to C, the part of B by that from B to C.
+A particle connects one lobe per corner. Its flux at each corner follows from the
+transport plans, so that corners reproduce the fits and adjacent triangles agree on
+their common edge. In a triangle flux moves along the edge from A to B, then towards C:
+flux from A by the plan from A to C, flux from B by the plan from B to C.
 
 References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward, M.
 Kurt, N. Bonneel, MAM 2014, for triangles.
@@ -17,7 +17,7 @@ from jaxtyping import Float, Int
 from clerestory.array_types import Indices, Values
 from clerestory.gonio.optimal_transport import Plan
 
-# Fraction of the flux in the smallest particles that are dropped.
+# Fraction of the flux that may be dropped with the smallest particles.
 _SMALL_CHANGE = 2e-3
 
 _Light = dict[int, Float[np.ndarray, " particles"]]
@@ -29,8 +29,8 @@ class Particles:
 
     Attributes
     ----------
-    corner : lobe of each corner that a particle joins; -1 for none
-    flux : of each particle at A, at B, and at C for the parts of A and of B
+    corner : index of each particle's lobe at the corners A, B and C; -1 for none
+    flux : flux of each particle at A, at B, and at C in the parts from A and from B
     """
 
     corner: Int[np.ndarray, "particles 3"]
@@ -71,16 +71,17 @@ def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
 def _onwards(
     mine: Indices, theirs: Indices, flux: Values, plan: Plan, *, own: int
 ) -> list[Particles]:
-    """Flux of one end of the edge A–B, on its way to C.
+    """Particles of the flux from one end of the edge A–B to C.
 
     Parameters
     ----------
-    mine, theirs, flux : lobes at this end and the other, and flux at this end
-    own : 0 for A, 1 for B
+    mine, theirs : lobes at this end and at the other end
+    flux : flux at this end
+    own : 0 if this end is A, 1 if it is B
     """
     share = flux / np.bincount(mine, flux, len(plan.fading))[mine]
 
-    # Distribute each particle like the flux of its lobe
+    # Distribute each particle in proportion to the moves of its lobe
     by_source = np.argsort(plan.source, kind="stable")
     start = np.searchsorted(plan.source[by_source], mine)
     count = np.searchsorted(plan.source[by_source], mine, side="right") - start
@@ -101,9 +102,9 @@ def _onwards(
 
 
 def _only_at_c(plan: Plan, other_plan: Plan, mine: Indices, *, own: int) -> Particles:
-    """Flux at C that this end lacks, from the source of its plan.
+    """Particles of the flux at C whose lobe at this end is in no particle of the edge.
 
-    At the other end it is at the main source of the plan from there.
+    At the other end the lobe is the main source in `other_plan`.
     """
     late = np.flatnonzero(~np.isin(plan.source, mine) & (plan.received > 0))
     target = plan.target[late]
@@ -138,7 +139,7 @@ def _joined(parts: list[Particles]) -> Particles:
 
 
 def _without_change(particles: Particles) -> Particles:
-    # Merge particles of the same lobes; drop the smallest and rescale the others
+    # Merge particles with equal lobes; drop the smallest and rescale the remaining ones
     corner, which = np.unique(particles.corner, axis=0, return_inverse=True)
     flux = np.stack(
         [

@@ -1,7 +1,7 @@
 """Adaptive quadtree over the hemisphere.
 
 The hemisphere is mapped to a disc by Lambert's equal-area map and to a square by the
-Shirley–Chiu map. Cells are split where a plane fits the values worst, as long as all
+Shirley–Chiu map. Cells with the largest residuals of a plane fit are split, if all
 quarters contain points.
 """
 
@@ -13,26 +13,27 @@ from jaxtyping import Bool, Float, Int
 from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.shirley_chiu import square_from_disc
 
-# Halvings down to the smallest cell, 0.3° wide.
+# Halvings of the square down to the smallest cell, 0.3° wide.
 FINEST = 9
 
 # Arrays over the cells of one level; levels differ in length
 _LevelValues = Float[np.ndarray, " _"]
 _LevelMask = Bool[np.ndarray, " _"]
 
-# Floor of values as a share of their mean.
+# Smallest value in relative residuals, as a fraction of the mean value.
 _FLOOR = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Groups of the points of a hemisphere by cells.
+    """Points of a hemisphere, grouped by cell.
 
     Attributes
     ----------
     level : halvings of the square down to each cell
-    first : index in `order` of the first point of each cell; one more at the end
-    order : numbers of the points, cell by cell
+    first : index in `order` of the first point of each cell, followed by the number of
+        points
+    order : indices of the points, sorted by cell
     """
 
     level: Int[np.ndarray, " cells"]
@@ -53,13 +54,13 @@ class Cells:
         direction: Float[np.ndarray, "points 3"],
         weight: Float[np.ndarray, " points"],
     ) -> Float[np.ndarray, "cells 3"]:
-        """Unit vector to the weighted centroid of each cell."""
+        """Unit vector to the weighted centroid of the points of each cell."""
         weighted = (direction * weight[:, None])[self.order]
         total = np.add.reduceat(weighted, self.first[:-1], axis=0)
         return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
     def count(self) -> Indices:
-        """Points in each cell."""
+        """Number of points in each cell."""
         return np.diff(self.first)
 
 
@@ -74,12 +75,12 @@ class _Level:
 
 
 class Quadtree:
-    """All occupied cells, with the residual of a plane fit in each.
+    """Occupied cells of all levels, with the residual of a plane fit in each.
 
     Parameters
     ----------
     direction : unit vectors of the points
-    values : at the points
+    values : values at the points
 
     Examples
     --------
@@ -100,12 +101,13 @@ class Quadtree:
         self._levels = _levels(code[self._order], a, b, values, self._order)
 
     def cut(self, most: int, *, coarsest: int = 0) -> Cells:
-        """Return at most `most` cells, small where a plane fits worst.
+        """Return at most `most` cells, small where residuals of plane fits are large.
 
-        `coarsest`: halvings of the largest cells, where points allow them.
+        `coarsest`: smallest number of halvings, if all quarters contain points.
         """
         levels = self._levels
-        # A cell is split if a residual below it is large and its quarters are occupied
+        # Rate each cell by the largest residual below it; exclude cells with an empty
+        # quarter
         worth = [level.loss.copy() for level in levels]
         for k in range(len(levels) - 2, -1, -1):
             below = np.where(levels[k + 1].quarters == 4, worth[k + 1], 0)
@@ -115,7 +117,7 @@ class Quadtree:
             if k < coarsest:
                 worth[k] = np.where(level.quarters == 4, np.inf, -1)
 
-        # Find the threshold by bisection on the rank of the candidates
+        # Find the threshold by bisection over the sorted candidates
         every = np.unique(np.concatenate([w[(w > 0) & np.isfinite(w)] for w in worth]))
         low, high = 0, len(every)
         while low < high:
@@ -127,7 +129,7 @@ class Quadtree:
         return self._leaves(worth, every[low] if low < len(every) else np.inf)
 
     def _alive(self, worth: list[_LevelValues], threshold: float) -> list[_LevelMask]:
-        # Cells all of whose ancestors are split
+        # Mask of the cells whose ancestors are all split
         alive = [np.ones(len(self._levels[0].code), dtype=bool)]
         for k, level in enumerate(self._levels[1:]):
             alive.append((alive[k] & (worth[k] >= threshold))[level.parent])
@@ -153,7 +155,7 @@ class Quadtree:
 def _levels(
     code: Indices, a: Values, b: Values, values: Values, order: Indices
 ) -> list[_Level]:
-    # Moments of the points about the middle of the square
+    # Fit planes from moments of the points about the centre of the square
     x, y, v = a[order] - 0.5, b[order] - 0.5, values[order]
     one = np.ones_like(v)
     moments = np.stack([one, x, y, x * x, x * y, y * y, v, v * x, v * y, v * v], -1)
@@ -181,8 +183,8 @@ def _levels(
 def _loss(
     sums: Float[np.ndarray, "cells 10"], floor: float
 ) -> Float[np.ndarray, " cells"]:
-    # Root mean square residual of a plane fit over the root of the mean value, as for
-    # photon counts
+    # Root mean square residual of a plane fit, divided by the square root of the mean
+    # value, as for photon counts
     n = sums[:, 0]
     x, y, xx, xy, yy, v, vx, vy, vv = (sums[:, 1:] / n[:, None]).T
     xx, xy, yy = xx - x * x, xy - x * y, yy - y * y

@@ -1,10 +1,10 @@
 """Rasterization of lobes on the cells of the unit square, with flux conserved.
 
-Every lobe is drawn on the grid on which it is a cell or two wide, near its centre only,
-and normalized to its flux; grids are refined successively, so that the cost does not
-depend on the width of a lobe. The grids use Lambert's equal-area map, on which lobes
-are round; finally flux is gathered in the cells of the projected square, those of
-tensor trees.
+Every lobe is drawn near its centre on the grid on which it is about a cell wide, and
+normalized to its flux. Each grid is interpolated to the next finer one, so that the
+cost does not depend on the width of a lobe. The grids use Lambert's equal-area map, on
+which lobes are round; finally flux is resampled to the cells of tensor trees, which
+have equal projected solid angles.
 """
 
 import functools
@@ -26,19 +26,19 @@ from clerestory.hemisphere.shirley_chiu import (
 # Halvings of the coarsest grid, with cells 9° wide.
 _COARSEST = 4
 
-# Radius in cells above which a lobe is drawn on a grid …
+# Smallest radius of the lobes drawn on a grid, in cells …
 _CELLS_PER_RADIUS = 0.75
 
-# … over this many cells to each side: 3.3 radii of the widest.
+# … and number of cells drawn on each side of the centre: 3.3 radii of the widest lobe.
 _SIDE = 5
 
-# z of cells beyond the grid, where lobes vanish.
+# z of cells in the margin around the grid, where lobes vanish.
 _UNREACHED = -1e4
 
-# Smallest radius in finest cells.
+# Widening of lobes on the finest grid, in cells (added to the radius in quadrature).
 _NARROWEST = 0.5
 
-# Halvings of a projected cell for its sample points.
+# Halvings of a cell of the projected square for its sample points.
 _GATHER = 2
 
 
@@ -49,8 +49,8 @@ class Raster:
     Attributes
     ----------
     halvings : 2^halvings cells along each axis of the projected square
-    directions : per grid, coarsest first: unit vectors of the cells
-    gather : from the finest grid to the projected square
+    directions : unit vectors of the cells of each grid, from the coarsest grid on
+    gather : matrix from the finest grid to the projected square
 
     Examples
     --------
@@ -75,7 +75,7 @@ class Raster:
         return _COARSEST + len(self.directions) - 1
 
     def cells(self, lobes: Lobes) -> Values:
-        """BSDF of each cell of the projected square [1/sr], the second axis faster."""
+        """BSDF of each cell of the projected square [1/sr], in row-major order."""
         values = self.gather @ self._drawn(lobes)
         light = values.sum() * np.pi / len(values)
         return np.asarray(values * (lobes.total / light if light > 0 else 0.0))
@@ -90,7 +90,7 @@ class Raster:
             values = _refined(values) if k else np.zeros(len(direction))
             of = np.flatnonzero(grid == k)
             if len(of):
-                # Refinement widens lobes: draw them narrower
+                # Draw lobes narrower: refinement widens them
                 left = len(width) - 1 - k
                 change = -0.25 * (1 - 0.25**left) if left else _NARROWEST**2
                 draw = _draw_near if k else _draw_everywhere
@@ -145,7 +145,7 @@ def _draw_near(
 
 @functools.lru_cache(maxsize=8)
 def _with_margin(wide: int) -> tuple[Values, Values, Values]:
-    # Coordinates of a grid with an empty margin
+    # Directions of the cells of a grid with an empty margin
     table = np.zeros((3, wide + 2 * _SIDE, wide + 2 * _SIDE))
     table[2] = _UNREACHED
     inner = _centres(wide.bit_length() - 1).T.reshape(3, wide, wide)
@@ -155,7 +155,7 @@ def _with_margin(wide: int) -> tuple[Values, Values, Values]:
 
 
 def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]:
-    # Split the cells by linear interpolation: 3/4 of a cell and 1/4 of its neighbour
+    # Halve the cells by linear interpolation: 3/4 of a cell plus 1/4 of its neighbour
     wide = round(len(values) ** 0.5)
     table = values.reshape(wide, wide)
     for _ in range(2):
@@ -187,7 +187,7 @@ def _centres(halvings: int) -> Directions:
 
 
 def _gathering(halvings: int, finest: int) -> sparse.csr_array:
-    # Mean over points of each projected cell, interpolated linearly
+    # Average over sample points of each projected cell, interpolated linearly
     wide = 1 << halvings
     a, b = cell_centres(halvings + _GATHER)
     place = np.stack(_square(directions_from_square(a, b))) * (1 << finest) - 0.5

@@ -1,8 +1,9 @@
-"""Measured scattering of one function of a layer.
+"""Measurements of one scattering function of a layer.
 
-A scan is the light scattered from one incident direction, a measurement the scans of
-one function of a sample. Directions are unit vectors away from the layer in the frame
-of the window, x right and y up seen from the room, with z ≥ 0 on both sides.
+A scan contains the light scattered from one incident direction; a measurement contains
+the scans of one scattering function of a sample. Directions are unit vectors that point
+away from the layer, in the frame of the window: x right and y up as seen from the room,
+and z ≥ 0 on both sides.
 """
 
 from collections.abc import Iterable
@@ -19,7 +20,7 @@ from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
 # Largest angle between equal incident directions [rad]: 0.05°.
 SAME_DIRECTION = np.radians(0.05)
 
-# Fewest points of a scan.
+# Smallest number of points of a scan.
 _FEWEST_POINTS = 4
 
 
@@ -31,12 +32,13 @@ class Scan:
     ----------
     incident : unit vector towards the source
     leaving : unit vectors of the measured directions
-    values : BSDF at them [1/sr]; noise may make it negative
-    source : file, for messages
+    values : BSDF at these directions [1/sr]; negative values from noise are allowed
+    source : file name, for error messages
 
     Raises
     ------
-    InputError : different lengths, values that are not finite or all zero, or too few
+    InputError : array lengths differ, values are not finite or not positive anywhere,
+        or there are too few points
 
     Examples
     --------
@@ -55,7 +57,7 @@ class Scan:
         if len(self.leaving) != len(self.values):
             raise self._error(
                 f"{len(self.values)} values at {len(self.leaving)} directions;"
-                " as many expected"
+                " one value per direction expected"
             )
         if len(self.values) < _FEWEST_POINTS:
             raise self._error(
@@ -63,13 +65,13 @@ class Scan:
             )
         arrays = (self.incident, self.leaving, self.values)
         if not all(np.all(np.isfinite(array)) for array in arrays):
-            raise self._error("a value is not finite; BSDF values [1/sr] expected")
+            raise self._error("a value is not finite; finite BSDF values expected")
         if min(self.incident[2], self.leaving[:, 2].min()) < -1e-9:
             raise self._error("a direction lies below the layer; z ≥ 0 expected")
         if not np.any(self.values > 0):
             raise self._error(
-                "no value is above zero; the light scattered from"
-                f" {self.words} expected"
+                f"no value is above zero in the scan from {self.words}; scattered light"
+                " expected"
             )
 
     @property
@@ -81,12 +83,12 @@ class Scan:
 
     @property
     def phi_deg(self) -> float:
-        """Azimuth of the incident direction from right upwards [°], 0 to 360."""
+        """Azimuth of the incident direction from right to up [°], 0 to 360."""
         return float(np.degrees(np.arctan2(self.incident[1], self.incident[0])) % 360)
 
     @property
     def words(self) -> str:
-        """Incident direction for messages."""
+        """Incident direction as text, for messages."""
         return f"(θ {self.theta_deg:.1f}°, φ {self.phi_deg:.1f}°)"
 
     def _error(self, message: str) -> InputError:
@@ -95,20 +97,20 @@ class Scan:
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Scans of one function of a sample, in one channel.
+    """Scans of one scattering function of a sample, in one channel.
 
     Attributes
     ----------
-    scans : one per incident direction
-    function : such as "transmission_front"
+    scans : scans, one per incident direction
+    function : name of the scattering function, such as "transmission_front"
     channel : "visible", "cie-x", …
-    name : of the sample
-    claimed : symmetry in the file; None if it has none
+    name : name of the sample
+    claimed : symmetry stated in the file; None if not stated
     notes : irregularities of the files and how they were resolved
 
     Raises
     ------
-    InputError : no scan, or two of the same incident direction
+    InputError : there is no scan, or two scans have the same incident direction
     """
 
     scans: tuple[Scan, ...]
@@ -128,14 +130,14 @@ class Measurement:
             first, second = (self.scans[k] for k in pairs[0])
             raise InputError(
                 f"incident direction {second.words} is also that of"
-                f" {first.source or 'another scan'}; one scan per direction expected:"
-                " join them (--merge, merge_scans) or leave one out",
+                f" {first.source or 'another scan'}; one scan per direction expected;"
+                " join the scans (--merge, merge_scans) or omit one",
                 file=second.source,
             )
 
     @property
     def symmetry(self) -> Symmetry:
-        """Symmetry in the file, or else that of the incident directions."""
+        """Symmetry stated in the file, otherwise implied by the incident directions."""
         return self.claimed or deduce_symmetry(self.incidents)
 
     @property
@@ -145,9 +147,9 @@ class Measurement:
 
 
 def merge_scans(scans: Iterable[Scan]) -> tuple[Scan, ...]:
-    """Return the scans with those of the same incident direction joined.
+    """Return the scans; scans with the same incident direction are joined.
 
-    Goniophotometers often scan a peak again at a finer resolution.
+    Goniophotometers often scan a peak a second time at finer resolution.
     """
     groups: list[list[Scan]] = []
     for scan in scans:

@@ -1,11 +1,11 @@
 """Symmetry of a layer from the measured incident directions.
 
-- isotropic: no dependence on azimuth; directions in one plane are measured
-- quadrilateral: left–right and up–down mirror symmetry; a quarter is measured
+- isotropic: no dependence on azimuth; directions in one plane suffice
+- quadrilateral: left–right and up–down mirror symmetry; one quadrant suffices
 - bilateral-x, bilateral-y: mirror symmetry about the plane x = 0 (left–right) or
-  y = 0 (up–down); half of the directions are measured
-- rotational: symmetry under half a turn; half of the directions are measured
-- none: all directions are measured
+  y = 0 (up–down); half of the directions suffice
+- rotational: symmetry under rotation by 180°; half of the directions suffice
+- none: all directions are needed
 
 References: G. Ward, M. Kurt, N. Bonneel, "A practical framework for sharing and
 rendering real-world bidirectional scattering distribution functions", LBNL-5954E, 2012;
@@ -25,8 +25,8 @@ Symmetry = Literal[
 ]
 SYMMETRIES: tuple[Symmetry, ...] = get_args(Symmetry)
 
-# Polar angle of directions without azimuth, and distance of azimuths from an axis [°];
-# both as in pabopto2bsdf.
+# Polar angle below which azimuths are ignored, and distance within which an azimuth
+# counts as on an axis [°]; both as in pabopto2bsdf.
 _NEAR_NORMAL_DEG = 1.0
 _NEAR_AXIS_DEG = 1.0
 
@@ -42,14 +42,14 @@ _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
 
 
 def images(symmetry: Symmetry) -> Directions:
-    """Factors of x, y, z for the images of a direction; the first is the identity."""
+    """Factors of x, y and z for each image of a direction, the identity first."""
     return np.array([(*signs, 1) for signs in _IMAGES[symmetry]], dtype=float)
 
 
 def deduce_symmetry(incidents: Directions) -> Symmetry:
-    """Symmetry that incident directions imply, by the quadrants they cover.
+    """Symmetry that incident directions imply, from the quadrants that they cover.
 
-    Half a circle is taken as bilateral; rotational symmetry must be stated.
+    Half a circle implies bilateral symmetry; rotational symmetry must be stated.
 
     >>> deduce_symmetry(np.array([[0, 0, 1.0], [0.5, 0, 0.866], [0.9, 0, 0.436]]))
     'isotropic'
@@ -73,13 +73,13 @@ def deduce_symmetry(incidents: Directions) -> Symmetry:
         return "none"
     names = ", ".join(f"{90 * k}–{90 * k + 90}°" for k in sorted(covered))
     raise InputError(
-        f"incident azimuths cover {names}; one plane, one quarter, two quarters that"
-        " touch, or all expected"
+        f"incident azimuths cover {names}; one plane, one quadrant, two adjacent"
+        " quadrants, or all quadrants expected"
     )
 
 
 def _on_axes(phi: Values) -> Symmetry:
-    # Azimuths of 0, 90, 180 or 270° only
+    # Deduce the symmetry if all azimuths are 0, 90, 180 or 270°
     axes = set((np.round(phi / 90) % 4).astype(int).tolist())
     if {0, 2} <= axes and {1, 3} <= axes:
         return "none"
@@ -91,9 +91,9 @@ def _on_axes(phi: Values) -> Symmetry:
 def fold(
     incident: Directions, symmetry: Symmetry, quadrant: Vector2
 ) -> tuple[Directions, Directions]:
-    """Directions mapped to the measured part, and the factors of the inverse.
+    """Directions mapped to the measured part, and the factors of the inverse map.
 
-    `quadrant`: signs of x and y of the measured part.
+    `quadrant`: signs of x and y in the measured part.
     """
     factor = np.ones_like(incident)
     if symmetry in ("quadrilateral", "bilateral-x"):
@@ -107,7 +107,7 @@ def fold(
 
 
 def measured_quadrant(incidents: Directions) -> Vector2:
-    """Signs of x and y of the quarter or half that contains directions."""
+    """Signs of x and y in the quarter or half that contains the directions."""
     middle = incidents[:, :2].sum(axis=0)
     return np.where(middle < -1e-9, -1.0, 1.0)
 
@@ -115,7 +115,7 @@ def measured_quadrant(incidents: Directions) -> Vector2:
 def within(
     triangles: Float[np.ndarray, "triangles 3 3"], symmetry: Symmetry, quadrant: Vector2
 ) -> Bool[np.ndarray, " triangles"]:
-    """Which triangles overlap the measured part."""
+    """Mask of the triangles that overlap the measured part."""
     reach = np.max(triangles[:, :, :2] * quadrant, axis=1) > 1e-6
     x, y = reach.T
     if symmetry == "quadrilateral":

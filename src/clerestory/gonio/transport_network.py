@@ -16,10 +16,10 @@ class Network:
 
     Attributes
     ----------
-    mesh : of incident directions
-    lobes : one set per vertex
-    plans : one per edge
-    quadrant : signs of x and y of the measured part
+    mesh : mesh of incident directions
+    lobes : lobes at each vertex
+    plans : transport plan of each edge
+    quadrant : signs of x and y in the measured part of the hemisphere
     """
 
     mesh: Mesh
@@ -33,7 +33,7 @@ class Network:
         return self._plan(a, b), self._plan(a, c), self._plan(b, c)
 
     def known_plans(self) -> dict[bytes, Plan]:
-        """Return the plans by the directions of their edges, for `join`."""
+        """Return the plans by the keys of their edges, for `join`."""
         ends = self.mesh.vertices[self.mesh.edges]
         return dict(zip(map(edge_key, ends), self.plans, strict=True))
 
@@ -43,5 +43,5 @@ class Network:
 
 
 def edge_key(ends: Float[np.ndarray, "2 3"]) -> bytes:
-    """Return the identity of an edge by the directions of its ends."""
+    """Return a key that identifies an edge by the directions of its ends."""
     return np.round(ends, 9).tobytes()

@@ -1,12 +1,13 @@
 """Refinement of transport plans by the expected motion of lobes.
 
-Beams of prisms and gratings move with the incident direction; where they move by more
-than half of their distance, transport of least cost joins wrong beams. The initial
-plans therefore serve to estimate the motion of each lobe (`lobe_motion`), over all of
-its edges and nearby lobes. Transport is then planned from the expected positions at
-both ends, with a smaller reach. Distances are angles, as in the disc the flux of
-diffusers would move to the horizon at no cost. Motion is weighted by the fraction of
-squared moves that it explains, which is small for diffusers.
+Beams of prisms and gratings move with the incident direction. If they move by more than
+half of the distance between beams, transport of least cost connects wrong beams. The
+motion of each lobe is therefore estimated from the initial plans (`lobe_motion`), over
+all edges of its vertex and nearby lobes. Transport is then planned from the expected
+positions at both ends, with a smaller reach. Distances are angles: distances in the
+disc are small near the horizon, to which the flux of diffusers would move. Motion is
+weighted by the fraction of squared displacements that it explains, which is small for
+diffusers.
 """
 
 from dataclasses import replace
@@ -23,7 +24,7 @@ from clerestory.gonio.parallel import map_in_order, silent
 from clerestory.gonio.transport_network import Network
 from clerestory.progress import Progress
 
-# Reach beyond the radius of a lobe over the rotation of the incident direction.
+# Reach of a lobe beyond its radius, per displacement of undeviated light.
 _REACH_PER_TURN = 0.5
 
 
@@ -38,9 +39,9 @@ def refine_plans(
 def refine_some_plans(
     network: Network, chosen: Indices, *, processes: int = 1, report: Progress = silent
 ) -> Network:
-    """Return a network with some plans refined, as by `refine_plans`.
+    """Return a network with the plans of some edges refined, as in `refine_plans`.
 
-    `chosen`: numbers of the edges.
+    `chosen`: indices of the edges.
     """
     follow = mean_motion(network)
     edges = network.mesh.edges[chosen]
@@ -61,7 +62,7 @@ def refine_some_plans(
 def _missed(
     start: LobeMotion, end: LobeMotion, turn: Vector2
 ) -> Float[np.ndarray, "start end"]:
-    # Angles between lobes and their expected places, extended beyond the rim
+    # Angles between lobes and expected positions, plus distances beyond the rim
     onward, over = _lifted(start.expected(turn))
     back, short = _lifted(end.expected(-turn))
     there = angle_table(onward, end.lobes.centre) + over[:, None]
@@ -70,7 +71,7 @@ def _missed(
 
 
 def _lifted(disc: Points2) -> tuple[Directions, Values]:
-    # Directions over the disc, and distances of places beyond its rim
+    # Directions of positions in the disc, and distances of positions beyond its rim
     beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
     return directions_over_disc(disc), beyond
 

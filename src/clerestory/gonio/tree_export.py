@@ -1,9 +1,9 @@
 """Tensor trees from interpolated measurements.
 
-The lobes of each incident cell are rasterized on the grid of exit cells with flux
-conserved. Blocks of incident cells are processed one by one and their similar cells
-merged, so that the 268 million values of a tree of 2^7 cells along each axis are never
-in memory.
+The lobes of each incident cell are rasterized on the grid of exit cells; flux is
+conserved. Incident cells are processed in blocks, and similar cells are merged after
+each block. A tree of 2^7 cells along each axis, with 268 million values, is therefore
+never in memory as a whole.
 """
 
 from collections.abc import Iterator
@@ -26,13 +26,13 @@ from clerestory.gonio.symmetry import Symmetry, images
 from clerestory.hemisphere.shirley_chiu import directions_from_square
 from clerestory.progress import Progress
 
-# Halvings of a block, counted from the smallest cells.
+# Levels in a block, counted from the smallest cells.
 _BLOCK = 3
 
-# Most halvings by rank, for time and memory.
+# Largest number of halvings for each rank, limited by time and memory.
 _DEEPEST: dict[int, int] = {4: 7, 3: 8}
 
-# Floor of values in relative differences [1/sr].
+# Constant added to values in relative differences [1/sr].
 _FLOOR = 0.01
 
 
@@ -44,12 +44,12 @@ class Source(Protocol):
         """Symmetry of the layer."""
 
     def lobes_of(self, incident: Directions) -> Iterator[Lobes]:
-        """Yield the lobes of the light from each direction."""
+        """Yield the lobes of the scattered light for each incident direction."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Forest:
-    # Subtrees of one incident block: their roots, and the slots below them
+    # Subtrees of one block: slots of the roots, and all slots below the roots
     roots: Int32[np.ndarray, " subtrees"]
     slots: Slots
 
@@ -66,14 +66,14 @@ def to_tree(
 
     Parameters
     ----------
-    halvings : 2^halvings smallest cells along each axis
-    tolerance : relative difference of cells that are merged
+    halvings : the smallest cells have edge 2^-halvings
+    tolerance : largest relative difference between cells that are merged
     """
     rank: Literal[3, 4] = 3 if interpolant.symmetry == "isotropic" else 4
     if not 1 <= halvings <= _DEEPEST[rank]:
         raise InputError(
-            f"a tensor tree of rank {rank} with {halvings} halvings; 1 to"
-            f" {_DEEPEST[rank]} expected"
+            f"tensor tree of rank {rank} with {halvings} halvings; 1 to"
+            f" {_DEEPEST[rank]} halvings expected"
         )
     if rank == 3:
         return _rank_3(interpolant, halvings, tolerance)
@@ -90,7 +90,7 @@ def to_tree(
 
 
 def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringTree:
-    # The first axis is half the distance from the rim; its second half is unused
+    # First coordinate: half the distance from the rim; its second half is unused
     wide, raster = 1 << halvings, Raster.of(halvings)
     radius = 1 - 2 * (np.arange(wide // 2) + 0.5) / wide
     height = np.sqrt(1 - radius**2)
@@ -109,7 +109,7 @@ def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringT
 def _images(
     interpolant: Source, block: tuple[int, int], wide: int
 ) -> dict[tuple[int, int], tuple[bool, bool]]:
-    # Images of a block, and which of its two axes are reversed
+    # Mirror images of a block, and which of its two axes each image reverses
     found: dict[tuple[int, int], tuple[bool, bool]] = {}
     for x, y, _ in images(interpolant.symmetry) < 0:
         flip = bool(x), bool(y)
@@ -128,7 +128,7 @@ def _first_image(interpolant: Source, block: tuple[int, int], wide: int) -> bool
 def _drawn_block(
     work: tuple[Source, tuple[int, int], int, int, float],
 ) -> dict[tuple[int, int], _Forest]:
-    # Values of the incident cells of a block, and the subtrees of all its images
+    # Rasterize the incident cells of a block; build the subtrees of all its images
     interpolant, block, halvings, within, tolerance = work
     wide, part = 1 << halvings, 1 << within
     raster = Raster.of(halvings)
@@ -155,7 +155,7 @@ def _grown(
     halvings: int,
     tolerance: float,
 ) -> _Forest:
-    """Merge similar cells; each row of leaves is a subtree."""
+    """Build subtrees with similar cells merged, one per row of `leaves`."""
     width = 1 << rank
     mean, least, most = [leaves], [leaves], [leaves]
     for _ in range(halvings):
@@ -187,7 +187,7 @@ def _moved(slots: Slots, by: int) -> Slots:
 
 
 def _assembled(forests: list[_Forest], halvings: int, within: int) -> ScatteringTree:
-    # A full tree whose leaves are the roots of all subtrees
+    # Build a full tree whose leaves are the roots of the subtrees
     top = halvings - within
     size = sum(16**level for level in range(top + 1))
     roots: list[Int32[np.ndarray, " subtrees"]] = []

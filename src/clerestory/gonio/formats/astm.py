@@ -4,10 +4,9 @@
     VARS theta_i,phi_i,theta_s,phi_s,BRDF
     0.17,0.0,0.35,3.14,0.081
 
-Angles are in radians, or in degrees if any is larger than 2π. φ of incident and
-scattered directions is counted from the same axis, so that a mirror reflects light to φ
-+ 180°. Columns X, Y, Z give three channels; other columns (R, G, B or wavelengths) are
-averaged.
+Angles are in radians, or in degrees if any angle exceeds 2π. Incident and scattered φ
+are measured from the same axis, so that a mirror reflects light to φ + 180°. Columns X,
+Y, Z give three channels; other columns (R, G, B or wavelengths) are averaged.
 
 References: ASTM E1392-96, "Standard practice for angle resolved optical scatter
 measurements on specular or diffuse surfaces"; files of Cornell University's Light
@@ -42,7 +41,7 @@ def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...
     names = [name.strip().lower() for name in found[1].split(",") if name.strip()]
     if len(names) <= _ANGLES:
         raise InputError(
-            f"{len(names)} columns; four angles and values expected",
+            f"{len(names)} columns; four angles and one or more values expected",
             file=path,
             line=lines[start][0],
         )

@@ -3,10 +3,10 @@
     theta_i,phi_i,theta_s,phi_s,btdf
     30,0,30,180,12.5
 
-φ of incident and scattered directions is counted from the same axis, from the right
-upwards: undeviated transmission is at φ + 180°. The header names the value: bsdf, brdf,
-btdf or value [1/sr], or dsf for BSDF times the cosine of θ_s. Columns are separated by
-commas, semicolons or blanks.
+Incident and scattered φ are measured from the same axis, from right to up: undeviated
+transmission is at φ + 180°. The header names the value: bsdf, brdf, btdf or value
+[1/sr], or dsf for BSDF times the cosine of θ_s. Columns are separated by commas,
+semicolons or blanks.
 """
 
 import re
@@ -32,7 +32,7 @@ _VALUES = ("bsdf", "brdf", "btdf", "value", "dsf")
 
 
 def scans_of(data: Float[np.ndarray, "rows 5"], path: Path) -> tuple[Scan, ...]:
-    """Return a scan per incident direction among rows of four angles [°] and BSDF."""
+    """Return one scan per incident direction from rows of four angles [°] and BSDF."""
     check_angles(data[:, 0], most=90, file=path, what="incident θ")
     incident = np.round(data[:, :2] % [1e9, 360], 6)
     incident[incident[:, 0] == 0, 1] = 0
@@ -57,7 +57,7 @@ def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...
 def _read_file(path: Path) -> tuple[Float[np.ndarray, "rows 5"], str]:
     lines = numbered_lines(path, comment="#")
     if not lines:
-        raise InputError("an empty file; columns with a header expected", file=path)
+        raise InputError("the file is empty; columns with a header expected", file=path)
     head = [word.lower() for word in re.split(r"[,;\s]+", lines[0][1].strip())]
     value = head[-1]
     if tuple(head[:-1]) != _ANGLES or value not in _VALUES:

@@ -1,7 +1,6 @@
-"""Description of a goniophotometer file format, as the registry holds it.
+"""Interface of goniophotometer file formats.
 
-A module of this package that defines `FORMAT` is a format: nothing else needs to name
-it.
+The registry finds every module of this package that defines `FORMAT`.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,27 +21,27 @@ class FileHead:
 
     Attributes
     ----------
-    data : the bytes
-    lines : lower-case lines of text that are not blank; none in binary files
+    data : first bytes of the file
+    lines : non-blank lines of text in lower case; empty for binary files
     """
 
     data: bytes
     lines: tuple[str, ...]
 
     def has_line(self, *starts: str) -> bool:
-        """Whether a line starts with one of some texts."""
+        """Whether a line starts with one of the given texts."""
         return any(line.startswith(starts) for line in self.lines)
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Information that files of some formats lack.
+    """Information that some file formats do not contain.
 
     Attributes
     ----------
-    function : scattering function that was measured; None for the format's default
+    function : measured scattering function; None for the default of the format
     facing : side that the normal of the sample faces
-    blank : file of readings without a sample
+    blank : file of readings without a sample; None if not available
     """
 
     function: Function | None = None
@@ -56,9 +55,10 @@ class FileFormat:
 
     Attributes
     ----------
-    name : as `--format` takes it
-    recognizes : whether the head of a file is of this format
-    read : measurements in the files of one sample, one per function and channel
+    name : name of the format, as in the option `--format`
+    recognizes : function that tells from the head of a file whether it has this format
+    read : function that returns the measurements in the files of one sample, one per
+        scattering function and channel
     """
 
     name: str
@@ -67,7 +67,9 @@ class FileFormat:
 
 
 def single_file(paths: Sequence[Path], kind: str) -> Path:
-    """Return the one file of a format that has all directions in one file."""
+    """Return the only file; raise InputError unless there is exactly one."""
     if len(paths) != 1:
-        raise InputError(f"{len(paths)} {kind} files; one per measurement expected")
+        raise InputError(
+            f"{len(paths)} {kind} files; one file per measurement expected"
+        )
     return paths[0]

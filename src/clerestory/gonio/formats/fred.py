@@ -5,8 +5,8 @@
     10 0           incident θ and φ
     5 0 0.034271   θ, φ and BSDF [1/sr] of scattered light
 
-A line of two numbers starts the next incident direction. A mirror reflects light to the
-φ of the incident light: φ of the incident direction is that of travel.
+A line of two numbers starts the next incident direction. The incident φ is the azimuth
+of propagation: a mirror reflects light to the incident φ.
 
 Reference: Photon Engineering's article 304, and files in ua-loft/bsdf-tools.
 """
@@ -60,7 +60,7 @@ def _scale(line: Line, path: Path) -> float:
     for key, known in _KEYS.items():
         if words.get(key) not in known:
             raise InputError(
-                f"{key} of {words.get(key)!r}; {' or '.join(known)} expected",
+                f"{key} is {words.get(key)!r}; {' or '.join(known)} expected",
                 file=path,
                 line=place,
             )

@@ -41,7 +41,7 @@ from clerestory.gonio.scattering_measurement import Measurement, Scan
 _CHANNELS = {"cie-y": ("visible",), "cie-xyz": ("cie-x", "visible", "cie-z")}
 _NAME = re.compile(r'sample_name\s*:?\s*"([^"]*)"')
 
-# Directions closer than this to the plane of the sample may be on either side [°].
+# Angle to the sample plane below which the side of a direction is not checked [°].
 _GRAZING_DEG = 1e-3
 
 
@@ -56,7 +56,7 @@ class _File:
 
 @dataclass
 class _Header:
-    # Values of the lines that start with #; None where they are missing
+    # Values of the header lines; None if missing
     theta: float | None = None
     phi: float | None = None
     up: float = 0.0
@@ -86,12 +86,13 @@ def _read_file(path: Path, facing: Facing) -> _File:
     header = _header(lines, path)
     if header.theta is None or header.phi is None:
         raise InputError(
-            "no incident direction; #intheta and #inphi, or #incident_angle, expected",
+            "no incident direction; lines #intheta and #inphi, or #incident_angle,"
+            " expected",
             file=path,
         )
     if header.kind is None:
         raise InputError(
-            'no format; a line "#format: theta phi BSDF" or DSF expected', file=path
+            'no format line; "#format: theta phi BSDF" (or DSF) expected', file=path
         )
     channels = _CHANNELS[header.colour]
     what = f"θ, φ [°] and {len(channels)} values"
@@ -151,7 +152,7 @@ def _kind(word: str, path: Path, line: int) -> str:
 
 
 def _turn(angles: Points2, up: float, facing: Facing) -> Directions:
-    # From the sample's angles to ours: up at φ = 90°, the normal into the room
+    # Convert to the frame of the window: up at φ = 90°, the normal into the room
     theta, phi = angles.T
     if facing == "sky":
         return from_degrees(180 - theta, 90 - (phi - up))
@@ -165,7 +166,7 @@ def _function(source: Vector, leaving: Directions, path: Path) -> Function:
     if above and below:
         raise InputError(
             "scattered directions lie on both sides of the sample; one side per"
-            " file expected: are the columns of θ and φ exchanged?",
+            " file expected; are the columns of θ and φ swapped?",
             file=path,
         )
     same = bool(above) == (side == "back")

@@ -1,13 +1,13 @@
 """Raw tables of the J&C RT-300S scatterometer, in workbooks of Excel 97.
 
-Each column is one reading: rows give the azimuth A of the detector's plane, the angle
-of incidence I, the angle R of the detector and the reading RT, relative to a white
-standard. BRDF = RT / (π cos R). Mirror reflection is at R = I and A = −90°, so that φ =
-90° + A is counted from it; the source is opposite.
+Each column is one reading. The rows give the azimuth A of the detector plane, the angle
+of incidence I, the angle R of the detector and the reading RT relative to a white
+standard: BRDF = RT / (π cos R). Mirror reflection is at R = I and A = −90°; φ = 90° + A
+is measured from this direction, and the source is at φ = 180°.
 
-The reading of the empty instrument must be subtracted; without a file of it negative
-readings are kept. The detector shadows the source near A = ±90° and R = −I: these
-readings are left out.
+Readings without a sample (the blank) must be subtracted. Without a blank file, negative
+readings are kept. Near A = ±90° and R = −I the detector shades the source; these
+readings are omitted.
 
 References: M. Duque, thesis on the RT-300S, equation 4.6, and the processing of
 ua-loft/bsdf-tools, process_rt300s.m.
@@ -34,10 +34,10 @@ _ROWS = ("azimuth", "incidence", "receive", "rt")
 _WORKBOOK = b"\xd0\xcf\x11\xe0"
 _ROTATION = re.compile(r"stageRotation(-?\d+)", re.IGNORECASE)
 
-# Shadow of the detector about the source [°]: ±30 in azimuth, ±10 in its own angle.
+# Range of detector positions that shade the source [°]: ±30 in azimuth, ±10 in angle R.
 _SHADOW_AZIMUTH, _SHADOW_ANGLE = 30.0, 10.0
 
-# Detector angle from which the sample is seen edge-on [°].
+# Detector angle from which readings are omitted: the sample is seen edge-on [°].
 _GRAZING = 89.0
 
 
@@ -69,13 +69,14 @@ def _readings(path: Path) -> Float[np.ndarray, "4 readings"]:
     except Exception as error:  # xlrd raises many kinds of exception
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
-            f"not a workbook of Excel 97 ({reason[:80]}); one expected", file=path
+            f"not an Excel 97 workbook ({reason[:80]}); an Excel 97 workbook expected",
+            file=path,
         ) from error
     if not columns:
-        raise InputError("an empty workbook; readings expected", file=path)
+        raise InputError("the workbook is empty; readings expected", file=path)
     data = np.concatenate(columns, axis=1)
     if not np.all(np.isfinite(data)):
-        raise InputError("a reading is not a number; all numbers expected", file=path)
+        raise InputError("a reading is not a number; numbers expected", file=path)
     return data
 
 
@@ -109,7 +110,7 @@ def _scans(path: Path, empty: Float[np.ndarray, "4 readings"] | None) -> list[Sc
     if empty is not None:
         if empty.shape != data.shape or not np.allclose(empty[:3], data[:3]):
             raise InputError(
-                "the blank was read at other angles; the same angles expected",
+                "the angles of blank and sample differ; equal angles expected",
                 file=path,
             )
         data = np.concatenate([data[:3], data[3:] - empty[3:]])
@@ -119,7 +120,8 @@ def _scans(path: Path, empty: Float[np.ndarray, "4 readings"] | None) -> list[Sc
     for incidence in np.unique(data[1]):
         if not 0 <= incidence < 90:
             raise InputError(
-                f"incidence of {incidence:g}°; 0 to below 90° expected", file=path
+                f"angle of incidence {incidence:g}°; 0 ≤ angle < 90° expected",
+                file=path,
             )
         azimuth, _, receive, reading = data[:, data[1] == incidence]
         seen = ~_shadowed(azimuth, float(incidence), receive)

@@ -1,4 +1,4 @@
-"""Numbers in the lines of text files, and the scans that they describe."""
+"""Tables of numbers in text files, and scans from such tables."""
 
 import math
 import re
@@ -18,14 +18,14 @@ Line = tuple[int, str]
 
 _SEPARATOR = re.compile(r"[,;\s]+")
 
-# Largest polar angle of scattered light [°]; 90° would lie in the plane of the sample.
+# Upper limit of polar angles of scattered light [°]; 90° is in the sample plane.
 _LARGEST_THETA_DEG = 89.99
 
 
 def numbered_lines(path: Path, *, comment: str | None = None) -> list[Line]:
-    """Return the lines of a file that are not blank, with their numbers from 1.
+    """Return the non-blank lines of a file, with line numbers from 1.
 
-    `comment`: text at the start of lines that are left out.
+    `comment`: prefix of comment lines, which are skipped.
     """
     return [
         (number, text)
@@ -35,7 +35,7 @@ def numbered_lines(path: Path, *, comment: str | None = None) -> list[Line]:
 
 
 def number(text: str, *, what: str, file: str | Path, line: int) -> float:
-    """Return the finite number of a text.
+    """Return the finite number that a text contains.
 
     >>> number("0.5", what="a BSDF value", file="a.txt", line=3)
     0.5
@@ -52,7 +52,7 @@ def number(text: str, *, what: str, file: str | Path, line: int) -> float:
 def table(
     lines: Iterable[Line], *, columns: int, what: str, file: str | Path
 ) -> Float[np.ndarray, "rows columns"]:
-    """Return the numbers of lines of equal length; blank lines and # lines are skipped.
+    """Return a table of numbers from lines; blank and # lines are skipped.
 
     >>> table([(1, "1, 2"), (2, "3 4")], columns=2, what="pairs", file="a.txt").tolist()
     [[1.0, 2.0], [3.0, 4.0]]
@@ -65,7 +65,7 @@ def table(
         words = _SEPARATOR.split(line)
         if len(words) != columns:
             raise InputError(
-                f"{len(words)} columns; {columns} expected: {what}",
+                f"{len(words)} columns; {columns} columns expected: {what}",
                 file=file,
                 line=place,
             )
@@ -78,13 +78,13 @@ def table(
 def check_angles(
     theta_deg: Values, *, most: float, file: str | Path, what: str = "θ"
 ) -> None:
-    """Refuse polar angles outside 0…most [°], a sign of exchanged columns."""
+    """Raise InputError for polar angles outside 0…most [°], as in swapped columns."""
     wrong = (theta_deg < 0) | (theta_deg > most)
     if np.any(wrong):
         value = float(theta_deg[wrong][0])
         raise InputError(
-            f"{what} of {value:g}°; 0 to {most:g}° expected: are the columns of θ and"
-            " φ exchanged?",
+            f"{what} of {value:g}°; 0 to {most:g}° expected; are the columns of θ and"
+            " φ swapped?",
             file=file,
         )
 
@@ -92,9 +92,9 @@ def check_angles(
 def scan_of_rows(
     incident: Sequence[float], data: Float[np.ndarray, "rows 3"], path: Path
 ) -> Scan:
-    """Return the scan of an incident θ and φ [°] and rows of θ, φ [°] and BSDF [1/sr].
+    """Return a scan from incident θ and φ [°] and rows of θ, φ [°] and BSDF [1/sr].
 
-    φ of incident and scattered light is counted from the same axis.
+    Incident and scattered φ are measured from the same axis.
     """
     check_angles(np.array(incident[:1]), most=90, file=path, what="incident θ")
     check_angles(data[:, 0], most=90, file=path)
@@ -103,10 +103,10 @@ def scan_of_rows(
 
 
 def scan_of_block(lines: Sequence[Line], path: Path, *, scale: float = 1.0) -> Scan:
-    """Return the scan of a line of incident θ and φ [°] and lines of θ, φ and BSDF.
+    """Return a scan from a line of incident θ and φ [°] and lines of θ, φ and BSDF.
 
-    A mirror reflects light to the φ of the incident light: φ of the incident direction
-    is that of travel.
+    The incident φ is the azimuth of propagation: a mirror reflects light to the
+    incident φ.
     """
     (theta, phi), *_ = table(
         lines[:1], columns=2, what="incident θ and φ [°]", file=path

@@ -1,9 +1,9 @@
 """Text files of RPC Photonics' scatterometer: one incident direction per file.
 
 Two lines that start with !! are followed by the incident angles and by lines of θ, φ
-and BSDF [1/sr]. Undeviated transmission and mirror reflection are at the φ of the
-incident light: φ of the incident direction is that of travel. The file does not say
-whether values are of reflection or of transmission.
+and BSDF [1/sr]. The incident φ is the azimuth of propagation: undeviated transmission
+and mirror reflection are at the incident φ. The file does not state whether values are
+for reflection or for transmission.
 
 Reference: files of the engineered diffuser EDS10 in ua-loft/bsdf-tools, and Photon
 Engineering's article 304 on them.
@@ -33,7 +33,9 @@ def _scan(path: Path) -> Scan:
     body = [(number, text) for number, text in lines if _MARK not in text[:2]]
     if len(body) == len(lines) or not body:
         raise InputError(
-            "no line that starts with !!; a scatterometer's file expected", file=path
+            "no line that starts with !!; a file of RPC Photonics' scatterometer"
+            " expected",
+            file=path,
         )
     return scan_of_block(body, path)
 

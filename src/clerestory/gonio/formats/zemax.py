@@ -1,13 +1,14 @@
 """Tabular BSDF of Radiant and Zemax: rotations × incidences × azimuths × radii.
 
 Scattered directions are relative to the mirror direction: the radius is the angle to
-it, azimuth 0 points to the normal, and azimuths run anticlockwise. A sample rotation
-turns the incident direction the other way. Directions below the sample are zeros in the
-table and are left out, as are zeros beyond the last value of a row, which mean "not
-measured".
+the mirror direction, azimuth 0 points to the normal, and azimuths run anticlockwise. A
+sample rotation rotates the incident direction in the opposite sense. Zeros after the
+last non-zero value of a row mean "not measured"; they are skipped, as are directions
+below the sample.
 
-"PlaneSymmetrical" files hold half of the azimuths and are completed by mirror images. A
-single rotation means an isotropic sample. Of tristimulus files Y is read.
+"PlaneSymmetrical" files contain half of the azimuths and are completed by mirror
+images. A single rotation means an isotropic sample. Only Y of tristimulus files is
+read.
 
 References: R. Rykowski, "BSDF Data Interchange File Format Specification", Radiant
 Zemax 2008; the frame as derived in ua-loft/bsdf-tools, fred_frame_to_zemax.m.
@@ -37,10 +38,10 @@ from clerestory.gonio.symmetry import Symmetry
 _AXES = ("SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial")
 _SYMMETRIES = ("planesymmetrical", "asymmetrical", "asymmetrical4d")
 
-# Most values of a table; larger counts are damage.
+# Largest number of values of a table; larger numbers indicate a damaged file.
 _MOST_VALUES = 50_000_000
 
-# Directions closer than this are the same one [rad].
+# Angle below which directions count as equal [rad].
 _SAME = 1e-6
 
 
@@ -81,7 +82,7 @@ def _read_file(path: Path) -> _Table:
     shape = tuple(len(axis) for axis in axes)
     if np.prod(shape, dtype=float) > _MOST_VALUES:
         raise InputError(
-            f"{' × '.join(map(str, shape))} values; a table of measurements expected",
+            f"{' × '.join(map(str, shape))} values; at most {_MOST_VALUES} expected",
             file=path,
         )
     rows = [
@@ -92,8 +93,8 @@ def _read_file(path: Path) -> _Table:
     wanted = shape[0] * shape[1] * shape[2]
     if len(rows) < wanted:
         raise InputError(
-            f"{len(rows)} rows of values; {wanted} expected: rotations × incidences ×"
-            " azimuths",
+            f"{len(rows)} rows of values; {wanted} rows (rotations × incidences ×"
+            " azimuths) expected",
             file=path,
         )
     data = table(rows[:wanted], columns=shape[3], what="BSDF values [1/sr]", file=path)
@@ -111,7 +112,7 @@ def _choice(
     value = words[1].lower() if len(words) > 1 else ""
     if value not in known:
         raise InputError(
-            f"{key} of {value or 'nothing'}; {', '.join(known)} expected",
+            f"{key} is {value or 'missing'}; one of {', '.join(known)} expected",
             file=path,
             line=place,
         )
@@ -122,7 +123,9 @@ def _axis(
     lines: list[Line], head: dict[str, tuple[int, list[str]]], key: str, path: Path
 ) -> Values:
     if key not in head:
-        raise InputError(f"no {key}; a count and a line of angles expected", file=path)
+        raise InputError(
+            f"no {key}; the number of angles and a line of angles expected", file=path
+        )
     place, words = head[key]
     following = next(((k, text) for k, text in lines if k > place), (place, ""))
     count = len(following[1].split())
@@ -142,7 +145,7 @@ def _begin(lines: list[Line], path: Path) -> int:
     ]
     if not marks:
         raise InputError("no DataBegin; a table of BSDF values expected", file=path)
-    # Tristimulus files hold X, Y and Z one after the other
+    # Tristimulus files contain tables of X, Y and Z in this order
     return marks[1 if len(marks) == 3 else 0] + 1
 
 
@@ -171,7 +174,7 @@ def _scan(
     )
     measured = np.flip(np.cumsum(np.flip(values != 0, 1), 1), 1) > 0
     keep = measured & (leaving[..., 2] > 1e-3)
-    # The middle is the same direction in every row
+    # Keep the centre direction only once: it is repeated in every row
     keep[1:, :] &= angle_between(leaving[1:], leaving[:1]) > _SAME
     points, bsdf = leaving[keep], values[keep]
     if found.symmetry == "planesymmetrical":
