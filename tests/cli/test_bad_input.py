@@ -87,7 +87,7 @@ BAD = {
     "weather of unknown format": (
         write("two_days.wea", "rain\n"),
         "run study.toml",
-        "two_days.wea:1: unknown format of weather file",
+        "two_days.wea:1: unknown weather file format",
     ),
     "weather with a word": (
         spoil("two_days.wea", "6 20 5.500", "6 20 five"),
@@ -107,7 +107,7 @@ BAD = {
     "sun of another size": (
         nothing,
         "sky matrix two_days.wea -o S.smx --sun-size 40",
-        "sun of 40",
+        "sun of diameter 40",
     ),
     "one factor": (
         nothing,
