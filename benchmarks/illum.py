@@ -1,4 +1,4 @@
-"""Windows as lamps: what computing their light beforehand gains, and what it costs.
+"""Precomputed window emitters (mkillum): gain in work at equal error, and their bias.
 
     python benchmarks/illum.py [--bsdf FILE] [--samples 256] [--write FILE]
 
@@ -91,7 +91,7 @@ def main() -> None:
         file.name: BsdfSurface("pane", cl.read_bsdf(file), 0.0, upright),
     }
     lines = [
-        "### Windows as lamps",
+        "### Precomputed window emitters",
         "",
         stamp(),
         "",

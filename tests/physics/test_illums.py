@@ -1,4 +1,4 @@
-"""Windows as lamps light a room as the windows do, and are seen as windows."""
+"""Rooms lit by precomputed window emitters equal those lit through the windows."""
 
 import numpy as np
 import pytest
