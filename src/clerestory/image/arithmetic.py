@@ -18,7 +18,7 @@ Colour = tuple[float, float, float]
 
 
 def scale(picture: Picture, factor: float | Colour) -> Picture:
-    """Return a picture multiplied by one factor, or one each for red, green and blue."""
+    """Return a picture multiplied by one factor, or one per channel."""
     values = np.asarray(factor, dtype=np.float32)
     if not np.isfinite(values).all():
         raise InputError(f"factor {factor}; finite numbers expected")
