@@ -86,7 +86,8 @@ def read_small(file: str | Path, *, width: int) -> Picture:
 def exposures(pictures: Sequence[Picture]) -> list[float]:
     """Return the luminance mapped to white in each picture [cd/m²].
 
-    It is the geometric mean of the automatic values of the picture and of all pictures.
+    The value is the geometric mean of the automatic values of the picture and of all
+    pictures.
 
     Examples
     --------
