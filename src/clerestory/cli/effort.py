@@ -9,7 +9,7 @@ from clerestory.progress import Progress
 def effort_of(
     options: EffortOptions, executor: Executor, progress: Progress | None
 ) -> Effort:
-    """Return the sampling effort set by options, with executor and progress function."""
+    """Return the sampling effort set by options, with executor and progress report."""
     return Effort(
         samples=options.samples,
         relative_error=options.relative_error,
