@@ -72,7 +72,7 @@ def walk_layers(
     ----------
     layers : layers from outdoors to indoors, at least one
     halvings : h for 2^h cells along each axis of the tensor tree, at most 6
-    walkers : random walks per incident cell, side and channel, summed over all batches
+    walkers : number of random walks per incident cell, side and channel, in all batches
     batches : number of independent batches, at least 2
     seed : seed of the random numbers; results are bitwise reproducible
     channels : "solar", "visible" or both

@@ -1,4 +1,4 @@
-"""Terms of the matrix equation and the effect of its direct correction.
+"""Terms of the matrix equation and the effect of the direct-sun correction.
 
 I = V T D S − V_d T D_d S_ds + C_ds S_sun (five-phase method): illuminance without
 correction, minus direct sunlight spread over sky patches, plus direct sunlight from the
@@ -46,7 +46,7 @@ class EquationTerms:
     Attributes
     ----------
     whole, direct_in_patches, direct_sun : the three terms over (sensor, time)
-    method : name of the method with direct correction, such as "5-phase"
+    method : name of the method with direct-sun correction, such as "5-phase"
     """
 
     whole: Float[np.ndarray, "sensor time"]
@@ -55,7 +55,7 @@ class EquationTerms:
     method: MethodName
 
     def names(self) -> tuple[str, str]:
-        """Names of the results without and with the direct correction."""
+        """Names of the results without and with the direct-sun correction."""
         method = METHODS[self.method]
         if method.correction == "choice":
             return f"{self.method} method", f"{self.method} method with the exact sun"

@@ -33,7 +33,7 @@ _COVERED = 0.997
 
 @dataclass(frozen=True)
 class Moment:
-    """Picture of a run: index of its time step, and its file."""
+    """Picture of a run: index of the time step, and picture file."""
 
     step: int
     file: Path
