@@ -72,7 +72,7 @@ class ControlInputs:
     def profile(
         self, group: int, *, vertical: bool = False
     ) -> Float[np.ndarray, " time"]:
-        """Profile angle [rad] of the sun; NaN at night and for sun behind the window."""
+        """Profile angle [rad] of the sun; NaN at night and with the sun behind."""
         frame = self.inputs.groups[group].inner.frame
         angle = profile_angle(self.sun, frame, vertical=vertical)
         return np.where(self.sun[:, 2] > 0, angle, np.nan)

@@ -38,7 +38,7 @@ class Job:
     ----------
     display : function that starts the progress display of a phase
     found : for each matrix file name, whether the matrix was in the cache
-    executor : where paths are traced; results do not depend on it
+    executor : executor of the tracing jobs; results do not depend on it
     scratch : folder for hourly results that do not fit into memory
     """
 

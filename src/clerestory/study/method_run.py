@@ -78,7 +78,7 @@ def run_method(
     Parameters
     ----------
     store : cache of traced matrices
-    executor : where paths are traced
+    executor : executor of the tracing jobs
     states : shade states of the window groups; default: by the study's control rules
     """
     log = RunLog()
