@@ -23,7 +23,7 @@ class Conserved:
     ----------
     fits : corrected fits in the given order
     largest : largest transmittance plus reflectance before the correction
-    changed : number of incident directions that were scaled
+    changed : number of incident directions at which fluxes were scaled
     """
 
     fits: tuple[Fitted, ...]
@@ -32,9 +32,9 @@ class Conserved:
 
 
 def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
-    """Scale measured directions whose transmittance plus reflectance exceeds 1.
+    """Scale fluxes where transmittance plus reflectance exceeds 1.
 
-    Factors of the visible channel are used for all channels.
+    The scale factors of the visible channel are used for all channels.
     """
     visible = {
         fit.function: fit.interpolant for fit in fits if fit.channel == "visible"

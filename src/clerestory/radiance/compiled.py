@@ -1,8 +1,8 @@
 """Reader of Radiance's compiled files: octrees (oconv) and meshes (obj2mesh).
 
-Both have a text header, an octree, which is skipped, and primitives in a portable
-binary format. Numbers are big-endian; real numbers have a mantissa of four bytes and an
-exponent of one byte.
+Both kinds of file have a text header, an octree (skipped by this reader) and primitives
+in a portable binary format. Numbers are big-endian; real numbers have a mantissa of
+four bytes and an exponent of one byte.
 
 Reference: Radiance, src/common: portio.c, octree.h, sceneio.c, readoct.c, readmesh.c.
 """
@@ -30,7 +30,7 @@ class Octree:
 
     Attributes
     ----------
-    files : scene files from which it was compiled, none if it is frozen
+    files : scene files from which the octree was compiled; none if it is frozen
     items : primitives of a frozen octree
     """
 

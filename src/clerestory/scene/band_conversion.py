@@ -1,4 +1,4 @@
-"""Conversion of scenes from red, green and blue to other spectral bands."""
+"""Conversion of scenes from RGB to other spectral bands."""
 
 from collections.abc import Callable
 from dataclasses import replace
