@@ -89,7 +89,7 @@ class _Model:
     # Part of the model that has been read so far
     modifiers: Modifiers
     scale: float
-    # Whether all exterior glazing becomes window groups, as some apertures require it
+    # Whether all exterior glazing becomes window groups; true if any aperture does
     all_windows: bool = False
     materials: dict[str, Material] = field(default_factory=dict)
     surfaces: list[Surface] = field(default_factory=list)

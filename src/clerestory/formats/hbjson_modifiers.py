@@ -63,7 +63,7 @@ class Modifiers:
     unsupported: list[str] = field(default_factory=list)
 
     def of(self, own: Item, place: str, room_set: str = "") -> Modifier:
-        """Return the modifier of an object: its own, that of its room, or the default.
+        """Return the modifier of an object: its own, its room's, or the default.
 
         Parameters
         ----------

@@ -110,7 +110,7 @@ def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
 
 
 def is_grey(colour: Chromaticity) -> bool:
-    """Whether a chromaticity equals that of equal energy, within a tolerance."""
+    """Whether a chromaticity is nearly the equal-energy white (x = y = 1/3)."""
     return max(abs(colour.x - 1 / 3), abs(colour.y - 1 / 3)) <= 0.0103
 
 

@@ -88,9 +88,8 @@ def _clear(given: MgfMaterial, name: str, source: Source | None) -> Material:
 def _between_faces(
     passed: Float[np.ndarray, "3"], index: float
 ) -> Float[np.ndarray, "3"]:
-    # Internal transmittance of one pass, from the transmittance of a pane at normal
-    # incidence, the inverse of rad2mgf; mgf2rad uses ts + rs, 0.014 too much for t =
-    # 0.65
+    # Internal transmittance of one pass, from a pane's transmittance at normal
+    # incidence (inverse of rad2mgf); mgf2rad uses ts + rs, 0.014 too high for t = 0.65
     face = ((index - 1) / (index + 1)) ** 2
     clear = (1 - face) ** 2
     root = np.sqrt(clear**2 + (2 * face * passed) ** 2)
@@ -106,8 +105,7 @@ def _trans(given: MgfMaterial, name: str, source: Source | None) -> Trans:
     rough = rs * mirrored.roughness + ts * diffused[2].roughness
     return Trans(
         name,
-        # MGF gives fractions of all light; trans applies them to light not in the
-        # highlight
+        # MGF: fractions of all light; trans: fractions of light not in the highlight
         colour / (1 - rs) if td + ts < 0.999 * both else colour,
         rs,
         rough / (rs + ts) if rs + ts > 1e-4 else 0.0,

@@ -36,8 +36,7 @@ class _Level:
         return own.then(self.outer)
 
     def advance(self) -> bool:
-        # Advances to the next instance, last dimension first; False after the last
-        # instance
+        # Advances to the next instance, last dimension first; False if there is none
         for at, count in zip(
             reversed(self.counters), reversed(self.counts), strict=True
         ):

@@ -51,7 +51,7 @@ class WordReader:
         return self.words[self.at - 1]
 
     def skip(self, count: int) -> None:
-        """Skip words."""
+        """Skip a number of words."""
         for _ in range(count):
             self.word("a value")
 
@@ -82,7 +82,7 @@ class WordReader:
         return int(value)
 
     def several(self, count: int, what: str) -> Float[np.ndarray, " count"]:
-        """Read numbers."""
+        """Read `count` numbers."""
         return np.array([self.real(what) for _ in range(count)])
 
     def option(self) -> str:

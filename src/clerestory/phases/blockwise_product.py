@@ -152,7 +152,7 @@ class BlockwiseProduct:
                 require_columns(term, chain, self.skies)
 
     def blocks(self) -> Iterator[Block]:
-        """Yield all blocks: all receivers of the first steps, then of the next ones."""
+        """Yield all blocks: all receivers of the first steps, then of the next."""
         parts = [self._chains(term) for term in self.terms]
         lit = _lit(self.skies)
         exiting = sum(_light_bytes(found, self.weights) for found in parts)

@@ -70,7 +70,7 @@ def sun_coefficients(
         aBSDF
     samples : paths per sensor and sun
     seed : random seed ≥ 0; same seed and device, bitwise identical results
-    executor : where paths are traced, such as a `Cluster`; this process by default
+    executor : executor of the tracing jobs, such as a `Cluster`; default: local
 
     Raises
     ------

@@ -58,7 +58,7 @@ def view_matrix(
     bounces : maximum number of gathers, as Radiance -ab; default unlimited
     seed : random seed ≥ 0; same seed and device, bitwise identical results
     device : "auto" selects a GPU if one is available
-    executor : where paths are traced, such as a `Cluster`; this process by default.
+    executor : executor of the tracing jobs, such as a `Cluster`; default: local.
         Results do not depend on it
     progress : callback with the completed fraction (0…1) and a status text
 

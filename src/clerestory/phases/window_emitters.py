@@ -57,7 +57,7 @@ def precompute_illums(
     bounces : maximum number of diffuse reflections before the window
     seed : random seed ≥ 0; same seed and device, bitwise identical results
     device : "auto" selects a GPU if one is available
-    executor : where paths are traced, such as a `Cluster`; this process by default
+    executor : executor of the tracing jobs, such as a `Cluster`; default: local
     progress : callback with the completed fraction (0…1) and a status text
 
     Raises

@@ -175,7 +175,7 @@ def _array_count(words: list[str]) -> int:
 
 def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
     # Appends i to the prefix of copy i. Of several -n, xform numbers the first for -f;
-    # for -a it numbers the last and drops the others.
+    # for -a it numbers the last and removes all other -n options.
     named = [at for at in range(1, len(words)) if words[at - 1] == "-n"][which]
     if not named:
         return ["-n", fresh, *words]

@@ -87,7 +87,7 @@ class Reader:
         )
 
     def take(self, count: int) -> bytes:
-        """Read bytes."""
+        """Read `count` bytes."""
         part = self.data[self.at : self.at + count]
         if len(part) < count:
             raise self.error("the file ends early")
@@ -108,7 +108,7 @@ class Reader:
         return text
 
     def reals(self, count: int) -> tuple[float, ...]:
-        """Read real numbers."""
+        """Read `count` real numbers."""
         raw = np.frombuffer(self.take(5 * count), dtype=np.uint8).reshape(count, 5)
         mantissa = np.ascontiguousarray(raw[:, :4]).view(">i4")[:, 0].astype(float)
         exponent = raw[:, 4].view(np.int8).astype(int)

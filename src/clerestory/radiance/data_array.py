@@ -133,7 +133,7 @@ def _interpolated(
     chosen: list[np.ndarray],
     cells: list[tuple[np.ndarray, np.ndarray]],
 ) -> Float[np.ndarray, " points"]:
-    # Interpolates between both ends of the first axis, recursively along the other axes
+    # Interpolates along the other axes recursively, then along the first axis
     if not cells:
         value: np.ndarray = values[tuple(chosen)]
         return value

@@ -87,7 +87,7 @@ class FunctionPattern:
 
     @property
     def needs_point(self) -> bool:
-        """Whether the expressions depend on the point."""
+        """Whether the expressions depend on the surface point."""
         return bool(self.names & _POINT)
 
     def value(

@@ -32,7 +32,7 @@ class Modifiers:
     textures: tuple[FunctionPattern, ...] = ()
 
     def within(self, outer: "Modifiers | None") -> "Modifiers":
-        """Return these modifiers combined with outer ones, if any."""
+        """Return these modifiers combined with outer modifiers, if any."""
         if outer is None:
             return self
         patterns, textures = outer.patterns + self.patterns, outer.textures

@@ -136,8 +136,7 @@ def _data(
     return pattern
 
 
-# Number of functions, index of the first function among the strings, number of data
-# files
+# Number of functions, string index of the first function, number of data files
 _FORMS: Mapping[str, tuple[int, int, int | None]] = {
     "brightfunc": (1, 0, None),
     "colorfunc": (3, 0, None),

@@ -44,7 +44,7 @@ _VOID = ""
 
 
 def read_rad(*paths: str | Path) -> Scene:
-    """Read a scene from Radiance files, one after the other.
+    """Read a scene from one or several Radiance scene files.
 
     A later definition of a material applies to the surfaces after it. Surfaces of the
     material void are omitted. Polygons of zero area are omitted and non-planar polygons
@@ -79,8 +79,7 @@ def read_rad(*paths: str | Path) -> Scene:
 
 @dataclass
 class _Reading:
-    # Scene read so far; `in_force` gives the key of the material currently defined by a
-    # name
+    # Scene read so far; `in_force`: key of the current material of each name
     materials: dict[str, Material] = field(default_factory=dict)
     in_force: dict[str, str] = field(default_factory=lambda: {"void": _VOID})
     surfaces: list[Surface] = field(default_factory=list)
@@ -240,8 +239,7 @@ class _Reading:
         return self.bsdfs[path]
 
     def _alias(self, given: Arguments) -> None:
-        # "inherit" preserves the modifiers of the original; other modifiers replace
-        # them
+        # "inherit" preserves the original's modifiers; other modifiers replace them
         name, (target,) = given.item.name, given.item.strings
         if target == "void":
             message = f'alias "{name}" refers to void; a material expected'

@@ -56,8 +56,7 @@ def _turned(triangles: Triangles, inward: bool) -> Triangles:
 
 
 def _circle(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "sides 3"]:
-    # Polygon corners around an axis; equal for the opposite axis, so that discs fit
-    # tubes
+    # Polygon corners around an axis; equal for the opposite axis (discs fit tubes)
     along = axis / np.linalg.norm(axis)
     first = np.cross(np.eye(3)[np.argmin(np.abs(along).round(9))], along)
     first = first / np.linalg.norm(first)

@@ -34,7 +34,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Plugin:
-    """A Mitsuba plugin and its parameters, as plain values.
+    """Name and parameters of a Mitsuba plugin, independent of Mitsuba.
 
     Attributes
     ----------

@@ -52,7 +52,7 @@ class Pattern(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Product:
-    """The product of patterns.
+    """A product of patterns.
 
     Examples
     --------

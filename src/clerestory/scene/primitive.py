@@ -149,7 +149,7 @@ class Arguments:
 
 @dataclass(frozen=True, eq=False)
 class Definition(Arguments):
-    """Arguments of a material, with access to the objects that they refer to by name.
+    """Arguments of a material, with access to the objects named in them.
 
     Attributes
     ----------
@@ -157,8 +157,7 @@ class Definition(Arguments):
     named : function that returns the material with a given name at this line
     bsdf : function that returns the BSDF in a given file
     vector : function of a string argument's index and a transform; returns the vector
-        of
-        three expressions from that argument on, or a pattern if the vector varies
+        of three expressions from that argument on, or a pattern if it varies
     share_of_foreground : function that returns the foreground fraction of a mixture
     """
 
@@ -169,7 +168,7 @@ class Definition(Arguments):
     share_of_foreground: Callable[[], float | Pattern]
 
     def oriented(self, at: int) -> Transform:
-        """Return the transform from argument `at` on, followed by that of the file."""
+        """Return the transform from argument `at` on, followed by `placed`."""
         with self.located():
             return self.transform(at).then(self.placed)
 

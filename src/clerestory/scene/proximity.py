@@ -39,8 +39,7 @@ class Triangulation:
     def _meeting(
         self, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]
     ) -> "Triangulation":
-        # Triangles whose bounding boxes overlap a box, filtered by each coordinate in
-        # turn
+        # Triangles whose bounding boxes overlap a box, filtered by x, then y and z
         lowest, highest = self.__dict__["_low"], self.__dict__["_high"]
         left = np.flatnonzero((lowest[0] <= high[0]) & (highest[0] >= low[0]))
         for axis in (1, 2):

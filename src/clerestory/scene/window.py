@@ -72,7 +72,7 @@ def window_of(
     up: Float[np.ndarray, "3"] | None = None,
     partition: RingPartition | None = None,
 ) -> Window:
-    """Return the window group of polygons, with a frame by their mean normal.
+    """Return a window group of polygons; the mean normal defines the frame.
 
     Parameters
     ----------

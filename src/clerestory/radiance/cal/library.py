@@ -59,7 +59,7 @@ def divide(env: Surroundings, dividend: Values, divisor: Values) -> Values:
 
 
 def power(env: Surroundings, base: Values, exponent: Values) -> Values:
-    """Return the power; if not finite and real, return 0 and mark the ray invalid."""
+    """Return the power; if it is not finite, return 0 and mark the ray invalid."""
     return _finite(env, np.power(base, exponent))
 
 

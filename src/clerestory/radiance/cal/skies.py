@@ -5,8 +5,7 @@ gendaylit. Both blend sky and ground at the horizon with the weights (z + 1.01)^
 
 References: CIE 22-1973 (clear sky); P. Moon, D. E. Spencer 1942 (overcast sky);
 J. Matsuura, T. Iwata 1990 (intermediate sky); R. Perez, R. Seals, J. Michalsky, Solar
-Energy 50 (3), 1993. Arguments and the blend at the horizon are those of Radiance's
-files.
+Energy 50 (3), 1993. Arguments and horizon blend: Radiance's files.
 """
 
 from collections.abc import Mapping

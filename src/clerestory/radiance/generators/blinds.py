@@ -1,7 +1,7 @@
 """Radiance's genblinds: venetian blinds with flat or curved slats.
 
-Slats extend along y from 0 to the width and along x from their axis of rotation (x = 0)
-to their depth.
+Slats extend along y from 0 to the width of the blind, and across from their axis of
+rotation at x = 0 to the slat depth.
 """
 
 from itertools import pairwise

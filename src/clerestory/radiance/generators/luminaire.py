@@ -80,7 +80,7 @@ def _take(request: _Request, word: str, words: WordReader) -> None:
 
 
 def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> str:
-    # Pattern that converts radiant intensity to radiance
+    # Pattern that gives the radiance: intensity divided by projected area
     shape = lamp.shape
     reals: tuple[float, ...]
     if shape.kind == "sphere":

@@ -26,7 +26,7 @@ from clerestory.sky.perez import perez_sky
 
 _DEW_POINTS = (-40.0, 40.0)
 
-# Solid angle of the sun in the irradiance of the ground [sr]
+# Solid angle of the sun, for the solar irradiance of the ground [sr]
 _SUN_ON_GROUND = 6.8e-5
 
 # Tregenza rings: zenith angle [deg] and number of patches

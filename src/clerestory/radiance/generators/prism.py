@@ -42,9 +42,9 @@ class _Prism:
 def prism(words: WordReader, find: Callable[[str], Path]) -> list[str]:
     """Return the primitives of a prism.
 
-    Syntax: `genprism material name {file | N x1 y1 … xN yN} [-l x y z][-r
-    radius][-c][-e]`. -l gives the extrusion vector (default 0 0 1), -r rounds corners,
-    -c omits the face from the last corner to the first, -e omits both ends.
+    `genprism material name {file | N x1 y1 … xN yN} [-l x y z][-r radius][-c][-e]`:
+    -l gives the extrusion vector (default 0 0 1), -r rounds corners, -c omits the face
+    from the last corner to the first, -e omits both ends.
     """
     material, name = words.word("a material"), words.word("a name")
     outline = _outline(words, find)

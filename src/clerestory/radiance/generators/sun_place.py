@@ -17,8 +17,7 @@ from jaxtyping import Float
 from clerestory.formats.word_reader import WordReader
 from clerestory.sky.solar_position import sun_position
 
-# Standard meridians of time zones [deg west]; for ambiguous names, the first in
-# Radiance
+# Standard meridians of time zones [deg west], by abbreviation
 _ZONES = {
     **{"YST": 135, "YDT": 120, "PST": 120, "PDT": 105, "MST": 105, "MDT": 90},
     **{"CST": 90, "CDT": 75, "EST": 75, "EDT": 60, "AST": 60, "ADT": 45},
