@@ -80,7 +80,7 @@ def lower(
 
     Raises
     ------
-    InputError : the scene has not three channels; see `channels.band_groups`
+    InputError : the scene does not have three channels; see `channels.band_groups`
     """
     if scene.bands != RGB:
         raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")

@@ -43,9 +43,9 @@ _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
 
 
 class PeakTable:
-    """The peak of a layer's transmission, for kernels.
+    """Device arrays of the peak of a layer's transmission.
 
-    The first half of the tables is for light exiting to the room, the second half for
+    The first half of each array is for light exiting to the room, the second half for
     light exiting to the outside.
     """
 
@@ -69,14 +69,14 @@ class PeakTable:
         return outside + mi.UInt32(row * _GRID + column)
 
     def transmittance(self, wi):
-        """Return the straight transmittance towards a direction."""
+        """Return the direct transmittance towards an exiting direction."""
         cell = self._cell(wi) * 3
         return mi.Color3f(
             *[dr.gather(mi.Float, self.passed, cell + i) for i in range(3)]
         )
 
     def without(self, value, wi, wo):
-        """Return a value of the transmission data without the peak."""
+        """Return a BTDF value of the data without the peak [1/sr]."""
         cell = self._cell(wi)
         side = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(1))
         apart = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
@@ -93,7 +93,7 @@ def _peaks(
     Float[np.ndarray, " cell"],
     float,
 ]:
-    # Transmittance, surround, lowest value of the peak, and its squared reach
+    # Direct transmittance, surrounding BTDF, least BTDF and squared radius of the peak
     cells = _GRID * _GRID
     none = np.zeros((cells, 3)), np.zeros(cells), np.full(cells, np.inf), 0.0
     if not bsdf.has(side):
@@ -110,7 +110,7 @@ def _peaks(
     bright = values[len(values) // 2]
     in_peak, limit = _select(bright, size, inside, smallest)
 
-    # Transmittance of the peak above its surround; each cell counts once
+    # Transmittance of the peak above the surrounding values; each cell counts once
     first = _first_of_each(bright) & inside
     around = first & ~in_peak
     weight = np.where(around, size, 0).sum(axis=1)
