@@ -59,7 +59,7 @@ def _empty(channel: str, tables: Tables) -> Iterator[Finding]:
         other = name.replace("front", "back") if "front" in name else ""
         other = other or name.replace("back", "front")
         transmits = name.startswith("transmission")
-        # If only one of the two transmissions is zero, reciprocity is violated
+        # If only one of front and back transmission is zero, reciprocity is violated
         matters = transmits and other in full
         yield Finding(
             "empty",

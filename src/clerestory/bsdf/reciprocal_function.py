@@ -30,7 +30,8 @@ class ReciprocalFunction(ScatteringFunction):
     Attributes
     ----------
     forward : original scattering function
-    halvings : depth of `forward`: the smallest cells have edge 2^-halvings
+    halvings : number of tree levels of `forward`; the smallest cells have edge
+        2^-halvings
     """
 
     forward: ScatteringFunction

@@ -68,7 +68,7 @@ def float_bits(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"
 def xyz_functions(
     luminance: ScatteringFunction, u: ScatteringFunction, v: ScatteringFunction
 ) -> tuple[ScatteringFunction, ScatteringFunction, ScatteringFunction]:
-    """Return the scattering functions of X, Y and Z, given those of Y, u' and v'."""
+    """Return the scattering functions of X, Y and Z, from functions of Y, u' and v'."""
     trees = [part for part in (luminance, u, v) if isinstance(part, ScatteringTree)]
     if len(trees) < 3 or len({tree.rank for tree in trees}) > 1:
         raise InputError(

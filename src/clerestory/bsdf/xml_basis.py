@@ -27,8 +27,8 @@ class Bases:
 
     Attributes
     ----------
-    known : partitions by lower-case name, in order of preference: the definition in the
-        file, then the standard ones
+    known : partitions by lower-case name, in order of preference: first as defined in
+        the file, then the standard partitions
     defined : lower-case names of the bases that the file defines
     """
 

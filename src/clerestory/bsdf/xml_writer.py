@@ -268,7 +268,7 @@ def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[s
 
 
 def _row(values: Float32[np.ndarray, " value"], digits: int | None) -> str:
-    # One format string per row is several times faster than one per value
+    # One format string per row is several times faster than a string per value
     if digits is None:
         texts = " ".join(str(value).removesuffix(".0") for value in values)
     else:

@@ -87,7 +87,8 @@ def generate_bsdf(
         standard errors of all values, divided by the mean value
     bounces : largest number of diffuse reflections of a path, as Radiance's -ab; None
         for no limit
-    symmetry : whether to trace only one of mirror-symmetric patches; matrices only
+    symmetry : whether to trace only one of several mirror-image incident patches;
+        matrices only
     reciprocal : whether to average the BSDF with its reciprocal; meaningful only for
         periodic sample areas
     reduction : percentage of the blocks of smallest tree cells that are merged

@@ -22,7 +22,7 @@ class TraceRequest:
     bands : weights of the scene bands for each BSDF channel, by channel name
     colour : whether to add channels CIE X and Z (trees: u' and v')
     effort : sampling effort
-    symmetry : whether to trace only one of mirror-symmetric patches
+    symmetry : whether to trace only one of several mirror-image incident patches
     """
 
     area: SampleArea

@@ -32,7 +32,7 @@ def export_bsdf(
     Parameters
     ----------
     target : Klems basis, or "tree" for a tensor tree (rank 3 if isotropic, else 4)
-    halvings, tolerance, processes : parameters of `to_tree`, for trees only
+    halvings, tolerance, processes : parameters of `to_tree`; ignored for matrices
     progress : function called with the name of each phase; it returns a function that
         is called with the fraction done
     """

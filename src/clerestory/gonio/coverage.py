@@ -36,7 +36,7 @@ _ALIKE = 0.1
 
 @dataclass(frozen=True)
 class ScanReport:
-    """Coverage of one scan.
+    """Angular coverage and quality of one scan.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Coverage:
 
     Attributes
     ----------
-    scans : one report per scan
+    scans : reports on the scans
     implied : symmetry implied by the incident directions; None if ambiguous
     claimed : symmetry stated in the file; None if not stated
     asymmetry : fraction of the flux that differs between a scan and the mirror image

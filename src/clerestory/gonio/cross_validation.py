@@ -76,7 +76,7 @@ class CrossValidation:
 
     Attributes
     ----------
-    scans : prediction errors, one entry per scan
+    scans : prediction errors of all scans
     smoothing : smoothing factor of the lobe fits
     """
 

@@ -17,11 +17,11 @@ from clerestory.gonio.transport_network import Network
 
 @dataclass(frozen=True, eq=False)
 class Conserved:
-    """Fits whose transmittance plus reflectance is at most 1.
+    """Fitted functions, scaled so that transmittance plus reflectance is at most 1.
 
     Attributes
     ----------
-    fits : corrected fits in the given order
+    fits : scaled functions in the given order
     largest : largest transmittance plus reflectance before the correction
     changed : number of incident directions at which fluxes were scaled
     """
@@ -54,7 +54,7 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
 
 
 def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
-    # Visible transmittance plus reflectance at each vertex
+    # Visible transmittance plus reflectance at each incident direction of the mesh
     vertices = fit.interpolant.network.mesh.vertices
     side = next(pair for pair in OF_SIDE.values() if fit.function in pair)
     known = [visible[name] for name in side if name in visible]

@@ -74,7 +74,7 @@ def read_fits(path: str | Path) -> tuple[Fitted, ...]:
 
 
 def _write(group: Any, network: Network) -> None:
-    # Write all arrays of one group
+    # Write the mesh, lobes and transport plans of one scattering function
     mesh, lobes, plans = network.mesh, network.lobes, network.plans
     for name, dimensions, parts in (
         ("vertices", ("vertex", "axis"), [mesh.vertices]),

@@ -92,7 +92,7 @@ class FluxProcess:
 
     Attributes
     ----------
-    known : measured directions
+    known : measured incident directions
     images : factors of x, y and z that give the mirror images of a direction
     coordinates : coordinates in which the kernel measures distance
     reach : length scale of each coordinate [rad or 1]
@@ -242,7 +242,7 @@ def _coordinates(direction: Directions, name: Coordinates) -> Directions:
 
 
 def _curve(vertices: Directions, totals: Values) -> FluxCurve:
-    # Use vertices with x ≥ 0 only: a vertex with x < 0 is a mirror image
+    # Use only directions with x ≥ 0: a direction with x < 0 is a mirror image
     own = vertices[:, 0] >= 0
     fall, total = _fall(vertices[own]), totals[own]
     if fall[0] > _AT_NORMAL:

@@ -32,8 +32,8 @@ class Mesh:
     Attributes
     ----------
     vertices : unit vectors with z ≥ 0
-    triangles : vertex indices of the corners in ascending order
-    edges : vertex indices of both ends in ascending order
+    triangles : vertex indices of the corners of each triangle, in ascending order
+    edges : vertex indices of both ends of each edge, in ascending order
     rim : True for border edges, which belong to one triangle only
 
     Examples

@@ -226,7 +226,7 @@ def _solve(
     gram = basis.T @ (basis * weight[:, None])
     target = basis.T @ (points.value * weight)
 
-    # Regularize each flux towards its prior
+    # Regularize the flux of each lobe towards the flux measured in its cell
     hold = _PRIOR * np.diag(gram)
     gram[np.diag_indices_from(gram)] += hold
     target += hold * prior

@@ -114,7 +114,7 @@ class Lobes:
     def basis(
         self, leaving: Float[np.ndarray, "directions 3"]
     ) -> Float[np.ndarray, "directions lobes"]:
-        """BSDF of each lobe per unit of its flux [1/sr]."""
+        """BSDF of each lobe, divided by the flux of the lobe [1/sr]."""
         return np.asarray(self._shape(leaving) / norm(self.centre[:, 2], self.radius))
 
     def strongest(self) -> Vector:

@@ -45,7 +45,7 @@ def join(
     processes: int = 1,
     report: Progress = silent,
 ) -> Network:
-    """Connect lobe fits by initial transport plans, for `refine_plans`.
+    """Connect lobe fits by initial (unrefined) transport plans.
 
     `known`: initial plans of another network of the same fits, which are reused.
     """

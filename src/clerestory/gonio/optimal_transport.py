@@ -25,7 +25,7 @@ from clerestory.gonio.angles import angle_table
 from clerestory.gonio.lobes import Lobes, angles_among
 
 # Reach of a lobe per angle between incident directions: tilted mirrors and prisms
-# deviate light by up to twice their rotation …
+# deviate light by up to twice the angle by which they are rotated …
 _REACH_PER_ANGLE = 1.5
 
 # … plus this many radii.
@@ -89,8 +89,8 @@ def plan_moves(
 
     Parameters
     ----------
-    distance : angle from each lobe at the start, or its expected position, to each lobe
-        at the end [rad]
+    distance : angle [rad] from each lobe (or expected lobe position) at the start to
+        each lobe at the end
     slack : reach of a lobe beyond its radius [rad]
     """
     moved = _moved(start, end, distance, slack)

@@ -101,7 +101,7 @@ class Measurement:
 
     Attributes
     ----------
-    scans : scans, one per incident direction
+    scans : scans with different incident directions
     function : name of the scattering function, such as "transmission_front"
     channel : spectral channel, such as "visible" or "cie-x"
     name : name of the sample

@@ -17,7 +17,7 @@ class Network:
     Attributes
     ----------
     mesh : mesh of incident directions
-    lobes : lobes at each vertex
+    lobes : lobes at each incident direction of the mesh
     plans : transport plan of each edge
     quadrant : signs of x and y in the measured part of the hemisphere
     """

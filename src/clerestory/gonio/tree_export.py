@@ -66,7 +66,7 @@ def to_tree(
 
     Parameters
     ----------
-    halvings : the smallest cells have edge 2^-halvings
+    halvings : number of tree levels; the smallest cells have edge 2^-halvings
     tolerance : largest relative BSDF difference between cells that are merged
     """
     rank: Literal[3, 4] = 3 if interpolant.symmetry == "isotropic" else 4

@@ -110,7 +110,7 @@ def window_chain(
     transmission: TransferMatrix | Sequence[TransferMatrix],
     daylight: TransferMatrix | Sequence[TransferMatrix],
 ) -> MatrixChain:
-    """Return V, T of each shade state, and D, common to all states or (F D) of each."""
+    """Return V, T and D of a window group; D (or F D) may differ by shade state."""
     T = [transmission] if isinstance(transmission, TransferMatrix) else transmission
     D = [daylight] * len(T) if isinstance(daylight, TransferMatrix) else daylight
     return MatrixChain((view,), tuple(zip(T, D, strict=True)))
@@ -142,7 +142,7 @@ Part = Literal["whole", "direct", "sun"]
 
 @dataclass(frozen=True)
 class Term:
-    """A term of the equation.
+    """Term of the matrix equation.
 
     Attributes
     ----------

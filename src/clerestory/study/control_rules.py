@@ -2,7 +2,7 @@
 
 Rules with interior inputs are evaluated group by group, in the order of the study file.
 Groups evaluated before are in their chosen states, groups evaluated later are closed.
-Limits are thus met if possible, and earlier groups are more open than later ones.
+Limits are thus met if possible, with earlier groups as open as possible.
 """
 
 from collections.abc import Callable

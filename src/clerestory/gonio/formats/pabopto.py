@@ -1,4 +1,4 @@
-"""Files of pab-opto's goniophotometer pgII, as written by its program Mountain.
+"""Files of pab-opto's goniophotometer pgII, written by the program Mountain.
 
 Lines that start with # hold the header; all other lines hold θ, φ and a value, or three
 values for CIE X, Y and Z. Each file contains one incident direction. θ is measured from
