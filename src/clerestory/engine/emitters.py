@@ -160,7 +160,7 @@ def _is_view_only(material: Emitter) -> bool:
 
 
 def _pattern(mesh: Mesh) -> Float[np.ndarray, "n 3"] | None:
-    # Multiplier of radiance for light that leaves along each direction of a table
+    # Multiplier of radiance for each exiting direction of a table
     material = mesh.material
     pattern = material.pattern
     if pattern is None and not isinstance(material, Spotlight):

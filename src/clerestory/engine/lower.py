@@ -1,4 +1,4 @@
-"""Conversion of a scene to a Mitsuba scene and the tables of the kernels.
+"""Conversion of a scene to a Mitsuba scene and device arrays.
 
 Coordinates are translated so that the region of interest is at the origin: ray offsets
 grow with the distance from the origin, and models far from their origin are common.

@@ -31,7 +31,7 @@ from clerestory.engine.upload import launching, vectors
 # whose probability is below the second number in all cells are removed.
 _MOST, _LEAST = 0.25, 0.02
 
-# Number of pilot samples of the whole room with the weight of one sample in a cell.
+# Weight of the room's mean in a cell's estimate, in numbers of pilot samples.
 _PRIOR = 8.0
 
 # Number of segments of a pilot path.

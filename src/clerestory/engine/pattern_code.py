@@ -170,7 +170,7 @@ def _turned(vector: Any, matrix: np.ndarray, shift: np.ndarray | None = None) ->
 
 
 def _try(code: Code, source: Source | None) -> None:
-    # Detect errors before a kernel is traced
+    # Detect errors before a kernel is compiled
     try:
         code(dr.zeros(mi.SurfaceInteraction3f, 1))
     except InputError as error:

@@ -26,7 +26,7 @@ from clerestory.hemisphere.shirley_chiu import disc_from_square
 # Number of cells along an edge of the look-up grid of directions.
 _GRID = 128
 
-# Points around the straight direction, in units of the smallest cell's edge.
+# Points around the direction of direct transmission, in steps on the disc.
 _STEPS = np.array(
     [(i, j) for i in range(-4, 5) for j in range(-4, 5) if i * i + j * j <= 18]
 )
@@ -139,7 +139,7 @@ def _smallest(part: ScatteringFunction) -> float | None:
 
 
 def _around(edge: float):
-    # Centre of each grid cell, and directions around the straight direction
+    # Centre of each grid cell, and directions around that of direct transmission
     middle = (np.arange(_GRID) + 0.5) / _GRID
     a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
     x, y = disc_from_square(a, b)

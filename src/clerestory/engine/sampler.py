@@ -116,7 +116,7 @@ def choose(cumulative: mi.Float, count: int, pick):
     Returns
     -------
     number, probability : index and probability of the chosen item
-    rest : remainder of the random number, rescaled to [0, 1)
+    rest : random number rescaled to [0, 1) for further use
     """
     number = mi.UInt32(
         dr.binary_search(
